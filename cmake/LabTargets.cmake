@@ -1,0 +1,63 @@
+# How every target of ours is built: warnings are errors, headers are included from the root
+# (#include "dynamics/program.hpp"), sanitizers by preset.
+add_library(lab_options INTERFACE)
+target_include_directories(lab_options INTERFACE "${PROJECT_SOURCE_DIR}")
+target_compile_options(lab_options INTERFACE
+  -Wall -Wextra -Wpedantic -Werror -Wshadow -Wconversion -Wsign-conversion -Wold-style-cast
+  -Woverloaded-virtual -Wnon-virtual-dtor -Wdouble-promotion)
+if(LAB_SANITIZE)
+  target_compile_options(lab_options INTERFACE -fsanitize=${LAB_SANITIZE} -fno-omit-frame-pointer
+    -fno-sanitize-recover=all)
+  target_link_options(lab_options INTERFACE -fsanitize=${LAB_SANITIZE})
+endif()
+
+# lab_library(name SOURCES a.cpp... [LINK target...])
+function(lab_library name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
+  add_library(${name} STATIC ${ARG_SOURCES})
+  target_link_libraries(${name} PUBLIC lab_options ${ARG_LINK})
+endfunction()
+
+# lab_program(name SOURCES main.cpp [LINK target...])
+function(lab_program name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE lab_options ${ARG_LINK})
+endfunction()
+
+# lab_test(name SOURCES x_test.cpp... [LINK target...] [LABELS label...] [TIMEOUT s] [NETWORK])
+# NETWORK runs the test inside a network namespace of its own, so that nothing it publishes leaves.
+# Everything else runs with LCM kept in memory.
+function(lab_test name)
+  cmake_parse_arguments(ARG "NETWORK" "TIMEOUT" "SOURCES;LINK;LABELS" ${ARGN})
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE lab_options ${ARG_LINK} GTest::gmock GTest::gtest_main)
+  if(ARG_NETWORK)
+    add_test(NAME ${name}
+      COMMAND "${PROJECT_SOURCE_DIR}/tests/in_private_network.sh" $<TARGET_FILE:${name}>)
+  else()
+    add_test(NAME ${name} COMMAND ${name})
+    set_tests_properties(${name} PROPERTIES ENVIRONMENT "LCM_DEFAULT_URL=memq://")
+  endif()
+  if(ARG_LABELS)
+    set_tests_properties(${name} PROPERTIES LABELS "${ARG_LABELS}")
+  endif()
+  if(NOT ARG_TIMEOUT)
+    set(ARG_TIMEOUT 120)
+  endif()
+  set_tests_properties(${name} PROPERTIES TIMEOUT ${ARG_TIMEOUT})
+endfunction()
+
+# lab_benchmark(name SOURCES x.cpp... [LINK target...])
+# Runs alone, with the long tests, and leaves its figures in benchmarks/results/.
+function(lab_benchmark name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE lab_options ${ARG_LINK} benchmark::benchmark)
+  set(results "${PROJECT_SOURCE_DIR}/benchmarks/results")
+  file(MAKE_DIRECTORY "${results}")
+  add_test(NAME ${name}
+    COMMAND ${name} "--benchmark_out=${results}/${name}.csv" --benchmark_out_format=csv)
+  set_tests_properties(${name} PROPERTIES LABELS long RUN_SERIAL ON TIMEOUT 600
+    ENVIRONMENT "LCM_DEFAULT_URL=memq://")
+endfunction()

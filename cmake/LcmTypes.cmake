@@ -1,0 +1,37 @@
+# C++ bindings for the message contract. Debian's liblcm-dev ships neither lcmConfig.cmake nor a
+# usable lcm.pc, so the library and its generator are found by hand; a newer LCM that brings its own
+# package file is preferred.
+find_package(lcm CONFIG QUIET)
+if(NOT TARGET lcm::lcm)
+  find_path(LCM_INCLUDE_DIR lcm/lcm-cpp.hpp REQUIRED)
+  find_library(LCM_LIBRARY lcm REQUIRED)
+  add_library(lcm::lcm UNKNOWN IMPORTED)
+  set_target_properties(lcm::lcm PROPERTIES
+    IMPORTED_LOCATION "${LCM_LIBRARY}"
+    INTERFACE_INCLUDE_DIRECTORIES "${LCM_INCLUDE_DIR}")
+endif()
+find_program(LCM_GEN lcm-gen REQUIRED)
+
+# add_lcm_types(target package file.lcm...)
+# An interface library whose headers are generated, file by file, into the build tree. The headers
+# are SYSTEM: lcm-gen's code does not meet our warning level.
+function(add_lcm_types target package)
+  set(out "${CMAKE_CURRENT_BINARY_DIR}/gen")
+  set(headers)
+  foreach(file IN LISTS ARGN)
+    get_filename_component(type "${file}" NAME_WE)
+    set(header "${out}/${package}/${type}.hpp")
+    add_custom_command(
+      OUTPUT "${header}"
+      COMMAND "${LCM_GEN}" --cpp --cpp-std c++11 --cpp-hpath "${out}"
+              "${CMAKE_CURRENT_SOURCE_DIR}/${file}"
+      DEPENDS "${file}"
+      VERBATIM)
+    list(APPEND headers "${header}")
+  endforeach()
+  add_custom_target(${target}_gen DEPENDS ${headers})
+  add_library(${target} INTERFACE)
+  add_dependencies(${target} ${target}_gen)
+  target_include_directories(${target} SYSTEM INTERFACE "${out}")
+  target_link_libraries(${target} INTERFACE lcm::lcm)
+endfunction()
