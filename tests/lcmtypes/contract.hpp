@@ -1,0 +1,212 @@
+/// The contract as data: every type, its fields in order, and two walks over them that share
+/// nothing with LCM's generated code.
+#pragma once
+
+#include <bit>
+#include <concepts>
+#include <cstdint>
+#include <functional>
+#include <lab/analysis_t.hpp>
+#include <lab/clock_t.hpp>
+#include <lab/experiment_event_t.hpp>
+#include <lab/light_command_t.hpp>
+#include <lab/light_status_t.hpp>
+#include <lab/robot_command_t.hpp>
+#include <lab/robot_status_t.hpp>
+#include <lab/robot_stop_t.hpp>
+#include <lab/service_status_t.hpp>
+#include <lab/sim_truth_t.hpp>
+#include <lab/tracked_frame_t.hpp>
+#include <string>
+#include <tuple>
+#include <type_traits>
+#include <vector>
+
+namespace lab {
+
+template <class... Types>
+struct TypeList {};
+
+/// What travels on a channel.
+using ChannelTypes = TypeList<analysis_t, clock_t, experiment_event_t, light_command_t,
+                              light_status_t, robot_command_t, robot_status_t, robot_stop_t,
+                              service_status_t, sim_truth_t, tracked_frame_t>;
+
+/// What travels inside those.
+using PartTypes =
+    TypeList<channel_count_t, curve_t, estimate_t, light_band_t, light_layer_t, program_t,
+             robot_order_t, robot_state_t, stream_count_t, tracked_pose_t, true_pose_t>;
+
+/// Calls `visit.operator()<Type>()` for every type of both lists.
+template <class Visit, class... Types>
+void forEachType(TypeList<Types...> /*list*/, Visit visit) {
+  (visit.template operator()<Types>(), ...);
+}
+
+inline auto fields(channel_count_t& m) { return std::tie(m.channel, m.messages); }
+inline auto fields(curve_t& m) {
+  return std::tie(m.name, m.unit, m.num_lags, m.lag, m.value, m.sigma, m.exact, m.paper, m.windows,
+                  m.biased);
+}
+inline auto fields(estimate_t& m) {
+  return std::tie(m.name, m.unit, m.value, m.sigma, m.low, m.high, m.theory, m.note);
+}
+inline auto fields(program_t& m) {
+  return std::tie(m.kind, m.v, m.va, m.V, m.epsilon, m.eta, m.gamma, m.tau_t, m.wheel_left,
+                  m.wheel_right);
+}
+inline auto fields(light_band_t& m) { return std::tie(m.low, m.high, m.program); }
+inline auto fields(light_layer_t& m) {
+  return std::tie(m.kind, m.blend, m.x, m.y, m.angle, m.size, m.inner, m.softness, m.intensity,
+                  m.intensity2, m.image);
+}
+inline auto fields(robot_order_t& m) {
+  return std::tie(m.num_robots, m.robot_ids, m.mode, m.wheel_left, m.wheel_right, m.light_sensor,
+                  m.hysteresis, m.num_bands, m.bands, m.reverse_on, m.reverse_distance,
+                  m.reverse_speed);
+}
+inline auto fields(robot_state_t& m) {
+  return std::tie(m.utime, m.robot_id, m.origin, m.uid, m.program, m.band, m.program_epoch,
+                  m.program_start_utime, m.wheel_left, m.wheel_right, m.program_left,
+                  m.program_right, m.light_front, m.light_back, m.ir, m.flags, m.command_seq,
+                  m.command_instance, m.stop_seq, m.reversal_count, m.reversal_start_utime,
+                  m.reversal_end_utime, m.tumble_count, m.run_time, m.battery, m.link_sent,
+                  m.link_received, m.link_errors);
+}
+inline auto fields(stream_count_t& m) {
+  return std::tie(m.channel, m.sender, m.instance, m.received, m.lost, m.decode_errors);
+}
+inline auto fields(tracked_pose_t& m) {
+  return std::tie(m.robot_id, m.x, m.y, m.theta, m.covariance, m.confidence);
+}
+inline auto fields(true_pose_t& m) {
+  return std::tie(m.robot_id, m.x, m.y, m.theta, m.program, m.contact_robot, m.contact_wall);
+}
+
+inline auto fields(analysis_t& m) {
+  return std::tie(m.utime, m.sender, m.instance, m.seq, m.robot_id, m.program, m.program_name,
+                  m.observed, m.segments, m.reversals, m.contact_share, m.verdict, m.max_z,
+                  m.num_curves, m.curves, m.num_estimates, m.estimates);
+}
+inline auto fields(clock_t& m) { return std::tie(m.utime, m.sender, m.instance, m.seq, m.rate); }
+inline auto fields(experiment_event_t& m) {
+  return std::tie(m.utime, m.sender, m.instance, m.seq, m.kind, m.text, m.contract_version,
+                  m.fingerprints, m.version, m.step, m.label, m.commanded_utime, m.presented_utime,
+                  m.first_acted_utime, m.last_acted_utime, m.robots_acted, m.robots_expected);
+}
+inline auto fields(light_command_t& m) {
+  return std::tie(m.utime, m.sender, m.instance, m.seq, m.priority, m.from_utime, m.ramp,
+                  m.hold_until_utime, m.release, m.label, m.num_layers, m.layers);
+}
+inline auto fields(light_status_t& m) {
+  return std::tie(m.utime, m.sender, m.instance, m.seq, m.frame, m.frame_period, m.commander,
+                  m.command_instance, m.command_seq, m.label, m.first_shown_utime, m.moving,
+                  m.calibration_id, m.last_refusal, m.mix, m.num_previous, m.previous, m.num_layers,
+                  m.layers);
+}
+inline auto fields(robot_command_t& m) {
+  return std::tie(m.utime, m.sender, m.instance, m.seq, m.lease_ms, m.num_orders, m.orders);
+}
+inline auto fields(robot_status_t& m) {
+  return std::tie(m.utime, m.sender, m.instance, m.seq, m.num_robots, m.robots);
+}
+inline auto fields(robot_stop_t& m) {
+  return std::tie(m.utime, m.sender, m.instance, m.seq, m.clear, m.num_robots, m.robot_ids,
+                  m.reason);
+}
+inline auto fields(service_status_t& m) {
+  return std::tie(m.utime, m.sender, m.instance, m.seq, m.state, m.origin, m.host, m.pid, m.version,
+                  m.contract_version, m.start_utime, m.last_error, m.num_sent, m.sent,
+                  m.num_received, m.received);
+}
+inline auto fields(sim_truth_t& m) {
+  return std::tie(m.utime, m.sender, m.instance, m.seq, m.collisions, m.num_robots, m.robots);
+}
+inline auto fields(tracked_frame_t& m) {
+  return std::tie(m.utime, m.sender, m.instance, m.seq, m.origin, m.frame, m.frame_period,
+                  m.num_robots, m.robots, m.num_unidentified, m.unidentified);
+}
+
+/// Fills a message so that no two neighbours are equal: numbers count up, every array has `length`
+/// elements. The field before an array is its count (LCM's rule).
+class Filler {
+ public:
+  explicit Filler(std::size_t length) : length_(length) {}
+
+  template <class Type>
+  void operator()(Type& value) {
+    if constexpr (std::is_arithmetic_v<Type>) {
+      value = static_cast<Type>(++number_ % 120);
+      if constexpr (std::integral<Type>) count_ = setter(value);
+    } else if constexpr (std::same_as<Type, std::string>) {
+      value = "text " + std::to_string(++number_);
+    } else if constexpr (std::is_bounded_array_v<Type>) {
+      for (auto& element : value) (*this)(element);
+    } else if constexpr (isVector<Type>) {
+      if (count_) count_(length_);
+      value.resize(length_);
+      const auto count = count_;
+      for (auto& element : value) (*this)(element);
+      count_ = count;  // curve_t: one count, several arrays
+    } else {
+      std::apply([this](auto&... field) { ((*this)(field), ...); }, fields(value));
+    }
+  }
+
+ private:
+  template <class Type>
+  static constexpr bool isVector = requires(Type v) {
+    v.push_back(v.front());
+  }
+  &&!std::same_as<Type, std::string>;
+  template <class Integer>
+  static std::function<void(std::size_t)> setter(Integer& value) {
+    return [&value](std::size_t length) { value = static_cast<Integer>(length); };
+  }
+
+  std::size_t length_;
+  std::uint32_t number_ = 0;
+  std::function<void(std::size_t)> count_;
+};
+
+template <class Message>
+Message sample(std::size_t length) {
+  Message message{};
+  Filler{length}(message);
+  return message;
+}
+
+/// LCM's wire format from its specification: the fingerprint, then the fields in order, big endian,
+/// strings with their length and a closing 0, arrays bare.
+class WireWriter {
+ public:
+  std::vector<std::uint8_t> bytes;
+
+  template <class Type>
+  void operator()(Type& value) {
+    if constexpr (std::integral<Type>) {
+      unsignedNumber(static_cast<std::make_unsigned_t<Type>>(value));
+    } else if constexpr (std::same_as<Type, float>) {
+      unsignedNumber(std::bit_cast<std::uint32_t>(value));
+    } else if constexpr (std::same_as<Type, double>) {
+      unsignedNumber(std::bit_cast<std::uint64_t>(value));
+    } else if constexpr (std::same_as<Type, std::string>) {
+      unsignedNumber(static_cast<std::uint32_t>(value.size() + 1));
+      bytes.insert(bytes.end(), value.begin(), value.end());
+      bytes.push_back(0);
+    } else if constexpr (requires { std::begin(value); }) {
+      for (auto& element : value) (*this)(element);
+    } else {
+      std::apply([this](auto&... field) { ((*this)(field), ...); }, fields(value));
+    }
+  }
+
+  template <std::unsigned_integral Number>
+  void unsignedNumber(Number number) {
+    for (int shift = static_cast<int>(sizeof(Number)) * 8 - 8; shift >= 0; shift -= 8) {
+      bytes.push_back(static_cast<std::uint8_t>(number >> shift));
+    }
+  }
+};
+
+}  // namespace lab

@@ -1,0 +1,143 @@
+// The contract itself: every type, field and constant. Facts 1 (lcm-gen's exit code tells nothing:
+// the compiler and this are the type checkers) and 9 (constants are not in the fingerprint).
+#include "tests/lcmtypes/contract.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <regex>
+#include <set>
+
+#include "common/bus.hpp"
+#include "common/fingerprints.hpp"
+#include "common/header.hpp"
+#include "common/version.hpp"
+
+namespace lab {
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path kTypes = LAB_LCMTYPES_FOLDER;
+const fs::path kPinned = LAB_PINNED_CONTRACT;
+
+std::string contentsOf(const fs::path& file) {
+  std::ifstream stream(file);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+template <class Visit>
+void forEveryType(Visit visit) {
+  forEachType(ChannelTypes{}, visit);
+  forEachType(PartTypes{}, visit);
+}
+
+/// "type hash" and "type.CONSTANT = value", one a line, types and constants as they stand.
+std::string contractInWords() {
+  std::map<std::string, std::string> hashes;
+  forEveryType([&hashes]<class Message>() {
+    std::array<char, 17> hash{};
+    std::snprintf(hash.data(), hash.size(), "%016llx",
+                  static_cast<unsigned long long>(Message::getHash()));
+    hashes[Message::getTypeName()] = hash.data();
+  });
+  const std::regex constant(R"(const\s+\w+\s+(\w+)\s*=\s*(-?\w+)\s*;)");
+  std::string words = "contract version " + std::to_string(kContractVersion) + "\n";
+  for (const auto& [type, hash] : hashes) {
+    words += type + " " + hash + "\n";
+    const std::string text = contentsOf(kTypes / (type + ".lcm"));
+    for (std::sregex_iterator match(text.begin(), text.end(), constant), end; match != end;
+         ++match) {
+      words += type + "." + (*match)[1].str() + " = " + (*match)[2].str() + "\n";
+    }
+  }
+  return words;
+}
+
+TEST(Contract, TestsEveryTypeOfItsFolder) {
+  std::set<std::string> tested;
+  std::set<std::string> written;
+  forEveryType([&tested]<class Message>() { tested.insert(Message::getTypeName()); });
+  for (const auto& entry : fs::directory_iterator(kTypes)) {
+    if (entry.path().extension() == ".lcm") written.insert(entry.path().stem());
+  }
+  EXPECT_EQ(tested, written);
+}
+
+TEST(Contract, ChangesOnlyWithItsVersion) {
+  const std::string now = contractInWords();
+  const fs::path proposal = fs::temp_directory_path() / "lab_contract.txt";
+  const bool same = now == contentsOf(kPinned);
+  if (!same) std::ofstream(proposal) << now;
+  EXPECT_TRUE(same) << "the contract is no longer the one in " << kPinned
+                    << ". lcmtypes/README.md, \"Versions\", says what a change needs; the new text "
+                       "stands in "
+                    << proposal;
+}
+
+TEST(Contract, GoesOnTheWireFieldByFieldAsLcmSpecifies) {
+  forEveryType([]<class Message>() {
+    for (const std::size_t length : {0U, 1U, 3U}) {
+      SCOPED_TRACE(std::string(Message::getTypeName()) + " with arrays of " +
+                   std::to_string(length));
+      auto message = sample<Message>(length);
+      WireWriter expected;
+      expected.unsignedNumber(static_cast<std::uint64_t>(Message::getHash()));
+      expected(message);
+      EXPECT_EQ(encode(message), expected.bytes);
+    }
+  });
+}
+
+TEST(Contract, SurvivesTheRoundTripFieldByField) {
+  forEveryType([]<class Message>() {
+    for (const std::size_t length : {0U, 1U, 3U}) {
+      SCOPED_TRACE(std::string(Message::getTypeName()) + " with arrays of " +
+                   std::to_string(length));
+      auto message = sample<Message>(length);
+      auto heard = sample<Message>(7);  // what is in a reused message must go
+      ASSERT_TRUE(decode(encode(message), heard));
+      WireWriter said;
+      WireWriter understood;
+      said(message);
+      understood(heard);
+      EXPECT_EQ(understood.bytes, said.bytes);
+    }
+  });
+}
+
+TEST(Contract, StartsEveryChannelTypeWithTheHeader) {
+  forEachType(ChannelTypes{}, []<class Message>() {
+    SCOPED_TRACE(Message::getTypeName());
+    auto message = sample<Message>(2);
+    message.sender = "robot_bridge";
+    message.instance = 1'700'000'000'000'001;
+    message.seq = 42;
+    const std::vector<std::uint8_t> bytes = encode(message);
+    const std::optional<Header> header = peekHeader(bytes);
+    ASSERT_TRUE(header);
+    EXPECT_EQ(header->fingerprint, Message::getHash());
+    EXPECT_EQ(header->utime, message.utime);
+    EXPECT_EQ(header->sender, "robot_bridge");
+    EXPECT_EQ(header->instance, 1'700'000'000'000'001);
+    EXPECT_EQ(header->seq, 42);
+  });
+}
+
+TEST(Contract, NamesEveryChannelTypeByItsFingerprint) {
+  std::set<std::int64_t> hashes;
+  forEachType(ChannelTypes{}, [&hashes]<class Message>() {
+    hashes.insert(Message::getHash());
+    EXPECT_EQ(typeWithFingerprint(Message::getHash()), Message::getTypeName());
+    EXPECT_THAT(fingerprintList(), testing::HasSubstr(std::string(Message::getTypeName()) + " "));
+  });
+  EXPECT_EQ(hashes.size(), 11U);
+  EXPECT_EQ(typeWithFingerprint(1), "");
+}
+
+}  // namespace
+}  // namespace lab

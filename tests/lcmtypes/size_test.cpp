@@ -1,0 +1,105 @@
+// The size budget, house rule 5: one message a tick for all robots, below 60 KB (61 440 bytes), in
+// one UDP datagram. The numbers are those of lcmtypes/README.md.
+#include <gtest/gtest.h>
+
+#include "common/bus.hpp"
+#include "tests/lcmtypes/contract.hpp"
+
+namespace lab {
+namespace {
+
+constexpr std::size_t kLargest = 60'000;  // a little below 60 KB, for the names of senders
+constexpr std::size_t kLargestAnalysis = 8'192;
+constexpr std::string_view kSender = "robot_bridge";
+
+/// `message` with one part a robot in `parts`.
+template <class Message, class Part, class Count>
+std::size_t sizeWith(std::size_t robots, std::vector<Part> Message::*parts, Count Message::*count) {
+  Message message{};
+  message.sender = kSender;
+  message.*parts = std::vector<Part>(robots, sample<Part>(0));
+  message.*count = static_cast<Count>(robots);
+  return encode(message).size();
+}
+
+struct Row {
+  std::size_t robots;
+  std::size_t status;
+  std::size_t frame;
+  std::size_t truth;
+  std::size_t stop;
+  std::size_t command;
+};
+
+/// One order with the longest table for all robots.
+std::size_t commandSize(std::size_t robots) {
+  robot_command_t command{};
+  command.sender = kSender;
+  robot_order_t order{};
+  order.robot_ids.assign(robots, 0);
+  order.num_robots = static_cast<std::int32_t>(robots);
+  order.bands.assign(4, light_band_t{});
+  order.num_bands = 4;
+  command.orders.assign(1, order);
+  command.num_orders = 1;
+  return encode(command).size();
+}
+
+class MessageSize : public testing::TestWithParam<Row> {};
+
+TEST_P(MessageSize, IsTheReadmesAndFitsOneDatagram) {
+  const Row row = GetParam();
+  EXPECT_EQ(sizeWith(row.robots, &robot_status_t::robots, &robot_status_t::num_robots), row.status);
+  EXPECT_EQ(sizeWith(row.robots, &tracked_frame_t::robots, &tracked_frame_t::num_robots),
+            row.frame);
+  EXPECT_EQ(sizeWith(row.robots, &sim_truth_t::robots, &sim_truth_t::num_robots), row.truth);
+  EXPECT_EQ(sizeWith(row.robots, &robot_stop_t::robot_ids, &robot_stop_t::num_robots), row.stop);
+  EXPECT_EQ(commandSize(row.robots), row.command);
+  for (const std::size_t size : {row.status, row.frame, row.truth, row.stop, row.command}) {
+    EXPECT_LT(size, kLargest);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Robots, MessageSize,
+                         testing::Values(Row{1, 288, 154, 92, 63, 465},
+                                         Row{20, 4'753, 1'674, 681, 139, 541},
+                                         Row{250, 58'803, 20'074, 7'811, 1'059, 1'461}));
+
+TEST(MessageSizes, KeepAnAnalysisBelowEightKilobytes) {
+  constexpr std::size_t kLags = 60;
+  auto analysis = sample<analysis_t>(0);
+  auto curve = sample<curve_t>(kLags);
+  auto estimate = sample<estimate_t>(0);
+  estimate.note = std::string(60, 'n');
+  analysis.curves.assign(3, curve);
+  analysis.num_curves = 3;
+  analysis.estimates.assign(12, estimate);
+  analysis.num_estimates = 12;
+  EXPECT_LT(encode(analysis).size(), kLargestAnalysis);
+}
+
+TEST(MessageSizes, KeepTheLargestLightFieldInOneDatagram) {
+  constexpr std::size_t kMostLayers = 64;  // light/layer.hpp, in one picture
+  auto layer = sample<light_layer_t>(0);
+  layer.image = std::string(64, 'f');  // a SHA-256
+  auto status = sample<light_status_t>(0);
+  status.layers.assign(kMostLayers, layer);
+  status.num_layers = kMostLayers;
+  status.previous.assign(kMostLayers, layer);
+  status.num_previous = kMostLayers;
+  EXPECT_LT(encode(status).size(), kLargest);
+}
+
+TEST(MessageSizes, KeepAHeartbeatSmallAfterAHundredRestarts) {
+  constexpr std::size_t kStreams = 300;  // three channels of a sender that was restarted so often
+  auto status = sample<service_status_t>(0);
+  auto stream = sample<stream_count_t>(0);
+  stream.channel = "TRACKED_FRAME";
+  stream.sender = "tracker_svc";
+  status.received.assign(kStreams, stream);
+  status.num_received = kStreams;
+  EXPECT_LT(encode(status).size(), kLargest);
+}
+
+}  // namespace
+}  // namespace lab
