@@ -1,0 +1,28 @@
+/// Every channel of the lab. Types, rates and owners: lcmtypes/README.md.
+#pragma once
+
+#include <array>
+#include <string_view>
+
+namespace lab::channels {
+
+inline constexpr std::string_view kRobotCommand = "ROBOT_COMMAND";
+inline constexpr std::string_view kRobotStop = "ROBOT_STOP";
+inline constexpr std::string_view kRobotStatus = "ROBOT_STATUS";
+inline constexpr std::string_view kTrackedFrame = "TRACKED_FRAME";
+inline constexpr std::string_view kLightCommand = "LIGHT_COMMAND";
+inline constexpr std::string_view kLightStatus = "LIGHT_STATUS";
+inline constexpr std::string_view kAnalysis = "ANALYSIS";
+inline constexpr std::string_view kServiceStatus = "SERVICE_STATUS";
+inline constexpr std::string_view kExperimentEvent = "EXPERIMENT_EVENT";
+inline constexpr std::string_view kClock = "CLOCK";
+inline constexpr std::string_view kSimTruth = "SIM_TRUTH";
+
+inline constexpr std::array kAll{
+    kRobotCommand, kRobotStop,     kRobotStatus,     kTrackedFrame, kLightCommand, kLightStatus,
+    kAnalysis,     kServiceStatus, kExperimentEvent, kClock,        kSimTruth};
+
+/// LCM's own probe, sent whenever a subscriber starts: not lab traffic.
+inline constexpr std::string_view kLcmSelfTest = "LCM_SELF_TEST";
+
+}  // namespace lab::channels

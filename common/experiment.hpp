@@ -1,0 +1,194 @@
+/// An experiment: everything a run is, as plain data in SI units. The file format, key by key:
+/// docs/experiments.md. Loading and its errors: experiment_file.hpp.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace lab {
+
+/// The paper's models (numbers as in program_t).
+enum class Model : std::int8_t {
+  kNone = 0,      ///< stands still
+  kAbp = 1,       ///< active Brownian: v, epsilon, eta
+  kNoisyAbp = 2,  ///< active Brownian with translational noise: va, V, epsilon
+  kBp = 3,        ///< Brownian: V, epsilon
+  kRtp = 4,       ///< run and tumble: v, gamma, tau_t
+  kWheels = 5,    ///< constant wheel speeds
+};
+
+struct ProgramSpec {
+  std::string name;
+  Model model = Model::kNone;
+  double v = 0;            ///< [m/s]
+  double va = 0;           ///< [m/s]
+  double V = 0;            ///< [m/s]
+  double epsilon = 0;      ///< [s]
+  double eta = 0;          ///< [rad/s]
+  double gamma = 0;        ///< [1/s]
+  double tau_t = 0;        ///< [s]
+  double wheel_left = 0;   ///< [m/s]
+  double wheel_right = 0;  ///< [m/s]
+
+  bool operator==(const ProgramSpec&) const = default;
+};
+
+enum class Body : std::int8_t { kSim, kSerial, kFirmware, kReplay };
+
+struct StartPose {
+  double x = 0;      ///< [m] arena frame
+  double y = 0;      ///< [m]
+  double theta = 0;  ///< [rad]
+
+  bool operator==(const StartPose&) const = default;
+};
+
+struct RobotSpec {
+  std::int32_t id = 0;
+  Body body = Body::kSim;
+  std::optional<StartPose> start;  ///< random, without overlap, where not given
+
+  bool operator==(const RobotSpec&) const = default;
+};
+
+struct LightBand {
+  double low = 0;   ///< [1]
+  double high = 0;  ///< [1]
+  std::string program;
+
+  bool operator==(const LightBand&) const = default;
+};
+
+enum class LightSensor : std::int8_t { kMean = 0, kFront = 1, kBack = 2 };
+enum class ReverseOn : std::int8_t { kNever = 0, kWalls = 1, kAny = 2 };
+
+struct LightTable {
+  LightSensor sensor = LightSensor::kMean;
+  double hysteresis = 0.02;  ///< [1]
+  std::vector<LightBand> bands;
+
+  bool operator==(const LightTable&) const = default;
+};
+
+struct Reversal {
+  ReverseOn on = ReverseOn::kWalls;
+  double distance = 0.40;  ///< [m]
+  double speed = 0.10;     ///< [m/s]
+
+  bool operator==(const Reversal&) const = default;
+};
+
+/// The robots as hardware. Errors are what a simulated body has and nobody tells the others.
+struct RobotHardware {
+  double diameter = 0.075;           ///< [m] also the wheel base d
+  double max_wheel_speed = 0.27;     ///< [m/s]
+  bool pwm_steps = true;             ///< 256 levels, rounded; false: ideal wheels
+  double clock_error = 0.005;        ///< [1] standard deviation of the robots' clock rates
+  double wheel_gain_error = 0;       ///< [1] standard deviation of each wheel's gain
+  double speed_noise = 0;            ///< [m/sqrt(s)] random forward displacement, off by default
+  double turn_noise = 0;             ///< [rad/sqrt(s)] random rotation, off by default
+  double sensor_period = 0.02;       ///< [s]
+  double ir_range = 0.05;            ///< [m] from the rim
+  double status_rate = 50;           ///< [1/s]
+  double lease = 1.0;                ///< [s] robots stop when the host is silent for longer
+
+  bool operator==(const RobotHardware&) const = default;
+};
+
+/// As light_layer_t: kinds and their keys in light/layer.hpp.
+struct LayerSpec {
+  std::int8_t kind = 1;
+  std::int8_t blend = 0;
+  double x = 0;           ///< [m]
+  double y = 0;           ///< [m]
+  double angle = 0;       ///< [rad]
+  double size = 0;        ///< [m]
+  double inner = 0;       ///< [m] or [1]
+  double softness = 0;    ///< [m]
+  double intensity = 0;   ///< [1]
+  double intensity2 = 0;  ///< [1]
+  std::string image;      ///< path as written in the file, relative to it
+
+  bool operator==(const LayerSpec&) const = default;
+};
+
+struct LightStep {
+  double at = 0;    ///< [s] since the start of the script
+  double ramp = 0;  ///< [s] cross-fade into this step
+  std::string label;
+  std::vector<LayerSpec> layers;
+
+  bool operator==(const LightStep&) const = default;
+};
+
+struct LightScript {
+  double frame_rate = 60;     ///< [1/s]
+  double safe_intensity = 0;  ///< [1] shown when nobody commands
+  std::vector<LightStep> steps;
+  double length = 0;          ///< [s] of one pass, where the script repeats
+  bool repeat = false;
+
+  bool operator==(const LightScript&) const = default;
+};
+
+enum class Tracker : std::int8_t { kSimPoses };
+
+struct Camera {
+  Tracker tracker = Tracker::kSimPoses;
+  double fps = 50;            ///< [1/s]
+  double position_noise = 0;  ///< [m] standard deviation per axis
+  double heading_noise = 0;   ///< [rad] standard deviation
+  double delay = 0.02;        ///< [s] from exposure to message
+  double dropout = 0;         ///< [1] chance that one robot is missing in one frame
+  double frame_loss = 0;      ///< [1] chance that a whole frame is missing
+
+  bool operator==(const Camera&) const = default;
+};
+
+struct AnalysisOptions {
+  double max_lag = 100;  ///< [s]
+
+  bool operator==(const AnalysisOptions&) const = default;
+};
+
+struct Network {
+  int port = 0;  ///< of the LCM bus; 0: a free one
+  int ttl = 0;   ///< 0: this machine only
+
+  bool operator==(const Network&) const = default;
+};
+
+/// For practising with what a network does.
+struct Faults {
+  double message_loss = 0;  ///< [1] each message to each listener, in virtual time
+
+  bool operator==(const Faults&) const = default;
+};
+
+struct Experiment {
+  int fileversion = 1;
+  std::string name;
+  std::string description;
+  std::uint64_t seed = 1;
+  double duration = 0;  ///< [s]
+  double arena_width = 1.20;   ///< [m] along x
+  double arena_height = 0.90;  ///< [m] along y
+  Network network;
+  RobotHardware hardware;
+  std::vector<RobotSpec> robots;  ///< in order of id
+  std::map<std::string, ProgramSpec> programs;
+  LightTable light_table;
+  Reversal reversal;
+  LightScript light;
+  Camera camera;
+  AnalysisOptions analysis;
+  Faults faults;
+
+  bool operator==(const Experiment&) const = default;
+};
+
+}  // namespace lab

@@ -1,0 +1,201 @@
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <string>
+
+#include "common/experiment_check.hpp"
+#include "common/experiment_cores.hpp"
+#include "common/experiment_keys.hpp"
+#include "common/file_values.hpp"
+
+namespace lab::keys {
+namespace {
+
+constexpr double kRoundingSlack = 1e-9;  // [m] so that robots may touch each other and the wall
+
+/// Robots placed one after the other at random jam when they cover 0.547 of the plane (Feder 1980);
+/// below this they find a place quickly.
+constexpr double kLargestRandomCover = 0.5;
+/// Discs in the densest packing cover 0.907, so this always fits, and still lets robots move.
+constexpr double kLargestCover = 0.6;
+
+std::string entryPath(std::size_t index) { return "robots[" + std::to_string(index) + "]"; }
+
+std::string cm(double metre) { return fileText(metre, unitOf("_cm")); }
+
+void checkIds(const ExperimentForm& form, Problems& problems) {
+  std::map<std::int64_t, std::size_t> owners;
+  std::int64_t robots = 0;
+  for (std::size_t i = 0; i < form.robots.size(); ++i) {
+    if (problems.concern(entryPath(i))) continue;
+    const RobotEntry& entry = form.robots[i];
+    const std::int64_t last = entry.id + entry.count - 1;
+    if (last > kLargestId) {
+      problems.add(entryPath(i) + ".count", "found " + std::to_string(entry.count) +
+                                                ", which leads up to id " + std::to_string(last) +
+                                                ", allowed ids 1 to " + std::to_string(kLargestId));
+      continue;
+    }
+    robots += entry.count;
+    for (std::int64_t id = entry.id; id <= last; ++id) {
+      const auto [owner, is_new] = owners.emplace(id, i);
+      if (is_new) continue;
+      problems.add(entryPath(i) + ".id", "found id " + std::to_string(id) + ", which " +
+                                             entryPath(owner->second) +
+                                             " already has, allowed an id of its own");
+      break;
+    }
+  }
+  if (robots > kMostRobots) {
+    problems.add("robots", "found " + std::to_string(robots) + " robots, allowed 1 to " +
+                               std::to_string(kMostRobots));
+  }
+}
+
+void checkInside(const std::string& path, double place, double size, double radius,
+                 Problems& problems) {
+  if (place >= radius - kRoundingSlack && place <= size - radius + kRoundingSlack) return;
+  problems.add(path, "found " + cm(place) + ", allowed " + cm(radius) + " to " + cm(size - radius) +
+                         " (inside the arena)");
+}
+
+void checkPose(const ExperimentForm& form, std::size_t index, Problems& problems) {
+  const RobotEntry& entry = form.robots[index];
+  const std::string path = entryPath(index);
+  const int given = (entry.x ? 1 : 0) + (entry.y ? 1 : 0) + (entry.theta ? 1 : 0);
+  if (given == 0) return;
+  if (given < 3) {
+    problems.add(path, "found " + std::to_string(given) +
+                           " of x_cm, y_cm and theta_deg, allowed all three, or none for a random "
+                           "start");
+    return;
+  }
+  if (entry.count > 1) {
+    problems.add(path + ".count", "found " + std::to_string(entry.count) +
+                                      ", allowed 1 where x_cm, y_cm and theta_deg are given");
+  }
+  if (problems.concern("arena") || problems.concern("robot")) return;
+  const double radius = form.common.hardware.diameter / 2;
+  checkInside(path + ".x_cm", *entry.x, form.common.arena_width, radius, problems);
+  checkInside(path + ".y_cm", *entry.y, form.common.arena_height, radius, problems);
+}
+
+void checkOverlaps(const ExperimentForm& form, Problems& problems) {
+  const double diameter = form.common.hardware.diameter;
+  for (std::size_t i = 0; i < form.robots.size(); ++i) {
+    const RobotEntry& a = form.robots[i];
+    for (std::size_t j = 0; j < i && a.x && a.y; ++j) {
+      const RobotEntry& b = form.robots[j];
+      if (!b.x || !b.y) continue;
+      const double distance = std::hypot(*a.x - *b.x, *a.y - *b.y);
+      if (distance >= diameter - kRoundingSlack) continue;
+      problems.add(entryPath(i) + ".x_cm",
+                   "found a place " + cm(std::round(distance * 1e5) / 1e5) + " cm from that of " +
+                       entryPath(j) + ", allowed at least robot.diameter_cm = " + cm(diameter));
+      break;
+    }
+  }
+}
+
+void checkRoom(const ExperimentForm& form, Problems& problems) {
+  std::int64_t robots = 0;
+  bool random = false;
+  for (const RobotEntry& entry : form.robots) {
+    robots += entry.count;
+    random = random || !entry.x;
+  }
+  const double radius = form.common.hardware.diameter / 2;
+  const double area = form.common.arena_width * form.common.arena_height;
+  const double one = std::numbers::pi * radius * radius / area;
+  const double most = random ? kLargestRandomCover : kLargestCover;
+  if (2 * radius > std::min(form.common.arena_width, form.common.arena_height)) {
+    problems.add("robot.diameter_cm",
+                 "found " + cm(2 * radius) + ", allowed at most the arena's width and height");
+  } else if (static_cast<double>(robots) * one > most) {
+    problems.add("robots", "found " + std::to_string(robots) + " robots, allowed at most " +
+                               std::to_string(static_cast<std::int64_t>(most / one)) +
+                               " of this diameter on this arena (they may cover " +
+                               numberText(most * 100) + " % of it)");
+  }
+}
+
+std::string wayOut(Model model) {
+  switch (model) {
+    case Model::kAbp:
+      return "lower v_cm_s or eta_rad_s";
+    case Model::kNoisyAbp:
+      return "lower V_cm_s or va_cm_s";
+    case Model::kBp:
+      return "lower V_cm_s";
+    case Model::kRtp:
+      return "lower v_cm_s or raise tau_t_s";
+    default:
+      return "lower the wheel speeds";
+  }
+}
+
+void checkTime(const std::string& path, double time, double sensor_period, Problems& problems) {
+  const double milliseconds = time * 1000;
+  if (std::abs(milliseconds - std::round(milliseconds)) > 1e-6) {
+    problems.add(path, "found " + numberText(time) + ", allowed whole milliseconds, as " +
+                           numberText(std::max(1.0, std::round(milliseconds)) / 1000));
+  } else if (time < sensor_period * (1 - kRoundingSlack)) {
+    problems.add(path, "found " + numberText(time) + ", allowed at least " +
+                           numberText(sensor_period) + " (robot.sensor_period_ms)");
+  }
+}
+
+void checkProgram(const ProgramSpec& program, const RobotHardware& hardware, Problems& problems) {
+  const std::string path = "programs." + program.name;
+  if (problems.concern(path) || problems.concern("robot")) return;
+  const Model model = program.model;
+  if (model == Model::kAbp || model == Model::kNoisyAbp || model == Model::kBp) {
+    checkTime(path + ".epsilon_s", program.epsilon, hardware.sensor_period, problems);
+  }
+  if (model == Model::kRtp) {
+    checkTime(path + ".tau_t_s", program.tau_t, hardware.sensor_period, problems);
+  }
+  if (problems.concern(path)) return;
+  const auto result = dynamics::paramsFromPhysics(toPhysics(program), wheelLimits(hardware));
+  if (!result.ok) {
+    problems.add(path, "found " + result.reason + "; allowed: " + wayOut(model) +
+                           ", or raise robot.max_wheel_speed_cm_s");
+  }
+}
+
+void checkReversal(const ExperimentForm& form, Problems& problems) {
+  const Reversal& reversal = form.common.reversal;
+  const RobotHardware& robot = form.common.hardware;
+  if (reversal.on == ReverseOn::kNever || problems.concern("reversal")) return;
+  if (!problems.concern("robot") && reversal.speed > robot.max_wheel_speed) {
+    problems.add("reversal.speed_cm_s", "found " + cm(reversal.speed) + ", allowed 0.1 to " +
+                                            cm(robot.max_wheel_speed) +
+                                            " (robot.max_wheel_speed_cm_s)");
+  }
+  if (problems.concern("robot") || problems.concern("arena")) return;
+  const double room = std::min(form.common.arena_width, form.common.arena_height) - robot.diameter;
+  if (reversal.distance > room) {
+    problems.add("reversal.distance_cm", "found " + cm(reversal.distance) + ", allowed 1 to " +
+                                             cm(room) + " (within the arena)");
+  }
+}
+
+}  // namespace
+
+void checkRobots(const ExperimentForm& form, Problems& problems) {
+  checkIds(form, problems);
+  for (std::size_t i = 0; i < form.robots.size(); ++i) {
+    if (!problems.concern(entryPath(i))) checkPose(form, i, problems);
+  }
+  if (!problems.concern("robots") && !problems.concern("robot") && !problems.concern("arena")) {
+    checkOverlaps(form, problems);
+    checkRoom(form, problems);
+  }
+  for (const auto& [name, program] : form.common.programs) {
+    checkProgram(program, form.common.hardware, problems);
+  }
+  checkReversal(form, problems);
+}
+
+}  // namespace lab::keys

@@ -1,0 +1,131 @@
+#include "common/experiment_form.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "light/layer.hpp"
+
+namespace lab::keys {
+namespace {
+
+constexpr double kTicks = 1e6;  // a second, to which sums of hold times are rounded
+
+std::string defaultLabel(std::size_t index) { return "step " + std::to_string(index + 1); }
+
+LayerSpec toLayer(const LayerEntry& entry, const Experiment& common) {
+  LayerSpec layer = entry.layer;
+  if (layer.kind != static_cast<std::int8_t>(light::LayerKind::kUniform)) {
+    layer.x = entry.x.value_or(common.arena_width / 2);
+    layer.y = entry.y.value_or(common.arena_height / 2);
+  }
+  return layer;
+}
+
+std::vector<RobotSpec> toRobots(const std::vector<RobotEntry>& entries) {
+  std::vector<RobotSpec> robots;
+  for (const RobotEntry& entry : entries) {
+    for (std::int64_t i = 0; i < entry.count; ++i) {
+      RobotSpec robot{static_cast<std::int32_t>(entry.id + i), entry.body, {}};
+      if (entry.x) robot.start = StartPose{*entry.x, *entry.y, *entry.theta};
+      robots.push_back(robot);
+    }
+  }
+  std::ranges::sort(robots, {}, &RobotSpec::id);
+  return robots;
+}
+
+/// Robots that differ by nothing but consecutive ids share an entry.
+std::vector<RobotEntry> toEntries(const std::vector<RobotSpec>& robots) {
+  std::vector<RobotEntry> entries;
+  for (const RobotSpec& robot : robots) {
+    const bool continues = !entries.empty() && !robot.start && !entries.back().x &&
+                           entries.back().body == robot.body &&
+                           entries.back().id + entries.back().count == robot.id;
+    if (continues) {
+      ++entries.back().count;
+      continue;
+    }
+    RobotEntry entry;
+    entry.id = robot.id;
+    entry.body = robot.body;
+    if (robot.start) {
+      entry.x = robot.start->x;
+      entry.y = robot.start->y;
+      entry.theta = robot.start->theta;
+    }
+    entries.push_back(entry);
+  }
+  return entries;
+}
+
+}  // namespace
+
+void expandShorthand(ExperimentForm& form) {
+  if (form.program.empty()) return;
+  if (form.common.light_table.bands.empty()) {
+    form.common.light_table.bands = {{0, 1, form.program}};
+  }
+  if (form.light_steps.empty()) {
+    StepEntry step;
+    step.at = 0;
+    step.layers.emplace_back();
+    step.layers.back().layer.intensity = kShorthandLight;
+    form.light_steps.push_back(step);
+  }
+}
+
+std::vector<double> stepTimes(const ExperimentForm& form) {
+  std::vector<double> times;
+  double now = 0;
+  bool held = true;
+  for (const StepEntry& step : form.light_steps) {
+    if (step.at) now = *step.at;
+    times.push_back(now);
+    held = step.hold.has_value();
+    now = std::round((now + step.hold.value_or(0)) * kTicks) / kTicks;
+  }
+  const double end = held ? now : std::numeric_limits<double>::infinity();
+  times.push_back(form.light_length.value_or(end));
+  return times;
+}
+
+Experiment toExperiment(const ExperimentForm& form) {
+  Experiment experiment = form.common;
+  experiment.robots = toRobots(form.robots);
+  const std::vector<double> times = stepTimes(form);
+  for (std::size_t i = 0; i < form.light_steps.size(); ++i) {
+    const StepEntry& entry = form.light_steps[i];
+    LightStep step;
+    step.at = times[i];
+    step.ramp = entry.ramp;
+    step.label = entry.label.empty() ? defaultLabel(i) : entry.label;
+    for (const LayerEntry& layer : entry.layers) {
+      step.layers.push_back(toLayer(layer, form.common));
+    }
+    experiment.light.steps.push_back(step);
+  }
+  experiment.light.length = experiment.light.repeat ? times.back() : 0;
+  return experiment;
+}
+
+ExperimentForm toForm(const Experiment& experiment) {
+  ExperimentForm form;
+  form.common = experiment;
+  form.common.robots.clear();
+  form.common.light.steps.clear();
+  form.common.light.length = 0;
+  form.robots = toEntries(experiment.robots);
+  for (const LightStep& step : experiment.light.steps) {
+    StepEntry entry;
+    entry.label = step.label;
+    entry.at = step.at;
+    entry.ramp = step.ramp;
+    for (const LayerSpec& layer : step.layers) entry.layers.push_back({layer, layer.x, layer.y});
+    form.light_steps.push_back(entry);
+  }
+  if (experiment.light.repeat) form.light_length = experiment.light.length;
+  return form;
+}
+
+}  // namespace lab::keys

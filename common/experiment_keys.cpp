@@ -1,0 +1,447 @@
+#include "common/experiment_keys.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <initializer_list>
+#include <limits>
+
+#include "common/file_values.hpp"
+#include "dynamics/light_table.hpp"
+#include "light/layer.hpp"
+
+namespace lab::keys {
+namespace {
+
+using light::Blend;
+using light::LayerKind;
+
+template <typename Enum>
+Choice choiceOf(const char* name, Enum value) {
+  return {name, static_cast<int>(value)};
+}
+
+constexpr const char* kSimulatesOnly =
+    "; this version of the lab only simulates robots: say body = \"sim\"";
+constexpr const char* kTracksSimOnly =
+    "; this version of the lab has no camera: say tracker = \"sim\"";
+
+const std::array<Choice, 6> kModels = {
+    {choiceOf("abp", Model::kAbp), choiceOf("noisy_abp", Model::kNoisyAbp),
+     choiceOf("bp", Model::kBp), choiceOf("rtp", Model::kRtp), choiceOf("stand", Model::kNone),
+     choiceOf("wheels", Model::kWheels)}};
+const std::array<Choice, 4> kBodies = {
+    {choiceOf("sim", Body::kSim),
+     {"serial", static_cast<int>(Body::kSerial), kSimulatesOnly},
+     {"firmware", static_cast<int>(Body::kFirmware), kSimulatesOnly},
+     {"replay", static_cast<int>(Body::kReplay), kSimulatesOnly}}};
+const std::array<Choice, 3> kSensors = {{choiceOf("mean", LightSensor::kMean),
+                                         choiceOf("front", LightSensor::kFront),
+                                         choiceOf("back", LightSensor::kBack)}};
+const std::array<Choice, 3> kReverseOn = {{choiceOf("never", ReverseOn::kNever),
+                                           choiceOf("walls", ReverseOn::kWalls),
+                                           choiceOf("any", ReverseOn::kAny)}};
+const std::array<Choice, 2> kTrackers = {
+    {choiceOf("sim", Tracker::kSimPoses), {"camera", 1, kTracksSimOnly}}};
+const std::array<Choice, 9> kKinds = {
+    {choiceOf("uniform", LayerKind::kUniform), choiceOf("half_plane", LayerKind::kHalfPlane),
+     choiceOf("disk", LayerKind::kDisk), choiceOf("ring", LayerKind::kRing),
+     choiceOf("linear_gradient", LayerKind::kLinearGradient),
+     choiceOf("radial_gradient", LayerKind::kRadialGradient),
+     choiceOf("stripes", LayerKind::kStripes), choiceOf("checker", LayerKind::kChecker),
+     choiceOf("image", LayerKind::kImage)}};
+const std::array<Choice, 5> kBlends = {
+    {choiceOf("over", Blend::kOver), choiceOf("add", Blend::kAdd),
+     choiceOf("multiply", Blend::kMultiply), choiceOf("max", Blend::kMax),
+     choiceOf("min", Blend::kMin)}};
+
+const Range kShare{0, 1};
+const Range kPlace{-1000, 1000};
+const Range kLength{0.1, 1000};
+const Range kAngle{-3600, 3600};
+const Range kSpeed{-500, 500};
+const Range kHold{0.001, 3600};
+
+template <typename Enum>
+void enumerate(KeyVisitor& visitor, const Key& key, std::span<const Choice> choices, Enum& field) {
+  int value = static_cast<int>(field);
+  visitor.choice(key, choices, value);
+  if (value != kUndecided) field = static_cast<Enum>(value);
+}
+
+template <typename Element, typename Keys>
+void visitList(KeyVisitor& visitor, const Key& key, const ListRule& rule,
+               std::vector<Element>& elements, const Keys& keys) {
+  visitor.list(
+      key, rule, elements.size(), [&](std::size_t size) { elements.assign(size, Element{}); },
+      [&](std::size_t index) { keys(elements[index]); });
+}
+
+/// Keys that only some choices of the key before them have.
+class Selector {
+ public:
+  template <typename Enum>
+  Selector(KeyVisitor& visitor, const Key& key, std::span<const Choice> choices, Enum& field)
+      : name_(key.name), choices_(choices), current_(static_cast<int>(field)) {
+    visitor.choice(key, choices, current_);
+    if (current_ != kUndecided) field = static_cast<Enum>(current_);
+  }
+
+  template <typename Enum>
+  [[nodiscard]] Key only(std::initializer_list<Enum> values, Key key) const {
+    key.applies = current_ == kUndecided ? Applies::kUndecided : Applies::kNo;
+    for (const Enum value : values) {
+      if (static_cast<int>(value) == current_) key.applies = Applies::kYes;
+      key.condition += key.condition.empty() ? name_ + " = " : " or ";
+      key.condition += '"' + nameOf(static_cast<int>(value)) + '"';
+    }
+    return key;
+  }
+
+ private:
+  [[nodiscard]] std::string nameOf(int value) const {
+    return std::ranges::find(choices_, value, &Choice::value)->name;
+  }
+
+  std::string name_;
+  std::span<const Choice> choices_;
+  int current_;
+};
+
+void visitNetwork(KeyVisitor& v, Network& network) {
+  std::int64_t port = network.port;
+  std::int64_t ttl = network.ttl;
+  v.integer({"port", "UDP port of the LCM bus, 0: a free one"}, 0, 65535, port);
+  v.integer({"ttl", "how many routers a message may pass, 0: it stays on this machine"}, 0, 255,
+            ttl);
+  network.port = static_cast<int>(port);
+  network.ttl = static_cast<int>(ttl);
+}
+
+void visitHardware(KeyVisitor& v, RobotHardware& robot) {
+  v.number({"diameter_cm", "diameter, which is also the distance d between the wheels"}, {1, 50},
+           robot.diameter);
+  v.number({"max_wheel_speed_cm_s", "fastest speed of a wheel"}, {0.1, 500}, robot.max_wheel_speed);
+  v.flag({"pwm_steps",
+          "wheel speeds come in 256 steps, rounded to the nearest, as from the "
+          "robot's PWM; false: ideal wheels"},
+         robot.pwm_steps);
+  v.number({"clock_error_percent", "standard deviation of the rates of the robots' clocks"}, {0, 5},
+           robot.clock_error);
+  v.number({"wheel_gain_error_percent",
+            "standard deviation of the wheels' gains, drawn once for "
+            "each wheel; turns straight runs into circles"},
+           {0, 20}, robot.wheel_gain_error);
+  v.number({"speed_noise_cm_sqrt_s",
+            "random forward motion: its variance grows by the square of "
+            "this every second"},
+           {0, 10}, robot.speed_noise);
+  v.number({"turn_noise_deg_sqrt_s", "random turning, likewise"}, {0, 90}, robot.turn_noise);
+  v.number({"sensor_period_ms", "time between two readings of the robot's sensors"},
+           {.low = 1, .high = 1000, .whole = true}, robot.sensor_period);
+  v.number({"ir_range_cm", "how far from the rim the infrared sensors see"}, {0, 100},
+           robot.ir_range);
+  v.number({"status_rate_hz", "ROBOT_STATUS messages a second"}, {1, 200}, robot.status_rate);
+  v.number({"lease_s",
+            "a robot stops when it has heard no command for this long; commands come "
+            "every 0.2 s"},
+           {0.4, 60}, robot.lease);
+}
+
+void visitRobot(KeyVisitor& v, RobotEntry& robot) {
+  v.integer({"id", "the robot's number; with count, the first one's", Need::kRequired}, 1,
+            kLargestId, robot.id);
+  v.integer({"count", "this many robots, with consecutive ids"}, 1, kMostRobots, robot.count);
+  enumerate(v, {"body", "what moves: sim is a simulated robot"}, kBodies, robot.body);
+  v.optionalNumber({.name = "x_cm",
+                    .meaning = "where the robot starts: x_cm, y_cm and theta_deg together or none "
+                               "of them, and only without count",
+                    .default_text = "random"},
+                   kPlace, robot.x);
+  v.optionalNumber({.name = "y_cm", .meaning = "see x_cm", .default_text = "random"}, kPlace,
+                   robot.y);
+  v.optionalNumber({.name = "theta_deg",
+                    .meaning = "heading, counter-clockwise from x; see x_cm",
+                    .default_text = "random"},
+                   kAngle, robot.theta);
+}
+
+void visitProgram(KeyVisitor& v, ProgramSpec& program) {
+  const Selector model(v, {"model", "the kind of motion", Need::kRequired}, kModels, program.model);
+  const auto needed = [](const char* name, const char* meaning) {
+    return Key{name, meaning, Need::kRequired};
+  };
+  v.number(model.only({Model::kAbp, Model::kRtp}, needed("v_cm_s", "speed; of a run (rtp)")),
+           kSpeed, program.v);
+  v.number(model.only({Model::kNoisyAbp}, needed("va_cm_s", "mean speed of each wheel")), kSpeed,
+           program.va);
+  v.number(model.only({Model::kNoisyAbp, Model::kBp},
+                      needed("V_cm_s", "half width of the wheels' uniform speed noise")),
+           {0, 500}, program.V);
+  v.number(model.only({Model::kAbp, Model::kNoisyAbp, Model::kBp},
+                      needed("epsilon_s",
+                             "for how long one draw is held; whole milliseconds, at "
+                             "least robot.sensor_period_ms")),
+           kHold, program.epsilon);
+  v.number(
+      model.only({Model::kAbp}, needed("eta_rad_s", "half width of the uniform rate of turning")),
+      {0, 1000}, program.eta);
+  v.number(model.only({Model::kRtp}, needed("gamma_per_s", "rate of tumbling: 1 / mean run time")),
+           {0.01, 1000}, program.gamma);
+  v.number(model.only({Model::kRtp}, needed("tau_t_s",
+                                            "duration of a tumble; whole milliseconds, "
+                                            "at least robot.sensor_period_ms")),
+           kHold, program.tau_t);
+  v.number(model.only({Model::kWheels}, needed("left_cm_s", "speed of the left wheel")), kSpeed,
+           program.wheel_left);
+  v.number(model.only({Model::kWheels}, needed("right_cm_s", "speed of the right wheel")), kSpeed,
+           program.wheel_right);
+}
+
+void visitLightTable(KeyVisitor& v, LightTable& table) {
+  enumerate(v, {"sensor", "which of the robot's two light sensors the bands are compared with"},
+            kSensors, table.sensor);
+  v.number({"hysteresis", "a band is kept until the light is outside it by more than this"},
+           {0, 0.5}, table.hysteresis);
+  visitList(v,
+            {"bands",
+             "which light selects which program; in light outside every band a robot "
+             "stands"},
+            {.fewest = 0, .most = dynamics::kSlots, .in_line = true}, table.bands,
+            [&](LightBand& band) {
+              v.interval({"light",
+                          "[low, high]: the band holds low <= light < high, and full light "
+                          "where high is 1",
+                          Need::kRequired},
+                         kShare, band.low, band.high);
+              v.text({"program", "name of the program", Need::kRequired},
+                     {.most = 32, .bare = true}, band.program);
+            });
+}
+
+void visitReversal(KeyVisitor& v, Reversal& reversal) {
+  enumerate(v, {"on", "what a robot that comes too near turns back from; any: walls and robots"},
+            kReverseOn, reversal.on);
+  v.number({"distance_cm", "how far it drives back (appendix B: about 40 cm)"}, {1, 400},
+           reversal.distance);
+  v.number({"speed_cm_s", "how fast"}, {0.1, 500}, reversal.speed);
+}
+
+// Lengths and places go to the fields of the same layer that light/layer.hpp lists.
+void visitLayer(KeyVisitor& v, LayerEntry& entry) {
+  using enum LayerKind;
+  LayerSpec& layer = entry.layer;
+  const Selector kind(v, {"kind", "what is painted", Need::kRequired}, kKinds, layer.kind);
+  const auto placed = {kHalfPlane,      kDisk,    kRing,    kLinearGradient,
+                       kRadialGradient, kStripes, kChecker, kImage};
+  enumerate(v, {"blend", "how it changes what the layers before it painted"}, kBlends, layer.blend);
+  const Key file{"file",
+                 "image file, beside the experiment file; grey 0 gives intensity2, white "
+                 "intensity",
+                 Need::kRequired};
+  v.text(kind.only({kImage}, file), {.most = 200}, layer.image);
+  const std::string middle = "middle of the arena";
+  v.optionalNumber(kind.only(placed, {.name = "x_cm",
+                                      .meaning = "centre, or a point on the edge of a half plane",
+                                      .default_text = middle}),
+                   kPlace, entry.x);
+  v.optionalNumber(
+      kind.only(placed, {.name = "y_cm", .meaning = "see x_cm", .default_text = middle}), kPlace,
+      entry.y);
+  v.number(kind.only({kHalfPlane, kLinearGradient, kStripes, kChecker, kImage},
+                     {"angle_deg",
+                      "direction, counter-clockwise from x: towards the lit side, up "
+                      "the gradient, along the stripes, of the image's lower edge"}),
+           kAngle, layer.angle);
+  v.number(
+      kind.only({kDisk, kRing, kRadialGradient}, {"radius_cm", "outer radius", Need::kRequired}),
+      kLength, layer.size);
+  v.number(
+      kind.only({kLinearGradient}, {"length_cm",
+                                    "over which intensity turns into intensity2, half of it on "
+                                    "either side of x_cm, y_cm",
+                                    Need::kRequired}),
+      kLength, layer.size);
+  v.number(kind.only({kStripes, kChecker},
+                     {"period_cm", "of the stripes; side of a checker's squares", Need::kRequired}),
+           kLength, layer.size);
+  v.number(kind.only({kImage}, {"width_cm", "of the image", Need::kRequired}), kLength, layer.size);
+  v.number(kind.only({kRing, kRadialGradient},
+                     {"inner_radius_cm", "inner radius; up to it a radial gradient has intensity"}),
+           {0, 1000}, layer.inner);
+  v.number(
+      kind.only({kStripes}, {"share", "of a period that has intensity; the rest has intensity2",
+                             Need::kRequired}),
+      {.low = 0, .high = 1, .above_low = true, .below_high = true}, layer.inner);
+  v.number(kind.only({kImage}, {"height_cm", "of the image", Need::kRequired}), kLength,
+           layer.inner);
+  v.number(kind.only({kHalfPlane, kDisk, kRing, kStripes, kChecker, kImage},
+                     {"softness_cm", "width of the edges"}),
+           {0, 1000}, layer.softness);
+  v.number({"intensity", "0 dark .. 1 projector white", Need::kRequired}, kShare, layer.intensity);
+  v.number(kind.only({kLinearGradient, kRadialGradient, kStripes, kChecker, kImage},
+                     {"intensity2", "the other end or the other part"}),
+           kShare, layer.intensity2);
+}
+
+void visitStep(KeyVisitor& v, StepEntry& step) {
+  v.text({.name = "label", .meaning = "for reports", .default_text = "step 1, step 2, ..."},
+         {.most = 60}, step.label);
+  v.optionalNumber({.name = "at_s",
+                    .meaning = "when the step begins; the first at 0, the others in rising order",
+                    .default_text = "needed where there is no hold_s"},
+                   {0, kLongestRun}, step.at);
+  v.optionalNumber({"hold_s", "how long the step is shown; all steps have at_s or all have hold_s",
+                    Need::kShorthand, "-"},
+                   {.low = 0, .high = kLongestRun, .above_low = true}, step.hold);
+  v.number({"ramp_s", "cross-fade from the step before, as long at most as the step"}, {0, 3600},
+           step.ramp);
+  visitList(v, {"layers", "painted one upon the other, from the dark", Need::kRequired},
+            {.fewest = 1, .most = light::kMostLayers, .in_line = true}, step.layers,
+            [&](LayerEntry& layer) { visitLayer(v, layer); });
+}
+
+void visitLight(KeyVisitor& v, ExperimentForm& form) {
+  LightScript& light = form.common.light;
+  v.number({"frame_rate_hz", "frames a second of the projector"}, {1, 500}, light.frame_rate);
+  v.number({"safe_intensity", "shown everywhere when nobody commands the light"}, kShare,
+           light.safe_intensity);
+  v.flag({"repeat", "the steps begin again when the last one has ended"}, light.repeat);
+  v.optionalNumber({.name = "length_s",
+                    .meaning = "when the last step ends, only with repeat; the sum where steps "
+                               "have hold_s",
+                    .default_text = "-"},
+                   {.low = 0, .high = kLongestRun, .above_low = true}, form.light_length);
+  visitList(v, {"steps", "what is shown when"}, {.fewest = 0, .most = 1000}, form.light_steps,
+            [&](StepEntry& step) { visitStep(v, step); });
+}
+
+void visitCamera(KeyVisitor& v, Camera& camera) {
+  enumerate(v,
+            {"tracker",
+             "who tells where the robots are; sim: the simulator, with the errors "
+             "below"},
+            kTrackers, camera.tracker);
+  v.number({"fps", "frames a second"}, {1, 500}, camera.fps);
+  v.number({"position_noise_cm", "standard deviation of x and of y"}, {0, 5},
+           camera.position_noise);
+  v.number({"heading_noise_deg", "standard deviation of the heading"}, {0, 90},
+           camera.heading_noise);
+  v.number({"delay_ms", "from the exposure to the message"}, {0, 5000}, camera.delay);
+  v.number({"dropout", "chance that one robot is missing in one frame"},
+           {.low = 0, .high = 1, .below_high = true}, camera.dropout);
+  v.number({"frame_loss", "chance that a whole frame is missing"},
+           {.low = 0, .high = 1, .below_high = true}, camera.frame_loss);
+}
+
+void visitTop(KeyVisitor& v, ExperimentForm& form) {
+  Experiment& e = form.common;
+  std::int64_t version = e.fileversion;
+  std::int64_t seed = static_cast<std::int64_t>(e.seed);
+  v.integer({"fileversion", "version of this format", Need::kRequired}, kFileVersion, kFileVersion,
+            version);
+  v.text({"name", "of the run and of its folder", Need::kRequired}, {.most = 64, .as_folder = true},
+         e.name);
+  v.text({"description", "for people"}, {.most = 4000}, e.description);
+  v.integer({"seed", "all random numbers derive from it"}, 0,
+            std::numeric_limits<std::int64_t>::max(), seed);
+  v.number({"duration_s", "length of the run, at most ten days", Need::kRequired},
+           {0.001, kLongestRun}, e.duration);
+  v.text({"program",
+          "shorthand for a light_table with one band over all light, and for a uniform "
+          "light of 0.5 where [light] has no steps",
+          Need::kShorthand, "-"},
+         {.most = 32, .bare = true}, form.program);
+  e.fileversion = static_cast<int>(version);
+  e.seed = static_cast<std::uint64_t>(seed);
+}
+
+}  // namespace
+
+bool Range::contains(double value) const {
+  const bool above = above_low ? value > low : value >= low;
+  const bool below = below_high ? value < high : value <= high;
+  return above && below && (!whole || value == std::floor(value));
+}
+
+std::string Range::text() const {
+  std::string text = whole ? "whole numbers from " : "";
+  text += (above_low ? "above " : "") + numberText(low);
+  text += (below_high ? " to below " : " to ") + numberText(high);
+  return text;
+}
+
+bool TextRule::accepts(std::string_view text) const {
+  constexpr std::string_view kLetters =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789";
+  if (text.size() > most) return false;
+  if (!as_folder && !bare) return true;
+  const std::string more = as_folder ? "._-" : "_-";
+  return !text.empty() && kLetters.find(text.front()) != std::string_view::npos &&
+         text.find_first_not_of(std::string(kLetters) + more) == std::string_view::npos;
+}
+
+std::string TextRule::text() const {
+  std::string text = "text of at most " + std::to_string(most) + " bytes";
+  if (as_folder || bare) {
+    text = "1 to " + std::to_string(most) + " letters, digits, ";
+    text += as_folder ? "dots, _ and -" : "_ and -";
+    text += ", beginning with a letter or digit";
+  }
+  return text;
+}
+
+std::string choiceText(std::span<const Choice> choices) {
+  std::string text;
+  for (const Choice& choice : choices) {
+    if (choice.refusal.empty()) text += (text.empty() ? "" : ", ") + tomlString(choice.name);
+  }
+  return text;
+}
+
+std::string countText(const ListRule& rule) {
+  return std::to_string(rule.fewest) + " to " + std::to_string(rule.most);
+}
+
+void visitKeys(KeyVisitor& v, ExperimentForm& form) {
+  Experiment& e = form.common;
+  visitTop(v, form);
+  v.table({"network", "The message bus"}, [&] { visitNetwork(v, e.network); });
+  v.table({"arena",
+           "The arena: its corner is the origin, x runs along the width, y along the "
+           "height"},
+          [&] {
+            v.number({"width_cm", "along x"}, {10, 1000}, e.arena_width);
+            v.number({"height_cm", "along y"}, {10, 1000}, e.arena_height);
+          });
+  v.table({"robot",
+           "The robots' hardware, the same for all. Errors are what a simulated robot has "
+           "and does not know"},
+          [&] { visitHardware(v, e.hardware); });
+  visitList(v, {"robots", "Who takes part", Need::kRequired}, {.fewest = 1, .most = kMostRobots},
+            form.robots, [&](RobotEntry& robot) { visitRobot(v, robot); });
+  std::vector<std::string> names;
+  for (const auto& [name, program] : e.programs) names.push_back(name);
+  v.namedTables({"programs", "What robots do; NAME is yours", Need::kRequired},
+                {.most = 32, .bare = true}, {.fewest = 1, .most = 100}, names,
+                [&](const std::string& name) {
+                  ProgramSpec& program = e.programs[name];
+                  program.name = name;
+                  visitProgram(v, program);
+                });
+  v.table({"light_table", "Which light selects which program"},
+          [&] { visitLightTable(v, e.light_table); });
+  v.table({"reversal", "Turning back from obstacles (appendix B of the paper)"},
+          [&] { visitReversal(v, e.reversal); });
+  v.table({"light", "The light script"}, [&] { visitLight(v, form); });
+  v.table({"camera", "Camera and tracker"}, [&] { visitCamera(v, e.camera); });
+  v.table({"analysis", "The analyzer"}, [&] {
+    v.number({"max_lag_s", "longest lag of the curves"}, {0.1, 3600}, e.analysis.max_lag);
+  });
+  v.table({"faults", "For practising with what a network does"}, [&] {
+    v.number({"message_loss", "chance that a message does not reach a listener, in virtual time"},
+             {.low = 0, .high = 1, .below_high = true}, e.faults.message_loss);
+  });
+}
+
+}  // namespace lab::keys

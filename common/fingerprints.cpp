@@ -1,0 +1,58 @@
+#include "common/fingerprints.hpp"
+
+#include <array>
+#include <cstdio>
+#include <lab/analysis_t.hpp>
+#include <lab/clock_t.hpp>
+#include <lab/experiment_event_t.hpp>
+#include <lab/light_command_t.hpp>
+#include <lab/light_status_t.hpp>
+#include <lab/robot_command_t.hpp>
+#include <lab/robot_status_t.hpp>
+#include <lab/robot_stop_t.hpp>
+#include <lab/service_status_t.hpp>
+#include <lab/sim_truth_t.hpp>
+#include <lab/tracked_frame_t.hpp>
+
+namespace lab {
+namespace {
+
+struct Type {
+  std::string_view name;
+  std::int64_t hash;
+};
+
+template <class... Messages>
+std::array<Type, sizeof...(Messages)> types() {
+  return {Type{Messages::getTypeName(), Messages::getHash()}...};
+}
+
+const auto& allTypes() {
+  static const auto all =
+      types<analysis_t, clock_t, experiment_event_t, light_command_t, light_status_t,
+            robot_command_t, robot_status_t, robot_stop_t, service_status_t, sim_truth_t,
+            tracked_frame_t>();
+  return all;
+}
+
+}  // namespace
+
+std::string fingerprintList() {
+  std::string list;
+  for (const Type& type : allTypes()) {
+    std::array<char, 17> hash{};
+    std::snprintf(hash.data(), hash.size(), "%016llx",
+                  static_cast<unsigned long long>(type.hash));
+    list += std::string(type.name) + " " + hash.data() + "\n";
+  }
+  return list;
+}
+
+std::string_view typeWithFingerprint(std::int64_t hash) {
+  for (const Type& type : allTypes()) {
+    if (type.hash == hash) return type.name;
+  }
+  return {};
+}
+
+}  // namespace lab

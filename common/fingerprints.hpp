@@ -1,0 +1,16 @@
+/// The contract as LCM hashes it.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+namespace lab {
+
+/// "type hash" for every type that travels on a channel, one a line.
+[[nodiscard]] std::string fingerprintList();
+
+/// The type with this hash, empty when it is none of ours.
+[[nodiscard]] std::string_view typeWithFingerprint(std::int64_t hash);
+
+}  // namespace lab

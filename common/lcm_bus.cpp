@@ -1,0 +1,111 @@
+#include "common/lcm_bus.hpp"
+
+#include <cctype>
+#include <cerrno>
+#include <cstdlib>
+#include <lcm/lcm-cpp.hpp>
+#include <utility>
+
+#include "common/channels.hpp"
+
+namespace lab {
+namespace {
+
+constexpr int kDefaultPort = 7667;
+constexpr int kMostInOneDrain = 10'000;
+
+/// LCM takes channel names for regular expressions: ROBOT.1 would also hear ROBOTX1.
+std::string literally(std::string_view channel) {
+  std::string pattern;
+  for (const char letter : channel) {
+    if (std::isalnum(static_cast<unsigned char>(letter)) == 0 && letter != '_') pattern += '\\';
+    pattern += letter;
+  }
+  return pattern;
+}
+
+}  // namespace
+
+std::string lcmUrl(int port, int ttl) {
+  return "udpm://239.255.76.67:" + std::to_string(port) + "?ttl=" + std::to_string(ttl) +
+         "&recv_buf_size=4194304";
+}
+
+std::string defaultLcmUrl() {
+  const char* url = std::getenv("LCM_DEFAULT_URL");
+  return url != nullptr && *url != '\0' ? url : lcmUrl(kDefaultPort);
+}
+
+struct LcmBus::Subscription {
+  LcmBus* bus;
+  PacketHandler handler;
+
+  void handle(const lcm::ReceiveBuffer* buffer, const std::string& channel) {
+    if (channel == channels::kLcmSelfTest) return;
+    try {
+      handler({channel,
+               {static_cast<const std::uint8_t*>(buffer->data), buffer->data_size},
+               buffer->recv_utime});
+    } catch (...) {
+      if (!bus->error_) bus->error_ = std::current_exception();
+    }
+  }
+};
+
+LcmBus::LcmBus(const std::string& url) : lcm_(std::make_unique<lcm::LCM>(url)) {
+  // getFileno() makes LCM send a probe to itself, which fails where multicast does not loop back.
+  if (!lcm_->good() || lcm_->getFileno() < 0) {
+    throw BusError(
+        "the LCM bus " + url +
+        " cannot be opened: this machine has no usable multicast route (or the URL is wrong). On a "
+        "machine without a network: sudo ip link set lo up && sudo ip route add 224.0.0.0/4 dev "
+        "lo");
+  }
+}
+
+LcmBus::~LcmBus() = default;
+
+void LcmBus::publish(std::string_view channel, Bytes data) {
+  checkChannelName(channel);
+  const std::string name(channel);
+  if (lcm_->publish(name, data.data(), static_cast<unsigned int>(data.size())) != 0) {
+    throw BusError("LCM cannot send " + std::to_string(data.size()) + " bytes on " + name);
+  }
+}
+
+void LcmBus::subscribe(std::string_view channel, PacketHandler handler) {
+  add(literally(channel), std::move(handler));
+}
+
+void LcmBus::subscribeAll(PacketHandler handler) { add(".*", std::move(handler)); }
+
+void LcmBus::add(const std::string& pattern, PacketHandler handler) {
+  subscriptions_.push_back(std::make_unique<Subscription>(this, std::move(handler)));
+  lcm::Subscription* subscription =
+      lcm_->subscribe(pattern, &Subscription::handle, subscriptions_.back().get());
+  constexpr int kUnlimited = 0;
+  subscription->setQueueCapacity(kUnlimited);
+}
+
+int LcmBus::fileDescriptor() const { return lcm_->getFileno(); }
+
+void LcmBus::drain() { drainFor(0); }
+
+bool LcmBus::drainFor(int timeout_ms) {
+  if (draining_) throw std::logic_error("drain() inside a handler: LCM would abort");
+  draining_ = true;
+  int handled = 0;
+  int result = 1;
+  for (int wait = timeout_ms; result > 0 && handled < kMostInOneDrain; wait = 0) {
+    errno = 0;
+    result = lcm_->handleTimeout(wait);
+    if (result > 0) ++handled;
+  }
+  draining_ = false;
+  if (error_) std::rethrow_exception(std::exchange(error_, nullptr));
+  // A signal ends the wait (EINTR): the caller looks at its stop flag.
+  if (result < 0 && errno != EINTR) throw BusError("LCM receives no more messages");
+  return handled > 0;
+}
+
+}  // namespace lab

@@ -1,0 +1,44 @@
+/// The light field as messages and back.
+#pragma once
+
+#include <filesystem>
+#include <lab/light_layer_t.hpp>
+#include <lab/light_status_t.hpp>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "common/experiment.hpp"
+#include "light/field.hpp"
+#include "light/image.hpp"
+
+namespace lab {
+
+[[nodiscard]] light_layer_t toMessage(const light::Layer& layer);
+[[nodiscard]] std::vector<light_layer_t> toMessages(const std::vector<light::Layer>& layers);
+
+/// The layers of a message, with the pixels of those images that are in `images`. What arrives is
+/// not checked: light::validate() says whether it can be painted.
+[[nodiscard]] std::vector<light::Layer> toLayers(const std::vector<light_layer_t>& layers,
+                                                 const light::ImageStore& images = {});
+
+/// The field that shows these layers and nothing else.
+[[nodiscard]] light::Field toField(const std::vector<light_layer_t>& layers,
+                                   const light::ImageStore& images = {});
+
+/// The field on the arena, as its status says.
+[[nodiscard]] light::Field toField(const light_status_t& status,
+                                   const light::ImageStore& images = {});
+
+/// The images that an experiment's light script names.
+struct ExperimentImages {
+  light::ImageStore store;                     ///< by SHA-256
+  std::map<std::string, std::string> digests;  ///< SHA-256 by the path written in the file
+};
+
+/// Loads them from `directory`, where the experiment file lies.
+/// @throws std::runtime_error for one that cannot be read, naming its path.
+[[nodiscard]] ExperimentImages loadImages(const Experiment& experiment,
+                                          const std::filesystem::path& directory);
+
+}  // namespace lab

@@ -1,0 +1,76 @@
+#include "common/service_main.hpp"
+
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <CLI/CLI.hpp>
+#include <csignal>
+#include <optional>
+
+#include "common/asio_loop.hpp"
+#include "common/experiment_file.hpp"
+#include "common/lcm_bus.hpp"
+#include "common/version.hpp"
+
+namespace lab {
+namespace {
+
+struct Options {
+  std::string experiment;
+  std::string lcm_url = defaultLcmUrl();
+};
+
+void run(const ServiceDescription& description, const Options& options) {
+  const Experiment experiment =
+      options.experiment.empty() ? Experiment{} : loadExperiment(options.experiment);
+  AsioLoop loop;
+  LcmBus bus(options.lcm_url);
+  Node node(bus, loop, {description.name, description.origin, loop.now()});
+  const std::unique_ptr<Service> service = description.make(
+      {node, loop, experiment, std::filesystem::path(options.experiment).parent_path()});
+  loop.onReadable(bus.fileDescriptor(), [&bus] { bus.drain(); });
+  loop.onSignals({SIGINT, SIGTERM}, [&loop](int) { loop.stop(); });
+  node.start();
+  try {
+    loop.run();
+  } catch (const std::exception& error) {
+    node.fault(error.what());
+    node.close();
+    throw;
+  }
+  node.close();
+}
+
+}  // namespace
+
+int serviceMain(int argc, char** argv, const ServiceDescription& description) {
+  spdlog::set_default_logger(spdlog::stderr_color_mt(description.name));
+  CLI::App app{description.summary, description.name};
+  Options options;
+  CLI::Option* experiment =
+      app.add_option("--experiment,--config", options.experiment, "Experiment file (TOML)");
+  experiment->required(description.needs_experiment);
+  app.add_option("--lcm-url", options.lcm_url, "The bus, as printed by lab run")
+      ->capture_default_str();
+  app.set_version_flag("--version", kVersion);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  try {
+    run(description, options);
+    return 0;
+  } catch (const ExperimentError& error) {
+    spdlog::error("{}", error.what());
+    return 2;
+  } catch (const BusError& error) {
+    spdlog::error("{}", error.what());
+    return 2;
+  } catch (const std::exception& error) {
+    spdlog::critical("{}", error.what());
+    return 1;
+  }
+}
+
+}  // namespace lab

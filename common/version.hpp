@@ -1,0 +1,12 @@
+/// Versions that travel with every message log.
+#pragma once
+
+namespace lab {
+
+/// Version of this software.
+inline constexpr const char* kVersion = "0.1.0";
+
+/// Version of the message contract (lcmtypes/, CHANGELOG.md). It rises with any change of a type.
+inline constexpr int kContractVersion = 1;
+
+}  // namespace lab
