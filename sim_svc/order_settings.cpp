@@ -1,0 +1,83 @@
+#include "sim_svc/order_settings.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace lab::sim {
+namespace {
+
+/// A light of 0..1 as counts of the robot's 10-bit converter: 1 reads 1023, so that a band up to 1
+/// contains it.
+std::uint16_t counts(double light) {
+  const double scaled = std::ceil(std::clamp(light, 0.0, 1.0) * (dynamics::kLightCounts - 1) - 0.5);
+  return static_cast<std::uint16_t>(light >= 1 ? dynamics::kLightCounts : scaled);
+}
+
+dynamics::ProgramPhysics physics(const program_t& program) {
+  dynamics::ProgramPhysics result;
+  result.kind = static_cast<dynamics::ProgramKind>(program.kind);
+  result.v = program.v;
+  result.va = program.va;
+  result.V = program.V;
+  result.epsilon = program.epsilon;
+  result.eta = program.eta;
+  result.gamma = program.gamma;
+  result.tau_t = program.tau_t;
+  result.wheel_left = program.wheel_left;
+  result.wheel_right = program.wheel_right;
+  return result;
+}
+
+}  // namespace
+
+OrderSettings settingsFrom(const robot_order_t& order, const dynamics::WheelLimits& limits,
+                           double sensor_period) {
+  OrderSettings result;
+  if (order.bands.size() > dynamics::kSlots) {
+    result.refusal =
+        "a robot holds at most 4 light bands, this order has " + std::to_string(order.bands.size());
+    return result;
+  }
+  dynamics::LightSettings& light = result.core.light;
+  light.count = static_cast<std::uint8_t>(order.bands.size());
+  light.hysteresis = static_cast<std::uint16_t>(
+      std::lround(std::clamp(order.hysteresis, 0.0, 1.0) * (dynamics::kLightCounts - 1)));
+  light.reading = static_cast<dynamics::LightReading>(order.light_sensor);
+  for (std::uint8_t slot = 0; slot < light.count; ++slot) {
+    const light_band_t& band = order.bands[slot];
+    if (band.program.kind < 0 || band.program.kind >= dynamics::kProgramKinds) {
+      result.refusal = "no program has the number " + std::to_string(band.program.kind);
+      return result;
+    }
+    light.bands[slot] = {counts(band.low), counts(band.high), slot};
+    const dynamics::ParamsResult params =
+        dynamics::paramsFromPhysics(physics(band.program), limits);
+    if (!params.ok) {
+      result.refusal = params.reason;
+      return result;
+    }
+    result.core.programs[slot] = params.params;
+    result.programs.push_back(band.program);
+  }
+  if (!dynamics::isValid(light)) {
+    result.refusal = "light bands overlap, are empty or leave 0..1";
+    return result;
+  }
+  result.core.reversal.enabled = order.reverse_on != robot_order_t::REVERSE_NEVER;
+  if (result.core.reversal.enabled) {
+    if (!(order.reverse_speed > 0 && order.reverse_speed <= limits.v_max &&
+          order.reverse_distance >= 0 && order.reverse_distance <= 4)) {
+      result.refusal = "a reversal needs a speed up to the wheels' limit and at most 4 m";
+      return result;
+    }
+    result.core.reversal.distance_um =
+        static_cast<std::uint32_t>(std::lround(order.reverse_distance * 1e6));
+    result.core.reversal.speed_um_s =
+        static_cast<std::int32_t>(std::lround(order.reverse_speed * 1e6));
+  }
+  result.core.max_wheel_um_s = static_cast<std::int32_t>(std::lround(limits.v_max * 1e6));
+  result.core.sensor_period_ms = static_cast<std::uint16_t>(std::lround(sensor_period * 1e3));
+  return result;
+}
+
+}  // namespace lab::sim

@@ -1,0 +1,158 @@
+#include "sim_svc/placement.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <set>
+#include <stdexcept>
+#include <string>
+
+#include "common/random.hpp"
+
+namespace lab::sim {
+namespace {
+
+constexpr int kTries = 2000;
+constexpr double kClearance = 1e-4;  // m between robots placed at random
+constexpr int kShakes = 300;
+
+using dynamics::Pose;
+
+/// The places taken so far, and which robot has which.
+class Board {
+ public:
+  Board(const std::vector<Place>& places, const Arena& arena, double radius, std::uint64_t seed)
+      : places_(places), arena_(arena), radius_(radius), seed_(seed), poses_(places.size()) {
+    takeGiven();
+  }
+
+  std::vector<Pose> place() {
+    for (std::size_t i = 0; i < places_.size(); ++i) {
+      if (!places_[i].given && !placeAtRandom(i)) {
+        placeOnLattice();
+        shake();
+        break;
+      }
+    }
+    return poses_;
+  }
+
+ private:
+  void takeGiven() {
+    for (std::size_t i = 0; i < places_.size(); ++i) {
+      if (!places_[i].given) continue;
+      poses_[i] = *places_[i].given;
+      const std::string name = "robot " + std::to_string(places_[i].id);
+      if (!isInside(poses_[i])) {
+        throw std::invalid_argument(name + " is given a place outside the arena");
+      }
+      if (const auto other = overlapping(poses_[i], i, 0)) {
+        throw std::invalid_argument(name + " is given a place that overlaps robot " +
+                                    std::to_string(places_[*other].id));
+      }
+      placed_.push_back(i);
+    }
+  }
+
+  bool placeAtRandom(std::size_t i) {
+    Random random(deriveSeed(seed_, places_[i].id, "place"));
+    Pose pose;
+    pose.theta = (2 * random.uniform() - 1) * std::numbers::pi;
+    for (int attempt = 0; attempt < kTries; ++attempt) {
+      pose.x = radius_ + random.uniform() * (arena_.width - 2 * radius_);
+      pose.y = radius_ + random.uniform() * (arena_.height - 2 * radius_);
+      if (!overlapping(pose, i, kClearance)) {
+        poses_[i] = pose;
+        placed_.push_back(i);
+        return true;
+      }
+    }
+    return false;
+  }
+
+  void placeOnLattice() {
+    std::erase_if(placed_, [&](std::size_t i) { return !places_[i].given; });
+    std::vector<Pose> sites = freeSites();
+    Random random(deriveSeed(seed_, 0, "lattice"));
+    std::size_t next = 0;
+    for (std::size_t i = 0; i < places_.size(); ++i) {
+      if (places_[i].given) continue;
+      if (next == sites.size()) {
+        throw std::invalid_argument("no room for " + std::to_string(places_.size()) +
+                                    " robots in the arena");
+      }
+      const auto left = static_cast<double>(sites.size() - next);
+      std::swap(sites[next], sites[next + static_cast<std::size_t>(random.uniform() * left)]);
+      poses_[i] = sites[next++];
+      poses_[i].theta =
+          (2 * Random(deriveSeed(seed_, places_[i].id, "place")).uniform() - 1) * std::numbers::pi;
+      placed_.push_back(i);
+    }
+  }
+
+  std::vector<Pose> freeSites() const {
+    const double pitch = 2 * radius_ + kClearance;
+    const double row_pitch = pitch * std::numbers::sqrt3 / 2;
+    std::vector<Pose> sites;
+    bool odd = false;
+    for (double y = radius_; y <= arena_.height - radius_; y += row_pitch, odd = !odd) {
+      for (double x = radius_ + (odd ? pitch / 2 : 0); x <= arena_.width - radius_; x += pitch) {
+        const Pose site{x, y, 0};
+        if (!overlapping(site, places_.size(), kClearance)) sites.push_back(site);
+      }
+    }
+    return sites;
+  }
+
+  // Random small moves of hard disks, so that no lattice remains.
+  void shake() {
+    Random random(deriveSeed(seed_, 0, "shake"));
+    const double step = radius_ / 2;
+    for (int round = 0; round < kShakes; ++round) {
+      for (std::size_t i = 0; i < places_.size(); ++i) {
+        Pose pose = poses_[i];
+        pose.x += (2 * random.uniform() - 1) * step;
+        pose.y += (2 * random.uniform() - 1) * step;
+        if (!places_[i].given && isInside(pose) && !overlapping(pose, i, kClearance / 2)) {
+          poses_[i] = pose;
+        }
+      }
+    }
+  }
+
+  bool isInside(const Pose& pose) const {
+    return pose.x >= radius_ && pose.x <= arena_.width - radius_ && pose.y >= radius_ &&
+           pose.y <= arena_.height - radius_;
+  }
+
+  // Some placed robot other than i that a robot at `pose` would come too close to.
+  std::optional<std::size_t> overlapping(const Pose& pose, std::size_t i, double clearance) const {
+    const double distance = 2 * radius_ + clearance;
+    for (const std::size_t j : placed_) {
+      if (j != i && std::hypot(poses_[j].x - pose.x, poses_[j].y - pose.y) < distance) return j;
+    }
+    return std::nullopt;
+  }
+
+  const std::vector<Place>& places_;
+  Arena arena_;
+  double radius_;
+  std::uint64_t seed_;
+  std::vector<Pose> poses_;
+  std::vector<std::size_t> placed_;
+};
+
+}  // namespace
+
+std::vector<Pose> placeRobots(const std::vector<Place>& places, const Arena& arena, double radius,
+                              std::uint64_t seed) {
+  std::set<std::int32_t> ids;
+  for (const Place& place : places) {
+    if (!ids.insert(place.id).second) {
+      throw std::invalid_argument("robot " + std::to_string(place.id) + " is named twice");
+    }
+  }
+  return Board(places, arena, radius, seed).place();
+}
+
+}  // namespace lab::sim

@@ -1,0 +1,36 @@
+/// The camera and its tracker as the rest of the lab meets them: noise, delay, drop-outs.
+#pragma once
+
+#include <cstdint>
+#include <lab/tracked_frame_t.hpp>
+#include <map>
+
+#include "common/experiment.hpp"
+#include "common/random.hpp"
+#include "dynamics/kinematics.hpp"
+
+namespace lab::sim {
+
+/// Turns true poses into what a tracker would publish. Every robot has a noise stream of its own.
+class TrackerModel {
+ public:
+  TrackerModel(const Camera& camera, std::uint64_t seed) : camera_(camera), seed_(seed) {}
+
+  /// Begins the next camera frame. @return false when the camera loses it.
+  [[nodiscard]] bool begin(std::int64_t exposure_utime);
+
+  /// Adds one robot, unless the tracker misses it in this frame.
+  void see(std::int32_t robot_id, const dynamics::Pose& truth);
+
+  [[nodiscard]] const tracked_frame_t& frame() const { return frame_; }
+
+ private:
+  Camera camera_;
+  std::uint64_t seed_;
+  std::int64_t number_ = 0;
+  Random frames_{deriveSeed(seed_, 0, "camera frames")};
+  std::map<std::int32_t, Random> robots_;
+  tracked_frame_t frame_{};
+};
+
+}  // namespace lab::sim

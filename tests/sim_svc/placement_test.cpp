@@ -1,0 +1,83 @@
+#include "sim_svc/placement.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <stdexcept>
+
+namespace lab::sim {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
+
+constexpr double kRadius = 0.0375;
+const Arena kArena{1.2, 0.9};
+
+std::vector<Place> anywhere(int n) {
+  std::vector<Place> places;
+  for (int id = 1; id <= n; ++id) places.push_back({id, std::nullopt});
+  return places;
+}
+
+void expectNoOverlap(const std::vector<dynamics::Pose>& poses) {
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    ASSERT_GE(poses[i].x, kRadius);
+    ASSERT_LE(poses[i].x, kArena.width - kRadius);
+    ASSERT_GE(poses[i].y, kRadius);
+    ASSERT_LE(poses[i].y, kArena.height - kRadius);
+    for (std::size_t j = 0; j < i; ++j) {
+      ASSERT_GT(std::hypot(poses[i].x - poses[j].x, poses[i].y - poses[j].y), 2 * kRadius);
+    }
+  }
+}
+
+TEST(PlaceRobots, FindsRoomFromOneToACrowd) {
+  for (const int n : {1, 20, 80, 150, 170}) {
+    expectNoOverlap(placeRobots(anywhere(n), kArena, kRadius, 7));
+  }
+}
+
+TEST(PlaceRobots, ARobotMoreMovesNoOther) {
+  const auto few = placeRobots(anywhere(20), kArena, kRadius, 7);
+  const auto more = placeRobots(anywhere(21), kArena, kRadius, 7);
+  for (std::size_t i = 0; i < few.size(); ++i) {
+    EXPECT_EQ(few[i].x, more[i].x);
+    EXPECT_EQ(few[i].y, more[i].y);
+    EXPECT_EQ(few[i].theta, more[i].theta);
+  }
+}
+
+TEST(PlaceRobots, AnotherSeedGivesOtherPlaces) {
+  EXPECT_NE(placeRobots(anywhere(1), kArena, kRadius, 7)[0].x,
+            placeRobots(anywhere(1), kArena, kRadius, 8)[0].x);
+}
+
+TEST(PlaceRobots, KeepsGivenPlacesAndKeepsOffThem) {
+  std::vector<Place> places = anywhere(100);
+  places[50].given = dynamics::Pose{0.3, 0.4, 1};
+  const auto poses = placeRobots(places, kArena, kRadius, 7);
+  EXPECT_EQ(poses[50].x, 0.3);
+  EXPECT_EQ(poses[50].y, 0.4);
+  EXPECT_EQ(poses[50].theta, 1);
+  expectNoOverlap(poses);
+}
+
+TEST(PlaceRobots, NamesTheRobotsThatDoNotFit) {
+  const auto place = [](std::vector<Place> places) {
+    return [places] { (void)placeRobots(places, kArena, kRadius, 7); };
+  };
+  const dynamics::Pose here{0.3, 0.4, 0};
+  const dynamics::Pose beside{0.36, 0.4, 0};
+  EXPECT_THAT(place({{3, here}, {5, beside}}),
+              ThrowsMessage<std::invalid_argument>(HasSubstr("robot 5")));
+  EXPECT_THAT(place({{4, dynamics::Pose{0.03, 0.4, 0}}}),
+              ThrowsMessage<std::invalid_argument>(HasSubstr("outside")));
+  EXPECT_THAT(place({{4, std::nullopt}, {4, std::nullopt}}),
+              ThrowsMessage<std::invalid_argument>(HasSubstr("robot 4 is named twice")));
+  EXPECT_THAT(place(anywhere(300)), ThrowsMessage<std::invalid_argument>(HasSubstr("no room")));
+}
+
+}  // namespace
+}  // namespace lab::sim

@@ -1,0 +1,78 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "sim_svc/world.hpp"
+#include "tests/sim_svc/world_fixture.hpp"
+
+namespace lab::sim {
+namespace {
+
+constexpr double kRadius = 0.0375;
+
+void expectHardDisksInside(const World& world) {
+  const Arena arena = world.settings().arena;
+  for (std::size_t i = 0; i < world.size(); ++i) {
+    const dynamics::Pose a = world.pose(i);
+    ASSERT_GE(a.x, kRadius - 1e-12) << i;
+    ASSERT_LE(a.x, arena.width - kRadius + 1e-12) << i;
+    ASSERT_GE(a.y, kRadius - 1e-12) << i;
+    ASSERT_LE(a.y, arena.height - kRadius + 1e-12) << i;
+    for (std::size_t j = 0; j < i; ++j) {
+      const dynamics::Pose b = world.pose(j);
+      ASSERT_GE((a.x - b.x) * (a.x - b.x) + (a.y - b.y) * (a.y - b.y), 4 * kRadius * kRadius)
+          << i << " " << j;
+    }
+  }
+}
+
+// Two minutes of 150 robots in the real arena, looked at after every tick.
+void runCrowd(const WorldSettings& settings, const dynamics::CoreSettings& core, bool robots_seen) {
+  World dut(settings, robots(150));
+  for (std::size_t i = 0; i < dut.size(); ++i) dut.setRobotsSeen(i, robots_seen);
+  startAll(dut, core);
+  while (dut.timeUs() < 120 * kSecond) {
+    dut.step(10000);
+    expectHardDisksInside(dut);
+    if (::testing::Test::HasFatalFailure()) FAIL() << "at " << dut.time() << " s";
+  }
+  EXPECT_GT(dut.collisions(), 1000);
+}
+
+TEST(WorldCrowd, NeverOverlapsWhereRobotsAreRunInto) {
+  runCrowd(WorldSettings(), always(abpProgram(0.05, 0.25, 5)), false);
+}
+
+TEST(WorldCrowd, NeverOverlapsWhereRobotsAreReversedFrom) {
+  runCrowd(WorldSettings(), always(bpProgram(0, 0.25, 0.1)), true);
+}
+
+TEST(WorldCrowd, NeverOverlapsBlindAtFullSpeedWithNoise) {
+  WorldSettings settings;
+  settings.speed_noise = 0.02;
+  settings.turn_noise = 0.3;
+  settings.wheel_gain_error = 0.05;
+  dynamics::CoreSettings core = always(rtpProgram(0.27, 1, 0.5));
+  core.reversal.enabled = false;
+  runCrowd(settings, core, true);
+}
+
+TEST(WorldCrowd, RobotsInContactGetAwayFromEachOther) {
+  // A crowd that jams for good would stop moving; this one must keep mixing.
+  World dut(WorldSettings(), robots(60));
+  for (std::size_t i = 0; i < dut.size(); ++i) dut.setRobotsSeen(i, false);
+  startAll(dut, always(abpProgram()));
+  dut.advanceTo(60 * kSecond);
+  std::vector<dynamics::Pose> before;
+  for (std::size_t i = 0; i < dut.size(); ++i) before.push_back(dut.pose(i));
+  dut.advanceTo(180 * kSecond);
+  int moved = 0;
+  for (std::size_t i = 0; i < dut.size(); ++i) {
+    const dynamics::Pose now = dut.pose(i);
+    moved += std::hypot(now.x - before[i].x, now.y - before[i].y) > 0.03 ? 1 : 0;
+  }
+  EXPECT_GT(moved, 55);
+}
+
+}  // namespace
+}  // namespace lab::sim

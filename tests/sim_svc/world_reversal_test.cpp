@@ -1,0 +1,120 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "sim_svc/world.hpp"
+#include "tests/sim_svc/world_fixture.hpp"
+
+namespace lab::sim {
+namespace {
+
+TEST(WorldReversal, DrivesFortyCentimetresStraightBackAndResumesExactly) {
+  // One robot meets a wall, the other one, with the same draws, has none to meet.
+  WorldSettings settings = idealHardware();
+  World dut(settings, robotAt(1.05, 0.45, 0));
+  WorldSettings open = settings;
+  open.arena = {100, 0.9};
+  World free(open, robotAt(1.05, 0.45, 0));
+  startAll(dut, always(abpProgram(0.03, 0.5, 0.3)));
+  startAll(free, always(abpProgram(0.03, 0.5, 0.3)));
+  while (!has(dut.state(0), dynamics::kReversing)) {
+    ASSERT_LT(dut.timeUs(), 20 * kSecond);
+    dut.step(1000);
+  }
+  const RobotState begun = dut.state(0);
+  const dynamics::Pose turn_back = begun.pose;
+  while (has(dut.state(0), dynamics::kReversing)) dut.step(1000);
+  const RobotState ended = dut.state(0);
+  EXPECT_EQ(ended.core.reversal_count, 1U);
+  EXPECT_NEAR(ended.reversal_end - ended.reversal_start, 4.0, 1e-9);
+  EXPECT_NEAR(std::hypot(ended.pose.x - turn_back.x, ended.pose.y - turn_back.y), 0.40, 3e-4)
+      << "looked at within a millisecond of either end";
+  EXPECT_NEAR(ended.pose.theta, turn_back.theta, 1e-4);
+
+  // Stitched, the track is the free one: shifted by 40 cm along the heading, and by 4 s.
+  free.advanceTo(10 * kSecond);
+  dut.advanceTo(14 * kSecond);
+  ASSERT_EQ(dut.state(0).core.reversal_count, 1U);
+  EXPECT_EQ(dut.state(0).core.draw_count, free.state(0).core.draw_count);
+  const double heading = turn_back.theta;
+  EXPECT_NEAR(dut.pose(0).theta, free.pose(0).theta, 1e-9);
+  EXPECT_NEAR(dut.pose(0).x + 0.4 * std::cos(heading), free.pose(0).x, 1e-4);
+  EXPECT_NEAR(dut.pose(0).y + 0.4 * std::sin(heading), free.pose(0).y, 1e-4);
+}
+
+TEST(WorldReversal, HappensBeforeTheWallIsTouched) {
+  World dut(idealHardware(), robotAt(0.6, 0.45, 0));
+  startAll(dut, always(wheelsProgram(0.2, 0.2)));
+  dut.advanceTo(60 * kSecond);
+  EXPECT_GT(dut.state(0).core.reversal_count, 5U);
+  EXPECT_EQ(dut.state(0).wall_contacts, 0);
+}
+
+TEST(WorldReversal, IsEndedByTheWallBehind) {
+  // Too small to drive back 40 cm: the reversal ends in view of the wall behind.
+  WorldSettings settings = idealHardware();
+  settings.arena = {0.5, 0.9};
+  World dut(settings, robotAt(0.25, 0.45, 0));
+  startAll(dut, always(wheelsProgram(0.1, 0.1)));
+  dut.advanceTo(60 * kSecond);
+  const RobotState state = dut.state(0);
+  EXPECT_GT(state.core.reversal_count, 5U);
+  EXPECT_LT(state.reversal_end - state.reversal_start, 3.9);
+  EXPECT_EQ(state.wall_contacts, 0);
+}
+
+TEST(WorldReversal, ARobotParallelToAWallIsNotTrapped) {
+  World dut(idealHardware(), robotAt(0.2, 0.06, 0));
+  startAll(dut, always(wheelsProgram(0.05, 0.05)));
+  dut.advanceTo(10 * kSecond);
+  EXPECT_EQ(dut.state(0).core.reversal_count, 0U);
+  EXPECT_NEAR(dut.pose(0).x, 0.7, 0.01);
+}
+
+TEST(WorldReversal, WithoutItTheWallStopsTheRobot) {
+  World dut(idealHardware(), robotAt(1.0, 0.45, 0));
+  dynamics::CoreSettings blind = always(wheelsProgram(0.1, 0.1));
+  blind.reversal.enabled = false;
+  startAll(dut, blind);
+  dut.advanceTo(10 * kSecond);
+  EXPECT_NEAR(dut.pose(0).x, 1.2 - 0.0375, 1e-12);
+  EXPECT_TRUE(dut.state(0).contact_wall);
+  EXPECT_EQ(dut.state(0).wall_contacts, 1);
+  EXPECT_EQ(dut.collisions(), 0);
+}
+
+class WorldReversalFromRobots : public ::testing::Test {
+ protected:
+  static World headOn(bool robots_seen) {
+    World world(idealHardware(), {{1, dynamics::Pose{0.4, 0.45, 0}, false},
+                                  {2, dynamics::Pose{0.8, 0.45, 0}, false}});
+    world.setRobotsSeen(0, robots_seen);
+    world.order(0, [](dynamics::RobotCore& core, std::uint32_t now_ms) {
+      core.configure(now_ms, always(wheelsProgram(0.05, 0.05)));
+      core.renewLease(now_ms, dynamics::RobotCore::kNoEventMs);
+    });
+    world.advanceTo(8 * kSecond);
+    return world;
+  }
+};
+
+TEST_F(WorldReversalFromRobots, SeenTheyAreObstacles) {
+  const World dut = headOn(true);
+  EXPECT_EQ(dut.state(0).core.reversal_count, 1U);
+  EXPECT_EQ(dut.collisions(), 0);
+}
+
+TEST_F(WorldReversalFromRobots, UnseenTheyAreRunInto) {
+  const World dut = headOn(false);
+  EXPECT_EQ(dut.state(0).core.reversal_count, 0U);
+  EXPECT_NEAR(dut.pose(0).x, 0.8 - 0.075, 1e-8);
+  EXPECT_EQ(dut.pose(1).x, 0.8) << "nothing is pushed";
+  EXPECT_TRUE(dut.state(0).contact_robot);
+  EXPECT_TRUE(dut.state(1).contact_robot);
+  EXPECT_FALSE(dut.state(0).contact_wall);
+  EXPECT_EQ(dut.collisions(), 1);
+  EXPECT_EQ(dut.state(0).sensors.ir[0], 1023) << "the sensor sees it all the same";
+}
+
+}  // namespace
+}  // namespace lab::sim
