@@ -1,0 +1,139 @@
+#include "runner/command_line.hpp"
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <iostream>
+
+#include "common/version.hpp"
+#include "runner/commands.hpp"
+#include "runner/doctor.hpp"
+#include "runner/lab_registry.hpp"
+
+namespace lab::runner {
+namespace {
+
+namespace fs = std::filesystem;
+using Chosen = std::function<int()>;
+
+/// Each adds one subcommand. CLI11 fills the options in while parsing; `chosen` is called after it.
+void addRun(CLI::App& app, Chosen& chosen, const fs::path& programs) {
+  auto options = std::make_shared<RunOptions>();
+  options->programs = programs;
+  CLI::App* command = app.add_subcommand("run", "Run an experiment: services, script, log, report");
+  command->add_option("FILE", options->file, "Experiment file (TOML)")->required();
+  command->add_flag("--virtual-time", options->virtual_time,
+                    "One process, as fast as the machine allows, the same to the bit");
+  command->add_option("--seed", options->seed, "Instead of the file's seed");
+  command->add_option("--out", options->out, "Where run folders are made")->capture_default_str();
+  command->add_option("--set", options->set, "key=value: instead of the file's (repeatable)");
+  command->add_flag("!--no-report", options->report, "Keep the log, analyse later");
+  command->callback([&chosen, options] { chosen = [options] { return run(*options); }; });
+}
+
+void addCheck(CLI::App& app, Chosen& chosen) {
+  auto file = std::make_shared<fs::path>();
+  auto set = std::make_shared<std::vector<std::string>>();
+  CLI::App* command = app.add_subcommand("check", "Validate an experiment; say what would start");
+  command->add_option("FILE", *file, "Experiment file (TOML)")->required();
+  command->add_option("--set", *set, "key=value: instead of the file's (repeatable)");
+  command->callback([&chosen, file, set] { chosen = [=] { return check(*file, *set); }; });
+}
+
+void addAnalyze(CLI::App& app, Chosen& chosen) {
+  auto input = std::make_shared<fs::path>();
+  auto out = std::make_shared<std::optional<fs::path>>();
+  CLI::App* command =
+      app.add_subcommand("analyze", "Rebuild summary, report, trajectories, figures from a log");
+  command->add_option("RUN|LOG", *input, "Folder of a run, or a log")->required();
+  command->add_option("--out", *out, "Folder for the results (default: beside the log)");
+  command->callback([&chosen, input, out] { chosen = [=] { return analyze(*input, *out); }; });
+}
+
+void addReplay(CLI::App& app, Chosen& chosen) {
+  auto options = std::make_shared<ReplayOptions>();
+  CLI::App* command =
+      app.add_subcommand("replay", "Play a log onto a bus of its own; space pauses");
+  command->add_option("LOG", options->log, "Log, or folder of a run")->required();
+  command->add_option("--from", options->from, "s since the log began")->check(CLI::NonNegativeNumber);
+  command->add_option("--to", options->to, "s since the log began")->check(CLI::PositiveNumber);
+  command->add_option("--speed", options->speed, "Log seconds a second")
+      ->check(CLI::Range(1e-3, 1e4))
+      ->capture_default_str();
+  command->add_flag("--loop", options->loop, "Begin again at the end");
+  command->add_option("--channel", options->channels, "Only these (repeatable)");
+  command->add_option("--port", options->port, "UDP port of the bus (default: a free one)")
+      ->check(CLI::Range(1024, 65535));
+  command->callback([&chosen, options] { chosen = [options] { return replay(*options); }; });
+}
+
+void addLight(CLI::App& app, Chosen& chosen) {
+  auto options = std::make_shared<LightOptions>();
+  CLI::App* command = app.add_subcommand("light", "Set the light of a running lab by hand");
+  command->add_option("LAYER", options->layers,
+                      "An intensity 0..1, or layers as in experiment files: "
+                      "'{kind = \"disk\", x_cm = 60, y_cm = 45, radius_cm = 20, intensity = 1}'");
+  command->add_flag("--release", options->release, "Give the light back to the script");
+  command->add_option("--ramp", options->ramp, "s of cross-fade")->check(CLI::Range(0.0, 3600.0));
+  command->add_option("--for", options->hold, "s, then the script's light returns")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--lab", options->lab, "Which lab, when several run");
+  command->callback([&chosen, options] { chosen = [options] { return light(*options); }; });
+}
+
+void addStop(CLI::App& app, Chosen& chosen) {
+  auto options = std::make_shared<StopOptions>();
+  CLI::App* command = app.add_subcommand("stop", "Every robot of every lab stops, now");
+  command->add_flag("--clear", options->clear, "Release the stop: robots go on");
+  command->add_option("--lab", options->lab, "Only this lab");
+  command->callback([&chosen, options] { chosen = [options] { return stop(*options); }; });
+}
+
+void addSpy(CLI::App& app, Chosen& chosen) {
+  auto options = std::make_shared<SpyOptions>();
+  CLI::App* command = app.add_subcommand("spy", "Channels of a running lab: rates, ages, gaps");
+  command->add_option("--lab", options->lab, "Which lab, when several run");
+  command->add_option("--lcm-url", options->url, "Any bus, instead of a lab's");
+  command->add_option("--seconds", options->seconds, "End after this long")
+      ->check(CLI::PositiveNumber);
+  command->callback([&chosen, options] { chosen = [options] { return spy(*options); }; });
+}
+
+void addDoctor(CLI::App& app, Chosen& chosen) {
+  auto options = std::make_shared<DoctorOptions>();
+  CLI::App* command =
+      app.add_subcommand("doctor", "What is wrong with this machine, and the line that fixes it");
+  command->add_option("--out", options->runs, "Where run folders are made")->capture_default_str();
+  command->callback([&chosen, options] {
+    chosen = [options] {
+      options->registrations = registryDirectory();
+      const std::vector<Finding> findings = examine(*options);
+      print(std::cout, findings);
+      return exitCode(findings);
+    };
+  });
+}
+
+}  // namespace
+
+int runCommandLine(int argc, char** argv) {
+  CLI::App app{"Active Lab: active matter with light-driven robots, real or simulated", "lab"};
+  app.set_version_flag("--version", kVersion);
+  app.require_subcommand(1);
+  Chosen chosen;
+  addRun(app, chosen, fs::canonical("/proc/self/exe").parent_path());
+  addCheck(app, chosen);
+  addAnalyze(app, chosen);
+  addReplay(app, chosen);
+  addLight(app, chosen);
+  addStop(app, chosen);
+  addSpy(app, chosen);
+  addDoctor(app, chosen);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? kDone : kBadInput;
+  }
+  return chosen();
+}
+
+}  // namespace lab::runner

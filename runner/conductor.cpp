@@ -1,0 +1,271 @@
+#include "runner/conductor.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "common/channels.hpp"
+#include "common/experiment_messages.hpp"
+#include "common/fingerprints.hpp"
+#include "common/light_messages.hpp"
+#include "common/units.hpp"
+#include "common/version.hpp"
+#include "light/field.hpp"
+#include "runner/light_schedule.hpp"
+
+namespace lab::runner {
+namespace {
+
+constexpr std::int64_t kRobotPeriod_us = 200'000;        // 5 Hz
+constexpr std::int64_t kLightPeriod_us = 500'000;        // 2 Hz
+constexpr std::int64_t kStopPeriod_us = 100'000;         // 10 Hz
+constexpr std::int64_t kEchoPatience_us = 3'000'000;     // then the script starts without
+constexpr std::int64_t kDeliveryPatience_us = 2'000'000;
+constexpr std::int64_t kSecond_us = 1'000'000;
+// The network may lose one message; what happens once is said more than once.
+constexpr int kRepeatEvent = 3;
+constexpr std::int64_t kStartEvery_us = 60'000'000;
+
+}  // namespace
+
+Conductor::Conductor(const ServiceContext& context, std::string effective,
+                     std::function<void()> over)
+    : node_(context.node),
+      loop_(context.loop),
+      experiment_(context.experiment),
+      effective_(std::move(effective)),
+      over_(std::move(over)),
+      images_(loadImages(context.experiment, context.directory)),
+      robots_(lightTableCommand(context.experiment)) {
+  node_.subscribe<robot_status_t>(channels::kRobotStatus,
+                                  [this](const robot_status_t& status) { take(status); });
+  node_.subscribe<tracked_frame_t>(channels::kTrackedFrame,
+                                   [this](const tracked_frame_t& frame) { take(frame); });
+  node_.subscribe<robot_stop_t>(channels::kRobotStop,
+                                [this](const robot_stop_t& stop) { take(stop); });
+  node_.subscribe<light_status_t>(channels::kLightStatus, [this](const light_status_t& status) {
+    if (watch_) watch_->take(status);
+    finishWatch();
+  });
+}
+
+void Conductor::begin() {
+  phase_ = Phase::kAskingRobots;
+  asked_utime_ = loop_.now();
+  robots_.seq = 1;
+  announceStart();
+  loop_.every(kStartEvery_us, asked_utime_ + kStartEvery_us, [this] {
+    if (phase_ != Phase::kConcluded) announceStart();
+  });
+  loop_.every(kRobotPeriod_us, asked_utime_, [this] { sendRobots(); });
+  loop_.every(kLightPeriod_us, asked_utime_, [this] { sendLight(); });
+  loop_.every(kStopPeriod_us, asked_utime_, [this] {
+    if (stopping_) node_.publishCommand(channels::kRobotStop, stop_);
+  });
+  loop_.at(asked_utime_ + kEchoPatience_us, [this] {
+    if (phase_ != Phase::kAskingRobots) return;
+    fault("not every robot took its light table within 3 s; the script starts without them");
+    startScript();
+  });
+}
+
+void Conductor::announceStart() {
+  experiment_event_t event{};
+  event.kind = experiment_event_t::START;
+  event.text = effective_;
+  event.contract_version = kContractVersion;
+  event.fingerprints = fingerprintList();
+  event.version = kVersion;
+  record(std::move(event));
+}
+
+void Conductor::record(experiment_event_t event) {
+  event.utime = loop_.now();
+  for (int copy = 0; copy < kRepeatEvent; ++copy) {
+    node_.publish(channels::kExperimentEvent, event);
+  }
+}
+
+void Conductor::fault(const std::string& what) {
+  faults_.push_back(what);
+  node_.noteError(what);
+  experiment_event_t event{};
+  event.kind = experiment_event_t::FAULT;
+  event.text = what;
+  record(std::move(event));
+}
+
+void Conductor::sendRobots() {
+  if (phase_ == Phase::kIdle) return;
+  robots_.utime = 0;
+  node_.publishCommand(channels::kRobotCommand, robots_);
+}
+
+void Conductor::sendLight() {
+  if (light_.seq == 0) return;
+  light_.utime = 0;
+  node_.publishCommand(channels::kLightCommand, light_);
+}
+
+void Conductor::startScript() {
+  phase_ = Phase::kScript;
+  script_start_ = loop_.now();
+  loop_.at(script_start_ + units::microseconds(experiment_.duration), [this] {
+    if (phase_ == Phase::kScript) over_();
+  });
+  showStep(0);
+}
+
+void Conductor::showStep(int number) {
+  const auto step = scheduledStep(experiment_.light, experiment_.duration, number);
+  if (!step) return;
+  const std::int64_t due = script_start_ + units::microseconds(step->at);
+  loop_.at(due, [this, step = *step] {
+    if (phase_ != Phase::kScript) return;
+    if (watch_) {
+      record(watch_->event());
+      watch_.reset();
+    }
+    const LightStep& wanted = experiment_.light.steps[step.index];
+    ++light_.seq;
+    light_.from_utime = loop_.now();
+    light_.ramp = wanted.ramp;
+    light_.label = wanted.label;
+    light_.layers = layersOf(wanted);
+    light_.num_layers = static_cast<std::int32_t>(light_.layers.size());
+    sendLight();
+
+    experiment_event_t event{};
+    event.kind = experiment_event_t::STEP;
+    event.step = step.number;
+    event.label = wanted.label;
+    event.commanded_utime = light_.from_utime;
+    watch_.emplace(event, node_.identity().instance, light_.seq, expectedProgram(wanted));
+    loop_.at(loop_.now() + kDeliveryPatience_us, [this, seq = light_.seq] {
+      if (watch_ && light_.seq == seq) {
+        record(watch_->event());
+        watch_.reset();
+      }
+    });
+    showStep(step.number + 1);
+  });
+}
+
+std::vector<light_layer_t> Conductor::layersOf(const LightStep& step) const {
+  std::vector<light_layer_t> layers = toMessages(step.layers);
+  for (light_layer_t& layer : layers) {
+    if (!layer.image.empty()) layer.image = images_.digests.at(layer.image);
+  }
+  return layers;
+}
+
+std::optional<program_t> Conductor::expectedProgram(const LightStep& step) const {
+  const light::Field field = toField(layersOf(step), images_.store);
+  if (step.ramp > 0 || !light::isUniform(field)) return std::nullopt;
+  const double intensity = light::evaluate(field, 0, 0);
+  for (const LightBand& band : experiment_.light_table.bands) {
+    if (intensity >= band.low && intensity < band.high) {
+      return toMessage(experiment_.programs.at(band.program));
+    }
+  }
+  return program_t{};
+}
+
+void Conductor::finishWatch() {
+  if (!watch_ || !watch_->complete()) return;
+  record(watch_->event());
+  watch_.reset();
+}
+
+void Conductor::take(const robot_status_t& status) {
+  checkOwner(status);
+  for (const robot_state_t& robot : status.robots) states_[robot.robot_id] = robot;
+  if (phase_ == Phase::kAskingRobots && allEchoed()) startScript();
+  if (watch_) watch_->take(status);
+  finishWatch();
+}
+
+bool Conductor::allEchoed() const {
+  return std::all_of(experiment_.robots.begin(), experiment_.robots.end(),
+                     [this](const RobotSpec& robot) {
+                       const auto state = states_.find(robot.id);
+                       return state != states_.end() && state->second.command_seq == robots_.seq &&
+                              state->second.command_instance == node_.identity().instance;
+                     });
+}
+
+void Conductor::checkOwner(const robot_status_t& status) {
+  for (const robot_state_t& robot : status.robots) {
+    Owner& owner = owners_[robot.robot_id];
+    const bool same = owner.sender == status.sender && owner.instance == status.instance;
+    const bool other_is_alive = !owner.sender.empty() && status.utime - owner.utime < kSecond_us;
+    // A restarted service takes its robots over; only two that speak at once are in dispute. An
+    // older instance of the same service is on its way out.
+    const bool takes_over = owner.sender == status.sender && status.instance > owner.instance;
+    if (!same && other_is_alive && !takes_over) {
+      if (disputed_.insert(robot.robot_id).second) {
+        fault("robot " + std::to_string(robot.robot_id) + " has two owners, " + owner.sender +
+              " and " + status.sender + ": stop one of them or give its robot another id");
+      }
+      continue;
+    }
+    owner = {status.sender, status.instance, status.utime};
+  }
+}
+
+void Conductor::take(const tracked_frame_t& frame) {
+  for (const tracked_pose_t& pose : frame.robots) {
+    poses_[pose.robot_id] = pose;
+    seen_utime_[pose.robot_id] = frame.utime;
+  }
+}
+
+void Conductor::take(const robot_stop_t& stop) {
+  const bool own = stop.sender == node_.identity().name;
+  if (own || phase_ == Phase::kIdle || !stops_heard_.insert(stop.seq).second) return;
+  experiment_event_t event{};
+  event.kind = experiment_event_t::MARK;
+  event.text = std::string(stop.clear != 0 ? "stop released by " : "robots stopped by ") +
+               stop.sender + (stop.reason.empty() ? "" : ": " + stop.reason);
+  record(std::move(event));
+}
+
+void Conductor::stopRobots(const std::string& why) {
+  stopping_ = true;
+  stop_.seq = loop_.now();
+  stop_.utime = loop_.now();
+  stop_.reason = why;
+  node_.publishCommand(channels::kRobotStop, stop_);
+}
+
+void Conductor::conclude(const std::string& why) {
+  if (phase_ == Phase::kConcluded) return;
+  if (watch_) record(watch_->event());
+  watch_.reset();
+  phase_ = Phase::kConcluded;
+  const std::int64_t seq = robots_.seq + 1;
+  robots_ = standCommand(experiment_);
+  robots_.seq = seq;
+  sendRobots();
+  experiment_event_t event{};
+  event.kind = experiment_event_t::END;
+  event.text = why;
+  record(std::move(event));
+}
+
+Progress Conductor::progress() const {
+  Progress progress;
+  const std::int64_t now = loop_.now();
+  if (phase_ == Phase::kScript) progress.elapsed = units::seconds(now - script_start_);
+  progress.left = std::max(0.0, experiment_.duration - progress.elapsed);
+  progress.light = light_.label;
+  progress.robots_seen = static_cast<std::size_t>(
+      std::count_if(seen_utime_.begin(), seen_utime_.end(),
+                    [now](const auto& seen) { return now - seen.second < kSecond_us; }));
+  for (const auto& [id, state] : states_) {
+    ++progress.robots_running[programName(experiment_, state.program)];
+  }
+  progress.lost = node_.streams().lost();
+  return progress;
+}
+
+}  // namespace lab::runner

@@ -1,0 +1,106 @@
+/// The runner's part on the bus: it commands the robots, plays the light script and keeps the record.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <lab/light_command_t.hpp>
+#include <lab/robot_command_t.hpp>
+#include <lab/robot_stop_t.hpp>
+#include <lab/tracked_frame_t.hpp>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+
+#include "common/light_messages.hpp"
+#include "common/service_main.hpp"
+#include "runner/delivery_watch.hpp"
+
+namespace lab::runner {
+
+/// How the run stands, for the progress line.
+struct Progress {
+  double elapsed = 0;                         ///< [s] of the script
+  double left = 0;                            ///< [s]
+  std::string light;                          ///< label of the step shown
+  std::size_t robots_seen = 0;                ///< by the tracker, in the last second
+  std::map<std::string, int> robots_running;  ///< robots by the name of their program
+  std::int64_t lost = 0;                      ///< messages this process missed
+};
+
+/// Conducts one experiment. begin() puts the robots under their light table and waits until each
+/// has echoed it; then the script's clock starts. Robots, light and record go on until the script's
+/// end, conclude(), or a fault that ends the run.
+class Conductor final : public Service {
+ public:
+  /// @param effective the experiment file with every default filled in, for the record.
+  /// @param over called once, when the script's time is up.
+  Conductor(const ServiceContext& context, std::string effective, std::function<void()> over);
+
+  void begin();
+
+  /// Marks the run: what broke, while the rest goes on.
+  void fault(const std::string& what);
+
+  /// Ends the experiment: robots stand, the record says why.
+  void conclude(const std::string& why);
+
+  /// Stops every robot until conclude(), at 10 Hz.
+  void stopRobots(const std::string& why);
+
+  [[nodiscard]] Progress progress() const;
+  [[nodiscard]] const std::vector<std::string>& faults() const { return faults_; }
+
+  /// The last pose of every robot that the tracker has seen.
+  [[nodiscard]] const std::map<std::int32_t, tracked_pose_t>& lastPoses() const { return poses_; }
+
+ private:
+  void take(const robot_status_t& status);
+  void take(const tracked_frame_t& frame);
+  void take(const robot_stop_t& stop);
+  void startScript();
+  void showStep(int number);
+  void finishWatch();
+  void announceStart();
+  void record(experiment_event_t event);
+  void sendRobots();
+  void sendLight();
+  void checkOwner(const robot_status_t& status);
+  [[nodiscard]] bool allEchoed() const;
+  [[nodiscard]] std::vector<light_layer_t> layersOf(const LightStep& step) const;
+  [[nodiscard]] std::optional<program_t> expectedProgram(const LightStep& step) const;
+
+  enum class Phase { kIdle, kAskingRobots, kScript, kConcluded };
+
+  Node& node_;
+  Loop& loop_;
+  const Experiment& experiment_;
+  std::string effective_;
+  std::function<void()> over_;
+
+  ExperimentImages images_;
+  Phase phase_ = Phase::kIdle;
+  std::int64_t asked_utime_ = 0;
+  std::int64_t script_start_ = 0;
+  robot_command_t robots_{};
+  light_command_t light_{};
+  robot_stop_t stop_{};
+  bool stopping_ = false;
+  std::set<std::int64_t> stops_heard_;
+  std::optional<DeliveryWatch> watch_;
+
+  struct Owner {
+    std::string sender;
+    std::int64_t instance = 0;
+    std::int64_t utime = 0;
+  };
+  std::map<std::int32_t, Owner> owners_;
+  std::set<std::int32_t> disputed_;
+  std::map<std::int32_t, robot_state_t> states_;
+  std::map<std::int32_t, tracked_pose_t> poses_;
+  std::map<std::int32_t, std::int64_t> seen_utime_;
+  std::vector<std::string> faults_;
+};
+
+}  // namespace lab::runner

@@ -1,0 +1,53 @@
+#include "runner/delivery_watch.hpp"
+
+#include <algorithm>
+
+#include "common/experiment_messages.hpp"
+
+namespace lab::runner {
+
+void DeliveryWatch::take(const light_status_t& status) {
+  if (status.command_instance == instance_ && status.command_seq == seq_) {
+    presented_utime_ = status.first_shown_utime;
+  }
+}
+
+void DeliveryWatch::take(const robot_status_t& status) {
+  if (!expected_) return;
+  for (const robot_state_t& robot : status.robots) {
+    const auto [entry, is_new] = robots_.try_emplace(robot.robot_id);
+    const bool runs_it = sameProgram(robot.program, *expected_);
+    // What a robot ran before the light was shown decides whether it has to change.
+    const bool before = presented_utime_ == 0 || robot.utime < presented_utime_;
+    if (is_new || before) entry->second.must_change = !runs_it;
+    const bool acted = runs_it && presented_utime_ != 0 && !before &&
+                       robot.program_start_utime >= presented_utime_;
+    if (acted && entry->second.acted_utime == 0) {
+      entry->second.must_change = true;
+      entry->second.acted_utime = robot.program_start_utime;
+    }
+  }
+}
+
+bool DeliveryWatch::complete() const {
+  return presented_utime_ != 0 && std::all_of(robots_.begin(), robots_.end(), [](const auto& entry) {
+           return !entry.second.must_change || entry.second.acted_utime != 0;
+         });
+}
+
+experiment_event_t DeliveryWatch::event() const {
+  experiment_event_t event = step_;
+  event.presented_utime = presented_utime_;
+  for (const auto& [id, robot] : robots_) {
+    event.robots_expected += robot.must_change ? 1 : 0;
+    if (robot.acted_utime == 0) continue;
+    ++event.robots_acted;
+    event.last_acted_utime = std::max(event.last_acted_utime, robot.acted_utime);
+    event.first_acted_utime = event.first_acted_utime == 0
+                                  ? robot.acted_utime
+                                  : std::min(event.first_acted_utime, robot.acted_utime);
+  }
+  return event;
+}
+
+}  // namespace lab::runner

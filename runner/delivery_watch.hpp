@@ -1,0 +1,48 @@
+/// Proof that a step of the light script arrived: shown by the projector, obeyed by the robots.
+#pragma once
+
+#include <cstdint>
+#include <lab/experiment_event_t.hpp>
+#include <lab/light_status_t.hpp>
+#include <lab/robot_status_t.hpp>
+#include <map>
+#include <optional>
+
+namespace lab::runner {
+
+/// Collects the times of one step from what projector and robots report. It believes status, never
+/// commands.
+class DeliveryWatch {
+ public:
+  /// @param step number, label and commanded_utime are filled in by the caller.
+  /// @param command_instance, command_seq of the LIGHT_COMMAND that asks for the step.
+  /// @param expected program of every robot under the new light, where the step is one and the light
+  ///   is the same everywhere; otherwise nothing, and no robot is expected to act.
+  DeliveryWatch(const experiment_event_t& step, std::int64_t command_instance,
+                std::int64_t command_seq, const std::optional<program_t>& expected)
+      : step_(step), instance_(command_instance), seq_(command_seq), expected_(expected) {}
+
+  void take(const light_status_t& status);
+  void take(const robot_status_t& status);
+
+  /// Shown, and obeyed by every robot that had to change.
+  [[nodiscard]] bool complete() const;
+
+  /// The step with the times known so far.
+  [[nodiscard]] experiment_event_t event() const;
+
+ private:
+  struct RobotWatch {
+    bool must_change = false;
+    std::int64_t acted_utime = 0;
+  };
+
+  experiment_event_t step_;
+  std::int64_t instance_;
+  std::int64_t seq_;
+  std::optional<program_t> expected_;
+  std::int64_t presented_utime_ = 0;
+  std::map<std::int32_t, RobotWatch> robots_;
+};
+
+}  // namespace lab::runner

@@ -1,0 +1,42 @@
+/// Which labs run on this machine, so that `lab stop`, `lab spy` and `lab light` find them.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace lab::runner {
+
+struct RunningLab {
+  std::string name;       ///< of the run's folder
+  std::string url;        ///< of its bus
+  int pid = 0;            ///< of its runner
+  std::string directory;  ///< of the run
+};
+
+/// The folder of the registrations: $XDG_RUNTIME_DIR/active-lab, or one in /tmp that belongs to the
+/// user alone.
+[[nodiscard]] std::filesystem::path registryDirectory();
+
+/// Every registered lab whose runner lives. What dead runners left is removed.
+[[nodiscard]] std::vector<RunningLab> runningLabs();
+
+/// The lab meant by `name`, or the only one that runs when `name` is empty.
+/// @throws UserError when there is none, or several and no name, with their names.
+[[nodiscard]] RunningLab findLab(const std::string& name);
+
+/// A registration that lasts as long as the object.
+class Registration {
+ public:
+  /// @throws UserError when the folder cannot be written.
+  explicit Registration(const RunningLab& lab);
+  ~Registration();
+  Registration(const Registration&) = delete;
+  Registration& operator=(const Registration&) = delete;
+
+ private:
+  std::filesystem::path file_;
+};
+
+}  // namespace lab::runner

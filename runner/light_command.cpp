@@ -1,0 +1,82 @@
+#include <lab/light_command_t.hpp>
+#include <lab/light_status_t.hpp>
+#include <fmt/format.h>
+
+#include "common/asio_loop.hpp"
+#include "common/channels.hpp"
+#include "common/experiment_file.hpp"
+#include "common/experiment_messages.hpp"
+#include "common/lcm_bus.hpp"
+#include "common/node.hpp"
+#include "common/units.hpp"
+#include "runner/commands.hpp"
+#include "runner/lab_registry.hpp"
+
+namespace lab::runner {
+namespace {
+
+constexpr std::int64_t kRepeat_us = 100'000;
+constexpr std::int64_t kPatience_us = 3'000'000;
+// "Until released" without anybody to repeat it: 2100-01-01.
+constexpr std::int64_t kForGood_utime = 4'102'444'800'000'000;
+
+light_command_t command(const LightOptions& options, std::int64_t now) {
+  light_command_t command{};
+  command.seq = 1;
+  command.priority = light_command_t::MANUAL;
+  command.from_utime = now;
+  command.ramp = options.ramp;
+  command.release = options.release ? 1 : 0;
+  command.hold_until_utime =
+      options.hold ? now + units::microseconds(*options.hold) : kForGood_utime;
+  command.label = "by hand";
+  for (const std::string& text : options.layers) {
+    command.layers.push_back(toMessage(parseLayer(text)));
+  }
+  command.num_layers = static_cast<std::int32_t>(command.layers.size());
+  return command;
+}
+
+}  // namespace
+
+ExitCode light(const LightOptions& options) {
+  if (options.layers.empty() && !options.release) {
+    throw UserError(
+        "say which light: lab light 0.5, lab light '{kind = \"disk\", x_cm = 60, y_cm = 45, "
+        "radius_cm = 20, intensity = 1}', or lab light --release");
+  }
+  const RunningLab lab = findLab(options.lab);
+  AsioLoop loop;
+  LcmBus bus(lab.url);
+  Node node(bus, loop, {"lab_light", 0, loop.now()});
+  light_command_t wanted = command(options, loop.now());
+  std::string refusal;
+  bool done = false;
+  node.subscribe<light_status_t>(channels::kLightStatus, [&](const light_status_t& status) {
+    const bool ours = status.commander == node.identity().name;
+    const bool shown = ours && status.command_instance == node.identity().instance;
+    if (options.release ? !ours && status.utime > wanted.from_utime : shown) done = true;
+    if (!status.last_refusal.empty()) refusal = status.last_refusal;
+    if (done) loop.stop();
+  });
+  loop.onReadable(bus.fileDescriptor(), [&] { bus.drain(); });
+  const std::int64_t start = loop.now();
+  loop.every(kRepeat_us, start, [&] {
+    if (loop.now() - start > kPatience_us) {
+      loop.stop();
+      return;
+    }
+    wanted.utime = 0;
+    node.publishCommand(channels::kLightCommand, wanted);
+  });
+  loop.run();
+  if (!done) {
+    fmt::print("{}: the projector did not show it{}\n", lab.name,
+               refusal.empty() ? "" : ": " + refusal);
+    return kFailed;
+  }
+  fmt::print("{}: {}\n", lab.name, options.release ? "released, the script's light is back" : "shown");
+  return kDone;
+}
+
+}  // namespace lab::runner

@@ -1,0 +1,30 @@
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <iostream>
+
+#include "common/bus_error.hpp"
+#include "common/experiment_file.hpp"
+#include "runner/command_line.hpp"
+#include "runner/exit_code.hpp"
+
+int main(int argc, char** argv) {
+  using namespace lab::runner;
+  spdlog::set_default_logger(spdlog::stderr_color_mt("lab"));
+  spdlog::set_pattern("%^%l%$: %v");
+  try {
+    return runCommandLine(argc, argv);
+  } catch (const lab::ExperimentError& error) {
+    std::cerr << error.what() << "\n";
+    return kBadInput;
+  } catch (const UserError& error) {
+    std::cerr << "lab: " << error.what() << "\n";
+    return kBadInput;
+  } catch (const lab::BusError& error) {
+    std::cerr << "lab: " << error.what() << "\n";
+    return kBadInput;
+  } catch (const std::exception& error) {
+    std::cerr << "lab: " << error.what() << "\n";
+    return kFailed;
+  }
+}

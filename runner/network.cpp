@@ -1,0 +1,65 @@
+#include "runner/network.hpp"
+
+#include <arpa/inet.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "common/header.hpp"
+#include "common/lcm_bus.hpp"
+#include "runner/exit_code.hpp"
+#include "runner/lab_registry.hpp"
+
+namespace lab::runner {
+namespace {
+
+constexpr int kListen_ms = 300;
+
+}  // namespace
+
+bool portIsFree(int port) {
+  const int socket_fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  if (socket_fd < 0) return false;
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(static_cast<std::uint16_t>(port));
+  address.sin_addr.s_addr = htonl(INADDR_ANY);
+  // Without SO_REUSEADDR: LCM sets it, and two labs would share the port.
+  const bool free =
+      bind(socket_fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
+  close(socket_fd);
+  return free;
+}
+
+int choosePort(int wanted) {
+  if (wanted != 0) {
+    if (portIsFree(wanted)) return wanted;
+    throw UserError("port " + std::to_string(wanted) +
+                    " (network.port) is in use on this machine: choose another, or 0 for a free one");
+  }
+  // Starting from the process number keeps labs that start together apart.
+  constexpr int kPorts = kLastPort - kFirstPort + 1;
+  for (int offset = 0; offset < kPorts; ++offset) {
+    const int port = kFirstPort + (getpid() * 7 + offset) % kPorts;
+    if (portIsFree(port)) return port;
+  }
+  throw UserError("no UDP port between 20000 and 59999 is free");
+}
+
+void refuseForeignTraffic(const std::string& url) {
+  LcmBus bus(url);
+  std::string found;
+  bus.subscribeAll([&found](const Packet& packet) {
+    if (!found.empty()) return;
+    const auto header = peekHeader(packet.data);
+    found = std::string(packet.channel) + " from " +
+            (header ? std::string(header->sender) : "a foreign program");
+  });
+  bus.drainFor(kListen_ms);
+  if (!found.empty()) {
+    throw UserError("somebody already speaks on " + url + " (" + found +
+                    "): stop it, or set another network.port in the experiment file");
+  }
+}
+
+}  // namespace lab::runner

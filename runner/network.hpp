@@ -1,0 +1,22 @@
+/// A bus of its own for every lab.
+#pragma once
+
+#include <string>
+
+namespace lab::runner {
+
+inline constexpr int kFirstPort = 20000;
+inline constexpr int kLastPort = 59999;
+
+/// Whether nobody on this machine holds the UDP port.
+[[nodiscard]] bool portIsFree(int port);
+
+/// A port for a new lab: `wanted`, or a free one when that is 0.
+/// @throws UserError when `wanted` is taken, with the way out.
+[[nodiscard]] int choosePort(int wanted);
+
+/// Listens for a moment and refuses a bus on which somebody already speaks.
+/// @throws UserError naming the channel and its sender.
+void refuseForeignTraffic(const std::string& url);
+
+}  // namespace lab::runner

@@ -1,0 +1,48 @@
+/// The folder that a run leaves behind.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "common/experiment.hpp"
+
+namespace lab::runner {
+
+namespace files {
+inline constexpr const char* kExperiment = "experiment.toml";
+inline constexpr const char* kLog = "log.lcmlog";
+inline constexpr const char* kProvenance = "provenance.json";
+inline constexpr const char* kImages = "images";
+inline constexpr const char* kServiceLogs = "logs";
+}  // namespace files
+
+/// Makes `parent`/<name>-<UTC time>, with a number behind it when that exists: nothing is ever
+/// overwritten. @throws UserError when it cannot be made.
+[[nodiscard]] std::filesystem::path makeRunDirectory(const std::filesystem::path& parent,
+                                                     const std::string& name,
+                                                     std::int64_t utime);
+
+/// Copies the images of the light script into the run, named by their SHA-256, and lets the
+/// experiment speak of them by that name. @param source folder that the script's paths are relative
+/// to. @throws UserError when an image cannot be read.
+void adoptImages(Experiment& experiment, const std::filesystem::path& source,
+                 const std::filesystem::path& run);
+
+/// Writes a whole new file. @throws UserError when it exists or cannot be written.
+void writeNewFile(const std::filesystem::path& path, const std::string& text);
+
+/// "2026-01-31T12:00:00Z"
+[[nodiscard]] std::string utcText(std::int64_t utime);
+
+/// The experiment file as run, for the folder and the record.
+struct PreparedRun {
+  Experiment experiment;
+  std::string effective;            ///< experiment.toml's text
+  std::filesystem::path directory;
+};
+
+/// Makes the folder with experiment.toml and the images in it.
+[[nodiscard]] PreparedRun prepareRun(Experiment experiment, const std::filesystem::path& source,
+                                     const std::filesystem::path& parent, std::int64_t utime);
+
+}  // namespace lab::runner

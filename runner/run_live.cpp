@@ -1,0 +1,171 @@
+#include "runner/run_live.hpp"
+
+#include <csignal>
+#include <lab/service_status_t.hpp>
+#include <fmt/format.h>
+#include <thread>
+
+#include "common/asio_loop.hpp"
+#include "common/channels.hpp"
+#include "common/experiment_file.hpp"
+#include "common/lcm_bus.hpp"
+#include "common/random.hpp"
+#include "runner/exit_code.hpp"
+#include "runner/supervisor.hpp"
+
+namespace lab::runner {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr std::int64_t kLookAfter_us = 100'000;
+constexpr std::int64_t kShowEvery_us = 500'000;
+constexpr std::int64_t kDiskEvery_us = 1'000'000;
+constexpr int kReadyPatience_ms = 10'000;
+constexpr int kTick_ms = 20;
+constexpr int kRobotsStandPatience_ms = 500;
+constexpr int kBusSettles_ms = 500;
+
+/// One live run from the first process to the last.
+class LiveRun {
+ public:
+  LiveRun(const PreparedRun& run, const LiveOptions& options, const ShowProgress& show)
+      : run_(run),
+        options_(options),
+        show_(show),
+        bus_(options.url),
+        node_(bus_, loop_, {"lab", 0, loop_.now()}),
+        conductor_({node_, loop_, run.experiment, run.directory}, run.effective,
+                   [this] { finish("the script is over"); }),
+        supervisor_(run, options) {
+    node_.subscribe<service_status_t>(channels::kServiceStatus, [this](const auto& status) {
+      if (status.state == service_status_t::READY) supervisor_.noteReady(status.pid);
+    });
+    loop_.onReadable(bus_.fileDescriptor(), [this] { bus_.drain(); });
+    loop_.onSignals({SIGINT, SIGTERM, SIGHUP}, [this](int) {
+      outcome_.interrupted = true;
+      finish("ended by the user");
+    });
+  }
+
+  RunOutcome execute() {
+    start();
+    conductor_.begin();
+    loop_.every(kLookAfter_us, loop_.now(), [this] { lookAfter(); });
+    loop_.every(kShowEvery_us, loop_.now(), [this] { show_(conductor_.progress()); });
+    loop_.every(kDiskEvery_us, loop_.now(), [this] { watchDisk(); });
+    loop_.run();
+    end();
+    outcome_.faults = conductor_.faults();
+    return outcome_;
+  }
+
+ private:
+  void start() {
+    supervisor_.startLogger();
+    // The heartbeat is what the logger's first words are made of.
+    waitUntil([this] { return supervisor_.loggerWrites(); }, [this] { node_.ready(); },
+              [this] { return "lcm-logger writes nothing" + lookInto(); });
+    supervisor_.startServices();
+    waitUntil([this] { return supervisor_.missing().empty(); }, [] {},
+              [this] {
+                return "not ready after 10 s: " + supervisor_.missing() + lookInto();
+              });
+    node_.start();
+  }
+
+  [[nodiscard]] std::string lookInto() const {
+    return "; see " + supervisor_.logFolder().string() + ". Nothing is left running.";
+  }
+
+  void waitUntil(const std::function<bool()>& done, const std::function<void()>& meanwhile,
+                 const std::function<std::string()>& complaint) {
+    for (int waited = 0; !done(); waited += kTick_ms) {
+      if (waited >= kReadyPatience_ms) {
+        const std::string text = complaint();
+        supervisor_.endServices();
+        supervisor_.endLogger();
+        throw UserError(text);
+      }
+      meanwhile();
+      bus_.drainFor(kTick_ms);
+    }
+  }
+
+  void lookAfter() {
+    if (finishing_) return;
+    const bool all_up = supervisor_.revive(
+        [this](const std::string& what) { conductor_.fault(what); }, [this] { return resume(); });
+    if (!all_up) closeEarly("a process would not stay up");
+  }
+
+  /// What a restarted sim_svc begins with: the robots where the tracker last saw them, and other
+  /// random numbers than those already drawn.
+  fs::path resume() {
+    Experiment experiment = run_.experiment;
+    experiment.seed = deriveSeed(experiment.seed, ++restarts_, "restart") >> 1U;
+    for (RobotSpec& robot : experiment.robots) {
+      const auto pose = conductor_.lastPoses().find(robot.id);
+      if (pose == conductor_.lastPoses().end()) continue;
+      robot.start = StartPose{pose->second.x, pose->second.y, pose->second.theta};
+    }
+    const fs::path file = run_.directory / fmt::format("resumed_{:02}.toml", restarts_);
+    writeNewFile(file, writeExperiment(experiment));
+    return file;
+  }
+
+  void watchDisk() {
+    std::error_code error;
+    const auto space = fs::space(run_.directory, error);
+    if (error || static_cast<std::int64_t>(space.available) > options_.disk_reserve) return;
+    closeEarly(fmt::format("the disk is full ({} MB left)", space.available / 1'000'000));
+  }
+
+  void closeEarly(const std::string& why) {
+    if (finishing_) return;
+    outcome_.closed_early = true;
+    conductor_.fault(why);
+    conductor_.stopRobots(why);
+    finish(why);
+  }
+
+  void finish(const std::string& why) {
+    if (finishing_) return;
+    finishing_ = true;
+    conductor_.conclude(why);
+    // The robots hear it and say so before their services end.
+    loop_.at(loop_.now() + kRobotsStandPatience_ms * 1000, [this] { loop_.stop(); });
+  }
+
+  /// Publishers first, then a pause, then the logger: a logger that is stopped too early loses its
+  /// tail.
+  void end() {
+    show_(conductor_.progress());
+    supervisor_.endServices();
+    node_.close();
+    for (int waited = 0; waited < kBusSettles_ms; waited += kTick_ms) {
+      bus_.drain();
+      std::this_thread::sleep_for(std::chrono::milliseconds(kTick_ms));
+    }
+    supervisor_.endLogger();
+  }
+
+  const PreparedRun& run_;
+  const LiveOptions& options_;
+  const ShowProgress& show_;
+  AsioLoop loop_;
+  LcmBus bus_;
+  Node node_;
+  Conductor conductor_;
+  Supervisor supervisor_;
+  RunOutcome outcome_;
+  bool finishing_ = false;
+  int restarts_ = 0;
+};
+
+}  // namespace
+
+RunOutcome runLive(const PreparedRun& run, const LiveOptions& options, const ShowProgress& show) {
+  return LiveRun(run, options, show).execute();
+}
+
+}  // namespace lab::runner

@@ -1,0 +1,21 @@
+/// The lab as independent processes in real time.
+#pragma once
+
+#include "runner/run_virtual.hpp"
+
+namespace lab::runner {
+
+struct LiveOptions {
+  std::string url;                    ///< of the bus
+  std::filesystem::path programs;     ///< folder of the services' programs
+  std::filesystem::path lcm_logger;   ///< stock lcm-logger
+  std::int64_t disk_reserve = 50'000'000;  ///< [bytes] a run is closed when less is left
+};
+
+/// Starts lcm-logger, then the services, waits for READY, conducts the experiment, restarts what
+/// dies, and ends publishers before the logger.
+/// @throws UserError when a service does not get ready; nothing is left running.
+[[nodiscard]] RunOutcome runLive(const PreparedRun& run, const LiveOptions& options,
+                                 const ShowProgress& show);
+
+}  // namespace lab::runner

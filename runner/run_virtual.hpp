@@ -1,0 +1,28 @@
+/// The whole lab in one process, in virtual time.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "runner/conductor.hpp"
+#include "runner/run_directory.hpp"
+
+namespace lab::runner {
+
+/// What came of a run, before its analysis.
+struct RunOutcome {
+  std::vector<std::string> faults;  ///< empty: nothing broke
+  bool closed_early = false;        ///< the disk filled, or a service would not stay up
+  bool interrupted = false;         ///< the user ended it
+};
+
+using ShowProgress = std::function<void(const Progress&)>;
+
+/// Runs the same services as the live lab on an in-memory bus, as fast as the machine allows, and
+/// writes the log that lcm-logger would have written: deterministic to the bit.
+/// @param interrupted looked at once a virtual second; true ends the run cleanly.
+[[nodiscard]] RunOutcome runVirtual(const PreparedRun& run, const ShowProgress& show,
+                                    const std::function<bool()>& interrupted);
+
+}  // namespace lab::runner

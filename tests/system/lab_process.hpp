@@ -1,0 +1,75 @@
+/// The built `lab`, driven as a user would.
+#pragma once
+
+#include <sys/types.h>
+
+#include <chrono>
+#include <filesystem>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+namespace lab::system_test {
+
+/// A folder that goes away with the object.
+class TemporaryFolder {
+ public:
+  TemporaryFolder();
+  ~TemporaryFolder();
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+struct Finished {
+  int exit_code = -1;  ///< -signal when it was killed
+  std::string output;  ///< stdout and stderr
+};
+
+/// A command in the background, in a process group of its own; it is killed with the object.
+class Background {
+ public:
+  /// @param command for the shell; `lab` and the services are found in the build's folder.
+  explicit Background(const std::string& command);
+  ~Background();
+  Background(const Background&) = delete;
+  Background& operator=(const Background&) = delete;
+
+  void signal(int number) const;
+  [[nodiscard]] pid_t pid() const { return pid_; }
+  [[nodiscard]] bool running();
+  /// What it has printed so far.
+  [[nodiscard]] std::string output() const;
+  /// Waits for its end.
+  Finished wait(std::chrono::seconds patience);
+
+ private:
+  TemporaryFolder folder_;
+  pid_t pid_ = -1;
+  int status_ = 0;
+  bool ended_ = false;
+};
+
+/// Runs a command to its end.
+Finished run(const std::string& command, std::chrono::seconds patience = std::chrono::seconds(60));
+
+/// Waits until `condition`, at most this long. @return whether it came about.
+bool waitFor(const std::function<bool()>& condition, std::chrono::milliseconds patience);
+
+/// The only run folder in `parent`.
+std::filesystem::path onlyRun(const std::filesystem::path& parent);
+
+nlohmann::json readJson(const std::filesystem::path& file);
+std::string readFile(const std::filesystem::path& file);
+
+/// Processes whose command line contains `text`, this one's excepted.
+std::vector<pid_t> processesWith(const std::string& text);
+
+/// Where the repository's experiments lie.
+std::filesystem::path experiment(const std::string& name);
+
+}  // namespace lab::system_test

@@ -1,0 +1,188 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include "tests/system/lab_process.hpp"
+
+namespace lab::system_test {
+namespace {
+
+using std::chrono::seconds;
+using testing::HasSubstr;
+namespace fs = std::filesystem;
+
+/// Short live runs of the light-switching experiment: two steps a second and a half each.
+class LiveRun : public testing::Test {
+ protected:
+  LiveRun() {
+    setenv("XDG_RUNTIME_DIR", folder.path().c_str(), 1);
+  }
+
+  [[nodiscard]] std::string labRun(double duration_s, const std::string& more = "") const {
+    return "lab run " + experiment("light_switching").string() + " --out " + runs().string() +
+           " --set duration_s=" + std::to_string(duration_s) +
+           " --set light.steps[0].hold_s=1.5 --set light.steps[1].hold_s=1.5"
+           " --set light.steps[2].hold_s=1.5 " +
+           more;
+  }
+  [[nodiscard]] fs::path runs() const { return folder.path() / "runs"; }
+  [[nodiscard]] fs::path theRun() const { return onlyRun(runs()); }
+
+  /// The bus that a running lab has printed.
+  static std::string busOf(Background& lab) {
+    std::string url;
+    waitFor(
+        [&] {
+          const std::string output = lab.output();
+          const auto at = output.find("udpm://");
+          const auto end = output.find('\n', at);
+          if (at == std::string::npos || end == std::string::npos) return false;
+          url = output.substr(at, end - at);
+          return true;
+        },
+        seconds(10));
+    return url;
+  }
+
+  static bool waitUntilRunning(Background& lab) {
+    return waitFor([&] { return lab.output().find("running ") != std::string::npos; }, seconds(15));
+  }
+
+  [[nodiscard]] pid_t only(const std::string& program) const {
+    const std::vector<pid_t> found = processesWith(std::string(LAB_PROGRAMS) + "/" + program);
+    return found.size() == 1 ? found.front() : -1;
+  }
+
+  TemporaryFolder folder;
+};
+
+TEST_F(LiveRun, LeavesLogReportAndSummaryBehind) {
+  const Finished lab = run(labRun(6));
+  ASSERT_EQ(lab.exit_code, 0) << lab.output;
+  for (const char* file : {"experiment.toml", "log.lcmlog", "summary.json", "report.html",
+                           "trajectories.csv", "provenance.json"}) {
+    EXPECT_GT(fs::file_size(theRun() / file), 100U) << file;
+  }
+  EXPECT_THAT(lab.output, HasSubstr((theRun() / "report.html").string()));
+  EXPECT_THAT(processesWith(runs().string()), testing::IsEmpty());
+}
+
+TEST_F(LiveRun, StopAndLightByHandReachTheRobots) {
+  Background lab(labRun(12));
+  ASSERT_TRUE(waitUntilRunning(lab)) << lab.output();
+  const Finished light = run("lab light 0.9 --for 3");
+  EXPECT_EQ(light.exit_code, 0) << light.output;
+  const Finished stop = run("lab stop");
+  EXPECT_EQ(stop.exit_code, 0) << stop.output;
+  EXPECT_THAT(stop.output, HasSubstr("confirmed by 1 robot"));
+  const Finished clear = run("lab stop --clear");
+  EXPECT_EQ(clear.exit_code, 0) << clear.output;
+  const Finished spy = run("lab spy --seconds 1.5");
+  for (const char* channel : {"TRACKED_FRAME", "ROBOT_STATUS", "LIGHT_STATUS", "ANALYSIS"}) {
+    EXPECT_THAT(spy.output, HasSubstr(channel));
+  }
+  EXPECT_EQ(lab.wait(seconds(60)).exit_code, 0) << lab.output();
+}
+
+TEST_F(LiveRun, AHandStartedLoggerHearsTheSameStreams) {
+  Background lab(labRun(6));
+  const std::string url = busOf(lab);
+  const fs::path by_hand = folder.path() / "by_hand.lcmlog";
+  Background logger("exec lcm-logger -q '--lcm-url=" + url + "' " + by_hand.string());
+  ASSERT_EQ(lab.wait(seconds(60)).exit_code, 0) << lab.output();
+  logger.signal(SIGTERM);
+  logger.wait(seconds(10));
+  // It may have begun a moment later than the lab's own.
+  const auto own = static_cast<double>(fs::file_size(theRun() / "log.lcmlog"));
+  EXPECT_NEAR(static_cast<double>(fs::file_size(by_hand)) / own, 1, 0.1);
+}
+
+TEST_F(LiveRun, ARunEndedByTheUserKeepsItsData) {
+  Background lab(labRun(60));
+  ASSERT_TRUE(waitUntilRunning(lab)) << lab.output();
+  waitFor([] { return false; }, seconds(2));
+  lab.signal(SIGINT);
+  const Finished ended = lab.wait(seconds(30));
+  EXPECT_EQ(ended.exit_code, 0) << ended.output;
+  EXPECT_TRUE(fs::exists(theRun() / "report.html"));
+  EXPECT_THAT(processesWith(runs().string()), testing::IsEmpty());
+}
+
+TEST_F(LiveRun, KillingTheRunnerLeavesNoOrphans) {
+  Background lab(labRun(60));
+  ASSERT_TRUE(waitUntilRunning(lab)) << lab.output();
+  ASSERT_GE(processesWith(runs().string()).size(), 4U);
+  for (const pid_t pid : processesWith("lab run")) kill(pid, SIGKILL);
+  EXPECT_TRUE(waitFor([&] { return processesWith(runs().string()).empty(); }, seconds(10)));
+}
+
+class KilledService : public LiveRun, public testing::WithParamInterface<const char*> {};
+
+TEST_P(KilledService, IsRestartedAndTheRunIsMarked) {
+  const std::string name = GetParam();
+  Background lab(labRun(8));
+  ASSERT_TRUE(waitUntilRunning(lab)) << lab.output();
+  waitFor([] { return false; }, seconds(2));
+  const std::vector<pid_t> processes = processesWith(name == "lcm-logger" ? "lcm-logger" : "/" + name);
+  ASSERT_FALSE(processes.empty());
+  for (const pid_t pid : processes) kill(pid, SIGKILL);
+  const Finished ended = lab.wait(seconds(60));
+  EXPECT_EQ(ended.exit_code, 0) << ended.output;
+  EXPECT_THAT(ended.output, HasSubstr("marked   " + name + " died (killed by signal 9)"));
+  EXPECT_THAT(readFile(theRun() / "report.html"), HasSubstr(name + " died"));
+  EXPECT_EQ(fs::exists(theRun() / "log.lcmlog.01"), name == "lcm-logger");
+  EXPECT_EQ(run("lab analyze " + theRun().string()).exit_code, 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Each, KilledService,
+                         testing::Values("sim_svc", "projector_ctl", "analyzer", "lcm-logger"),
+                         [](const auto& info) {
+                           std::string name = info.param;
+                           std::erase_if(name, [](char c) { return c == '_' || c == '-'; });
+                           return name;
+                         });
+
+/// What must be refused before anything starts.
+class Refusal : public LiveRun {
+ protected:
+  void expectRefused(const Finished& lab, const std::string& text) const {
+    EXPECT_EQ(lab.exit_code, 2) << lab.output;
+    EXPECT_THAT(lab.output, HasSubstr(text));
+    EXPECT_FALSE(fs::exists(runs())) << "a run was begun";
+    EXPECT_THAT(processesWith(runs().string()), testing::IsEmpty());
+  }
+};
+
+TEST_F(Refusal, WithoutAMulticastRoute) {
+  expectRefused(run("unshare -n bash -c 'ip link set lo up; " + labRun(5) + "'"), "ip route add");
+}
+
+TEST_F(Refusal, WithoutLcmLogger) {
+  // A PATH with gnuplot and without lcm-logger.
+  const fs::path programs = folder.path() / "bin";
+  fs::create_directories(programs);
+  const std::string gnuplot = run("command -v gnuplot").output;
+  fs::create_symlink(gnuplot.substr(0, gnuplot.find('\n')), programs / "gnuplot");
+  expectRefused(run("PATH=" + programs.string() + ":" LAB_PROGRAMS "; " + labRun(5)),
+                "lcm-logger is not installed: sudo apt-get install liblcm-bin");
+}
+
+TEST_F(Refusal, WithForeignTrafficOnThePort) {
+  Background first(labRun(20, "--set network.port=23456"));
+  ASSERT_TRUE(waitUntilRunning(first));
+  const TemporaryFolder other;
+  const Finished second = run("lab run " + experiment("abp").string() + " --out " +
+                              (other.path() / "runs").string() + " --set network.port=23456");
+  EXPECT_EQ(second.exit_code, 2);
+  EXPECT_THAT(second.output, HasSubstr("23456"));
+  EXPECT_FALSE(fs::exists(other.path() / "runs"));
+  first.signal(SIGINT);
+  EXPECT_EQ(first.wait(seconds(30)).exit_code, 0);
+}
+
+TEST_F(Refusal, WithTooLittleDisk) {
+  expectRefused(run(labRun(860000)), "too little disk");
+}
+
+}  // namespace
+}  // namespace lab::system_test
