@@ -1,6 +1,9 @@
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <sstream>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "common/experiment_check.hpp"
@@ -20,7 +23,7 @@ std::string bandPath(std::size_t index) {
 }
 
 std::string bandText(const LightBand& band) {
-  return "[" + numberText(band.low) + ", " + numberText(band.high) + "]";
+  return '[' + numberText(band.low) + ", " + numberText(band.high) + "]";
 }
 
 std::string programList(const ExperimentForm& form) {
@@ -182,18 +185,41 @@ std::string keyOf(const std::string& field, light::LayerKind kind) {
   return field;
 }
 
-void checkImage(const std::string& path, const std::filesystem::path& directory,
-                light::Layer& layer, const std::string& file, Problems& problems) {
-  const light::DecodedImage decoded = light::loadImage(directory / file);
-  if (!decoded.image) {
-    problems.add(path + ".file", "found " + tomlString(file) +
-                                     ", allowed an image file beside the "
-                                     "experiment file (" +
-                                     decoded.error + ")");
-    return;
+/// "above 0 and below size = 0.1 m" in the words and the unit of the file.
+std::string inCentimetres(std::string text, light::LayerKind kind) {
+  if (const std::size_t size = text.find("size"); size != std::string::npos) {
+    text.replace(size, 4, keyOf("size", kind));
   }
-  layer.pixels = decoded.image;
-  layer.image = decoded.image->sha256;
+  std::istringstream words(text);
+  std::vector<std::string> result;
+  for (std::string word; words >> word;) {
+    const bool metres = (word == "m" || word == "m,") && !result.empty();
+    if (metres)
+      result.back() = fileText(std::strtod(result.back().c_str(), nullptr), unitOf("_cm"));
+    result.push_back(metres ? "c" + word : word);
+  }
+  std::string sentence;
+  for (const std::string& word : result) sentence += (sentence.empty() ? "" : " ") + word;
+  return sentence;
+}
+
+void checkImage(const std::string& path, const std::filesystem::path& directory,
+                light::Layer& layer, const std::string& name, Problems& problems) {
+  const std::filesystem::path file = directory / name;
+  std::error_code error;
+  std::string why = "no such file";
+  if (std::filesystem::is_regular_file(file, error)) {
+    const light::DecodedImage decoded = light::loadImage(file);
+    if (decoded.image) {
+      layer.pixels = decoded.image;
+      layer.image = decoded.image->sha256;
+      return;
+    }
+    why = decoded.error.substr(decoded.error.starts_with(file.string()) ? file.string().size() : 0);
+    why = why.starts_with(": ") ? why.substr(2) : why;
+  }
+  problems.add(path + ".file", "found " + tomlString(name) + " (" + why +
+                                   "), allowed an image file beside the experiment file");
 }
 
 void checkLayer(const std::string& path, const LayerSpec& spec,
@@ -208,8 +234,8 @@ void checkLayer(const std::string& path, const LayerSpec& spec,
   if (!problem) return;
   const std::size_t equals = problem->find(" = ");
   const std::string key = keyOf(problem->substr(0, equals), layer.kind);
-  problems.add(path + "." + key,
-               "found " + (equals == std::string::npos ? *problem : problem->substr(equals + 3)));
+  const std::string what = equals == std::string::npos ? *problem : problem->substr(equals + 3);
+  problems.add(path + "." + key, "found " + inCentimetres(what, layer.kind));
 }
 
 void checkScript(const ExperimentForm& form, const std::optional<std::filesystem::path>& directory,

@@ -7,22 +7,36 @@
 #include "common/experiment_check.hpp"
 #include "common/experiment_cores.hpp"
 #include "common/experiment_keys.hpp"
+#include "common/experiment_messages.hpp"
 #include "common/file_values.hpp"
 
 namespace lab::keys {
 namespace {
 
-constexpr double kRoundingSlack = 1e-9;  // [m] so that robots may touch each other and the wall
+constexpr double kRoundingSlack = 1e-9;  // [m] so that a robot may touch the wall
 
-/// Robots placed one after the other at random jam when they cover 0.547 of the plane (Feder 1980);
-/// below this they find a place quickly.
-constexpr double kLargestRandomCover = 0.5;
-/// Discs in the densest packing cover 0.907, so this always fits, and still lets robots move.
+/// The densest packing covers 0.907; this leaves room to find random places and to move.
 constexpr double kLargestCover = 0.6;
 
 std::string entryPath(std::size_t index) { return "robots[" + std::to_string(index) + "]"; }
 
-std::string cm(double metre) { return fileText(metre, unitOf("_cm")); }
+/// Without the last digits, in which sums and differences differ from what a person expects.
+std::string cm(double metre) {
+  constexpr double kDigits = 1e9;
+  return numberText(std::round(metre * 100 * kDigits) / kDigits);
+}
+
+/// Whether the sizes of arena and robots are known, as nothing about places can be said without.
+bool sizesAreKnown(const Problems& problems) {
+  return !problems.concern("arena.width_cm") && !problems.concern("arena.height_cm") &&
+         !problems.concern("robot.diameter_cm");
+}
+
+bool wheelsAreKnown(const Problems& problems) {
+  return !problems.concern("robot.diameter_cm") &&
+         !problems.concern("robot.max_wheel_speed_cm_s") &&
+         !problems.concern("robot.sensor_period_ms");
+}
 
 void checkIds(const ExperimentForm& form, Problems& problems) {
   std::map<std::int64_t, std::size_t> owners;
@@ -66,16 +80,18 @@ void checkPose(const ExperimentForm& form, std::size_t index, Problems& problems
   const int given = (entry.x ? 1 : 0) + (entry.y ? 1 : 0) + (entry.theta ? 1 : 0);
   if (given == 0) return;
   if (given < 3) {
-    problems.add(path, "found " + std::to_string(given) +
-                           " of x_cm, y_cm and theta_deg, allowed all three, or none for a random "
-                           "start");
+    const char* key = entry.x ? ".x_cm" : entry.y ? ".y_cm" : ".theta_deg";
+    problems.add(path + key,
+                 "found " + std::to_string(given) +
+                     " of x_cm, y_cm and theta_deg, allowed all three, or none for a random "
+                     "start");
     return;
   }
   if (entry.count > 1) {
     problems.add(path + ".count", "found " + std::to_string(entry.count) +
                                       ", allowed 1 where x_cm, y_cm and theta_deg are given");
   }
-  if (problems.concern("arena") || problems.concern("robot")) return;
+  if (!sizesAreKnown(problems)) return;
   const double radius = form.common.hardware.diameter / 2;
   checkInside(path + ".x_cm", *entry.x, form.common.arena_width, radius, problems);
   checkInside(path + ".y_cm", *entry.y, form.common.arena_height, radius, problems);
@@ -89,10 +105,10 @@ void checkOverlaps(const ExperimentForm& form, Problems& problems) {
       const RobotEntry& b = form.robots[j];
       if (!b.x || !b.y) continue;
       const double distance = std::hypot(*a.x - *b.x, *a.y - *b.y);
-      if (distance >= diameter - kRoundingSlack) continue;
+      if (distance >= diameter) continue;
       problems.add(entryPath(i) + ".x_cm",
-                   "found a place " + cm(std::round(distance * 1e5) / 1e5) + " cm from that of " +
-                       entryPath(j) + ", allowed at least robot.diameter_cm = " + cm(diameter));
+                   "found a place " + cm(distance) + " cm from that of " + entryPath(j) +
+                       ", allowed at least robot.diameter_cm = " + cm(diameter));
       break;
     }
   }
@@ -100,23 +116,18 @@ void checkOverlaps(const ExperimentForm& form, Problems& problems) {
 
 void checkRoom(const ExperimentForm& form, Problems& problems) {
   std::int64_t robots = 0;
-  bool random = false;
-  for (const RobotEntry& entry : form.robots) {
-    robots += entry.count;
-    random = random || !entry.x;
-  }
+  for (const RobotEntry& entry : form.robots) robots += entry.count;
   const double radius = form.common.hardware.diameter / 2;
   const double area = form.common.arena_width * form.common.arena_height;
   const double one = std::numbers::pi * radius * radius / area;
-  const double most = random ? kLargestRandomCover : kLargestCover;
   if (2 * radius > std::min(form.common.arena_width, form.common.arena_height)) {
     problems.add("robot.diameter_cm",
                  "found " + cm(2 * radius) + ", allowed at most the arena's width and height");
-  } else if (static_cast<double>(robots) * one > most) {
+  } else if (static_cast<double>(robots) * one > kLargestCover) {
     problems.add("robots", "found " + std::to_string(robots) + " robots, allowed at most " +
-                               std::to_string(static_cast<std::int64_t>(most / one)) +
+                               std::to_string(static_cast<std::int64_t>(kLargestCover / one)) +
                                " of this diameter on this arena (they may cover " +
-                               numberText(most * 100) + " % of it)");
+                               numberText(kLargestCover * 100) + " % of it)");
   }
 }
 
@@ -148,7 +159,7 @@ void checkTime(const std::string& path, double time, double sensor_period, Probl
 
 void checkProgram(const ProgramSpec& program, const RobotHardware& hardware, Problems& problems) {
   const std::string path = "programs." + program.name;
-  if (problems.concern(path) || problems.concern("robot")) return;
+  if (problems.concern(path) || !wheelsAreKnown(problems)) return;
   const Model model = program.model;
   if (model == Model::kAbp || model == Model::kNoisyAbp || model == Model::kBp) {
     checkTime(path + ".epsilon_s", program.epsilon, hardware.sensor_period, problems);
@@ -164,16 +175,28 @@ void checkProgram(const ProgramSpec& program, const RobotHardware& hardware, Pro
   }
 }
 
+void checkTwins(const std::map<std::string, ProgramSpec>& programs, Problems& problems) {
+  for (auto twin = programs.begin(); twin != programs.end(); ++twin) {
+    for (auto first = programs.begin(); first != twin; ++first) {
+      if (!sameProgram(toMessage(first->second), toMessage(twin->second))) continue;
+      problems.add("programs." + twin->first,
+                   "found the same as programs." + first->first +
+                       ", allowed programs that differ: the analyzer knows them by what they do");
+      break;
+    }
+  }
+}
+
 void checkReversal(const ExperimentForm& form, Problems& problems) {
   const Reversal& reversal = form.common.reversal;
   const RobotHardware& robot = form.common.hardware;
   if (reversal.on == ReverseOn::kNever || problems.concern("reversal")) return;
-  if (!problems.concern("robot") && reversal.speed > robot.max_wheel_speed) {
+  if (wheelsAreKnown(problems) && reversal.speed > robot.max_wheel_speed) {
     problems.add("reversal.speed_cm_s", "found " + cm(reversal.speed) + ", allowed 0.1 to " +
                                             cm(robot.max_wheel_speed) +
                                             " (robot.max_wheel_speed_cm_s)");
   }
-  if (problems.concern("robot") || problems.concern("arena")) return;
+  if (!sizesAreKnown(problems)) return;
   const double room = std::min(form.common.arena_width, form.common.arena_height) - robot.diameter;
   if (reversal.distance > room) {
     problems.add("reversal.distance_cm", "found " + cm(reversal.distance) + ", allowed 1 to " +
@@ -188,13 +211,14 @@ void checkRobots(const ExperimentForm& form, Problems& problems) {
   for (std::size_t i = 0; i < form.robots.size(); ++i) {
     if (!problems.concern(entryPath(i))) checkPose(form, i, problems);
   }
-  if (!problems.concern("robots") && !problems.concern("robot") && !problems.concern("arena")) {
+  if (!problems.concern("robots") && sizesAreKnown(problems)) {
     checkOverlaps(form, problems);
     checkRoom(form, problems);
   }
   for (const auto& [name, program] : form.common.programs) {
     checkProgram(program, form.common.hardware, problems);
   }
+  if (!problems.concern("programs")) checkTwins(form.common.programs, problems);
   checkReversal(form, problems);
 }
 

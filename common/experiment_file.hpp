@@ -46,4 +46,9 @@ class ExperimentError : public std::runtime_error {
 /// back as a neighbour, and from then on unchanged.)
 [[nodiscard]] std::string writeExperiment(const Experiment& experiment);
 
+/// What would start: run, robots, programs with the numbers that follow from them, the light script
+/// with the programs that it selects, and the expected size of the log. Some twenty lines for
+/// people.
+[[nodiscard]] std::string describeExperiment(const Experiment& experiment);
+
 }  // namespace lab

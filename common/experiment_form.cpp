@@ -22,12 +22,21 @@ LayerSpec toLayer(const LayerEntry& entry, const Experiment& common) {
   return layer;
 }
 
-std::vector<RobotSpec> toRobots(const std::vector<RobotEntry>& entries) {
+/// A robot that touches a wall is not to be outside by a rounding error.
+double clampInside(double place, double size, double radius) {
+  return std::max(radius, std::min(place, size - radius));
+}
+
+std::vector<RobotSpec> toRobots(const std::vector<RobotEntry>& entries, const Experiment& common) {
+  const double radius = common.hardware.diameter / 2;
   std::vector<RobotSpec> robots;
   for (const RobotEntry& entry : entries) {
     for (std::int64_t i = 0; i < entry.count; ++i) {
       RobotSpec robot{static_cast<std::int32_t>(entry.id + i), entry.body, {}};
-      if (entry.x) robot.start = StartPose{*entry.x, *entry.y, *entry.theta};
+      if (entry.x) {
+        robot.start = StartPose{clampInside(*entry.x, common.arena_width, radius),
+                                clampInside(*entry.y, common.arena_height, radius), *entry.theta};
+      }
       robots.push_back(robot);
     }
   }
@@ -92,7 +101,7 @@ std::vector<double> stepTimes(const ExperimentForm& form) {
 
 Experiment toExperiment(const ExperimentForm& form) {
   Experiment experiment = form.common;
-  experiment.robots = toRobots(form.robots);
+  experiment.robots = toRobots(form.robots, form.common);
   const std::vector<double> times = stepTimes(form);
   for (std::size_t i = 0; i < form.light_steps.size(); ++i) {
     const StepEntry& entry = form.light_steps[i];

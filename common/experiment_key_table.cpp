@@ -1,6 +1,7 @@
 #include "common/experiment_key_table.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <numeric>
 #include <utility>
 
@@ -95,6 +96,8 @@ class TableCollector final : public KeyVisitor {
                const Keys& keys) {
     const std::size_t outer = std::exchange(current_, sections_.size());
     sections_.push_back({path, title, meaning, {}});
+    std::string& sentence = sections_.back().meaning;
+    sentence.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(sentence[0])));
     keys();
     current_ = outer;
   }

@@ -2,11 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <initializer_list>
 #include <limits>
 
-#include "common/file_values.hpp"
 #include "dynamics/light_table.hpp"
 #include "light/layer.hpp"
 
@@ -231,10 +229,14 @@ void visitReversal(KeyVisitor& v, Reversal& reversal) {
 void visitLayer(KeyVisitor& v, LayerEntry& entry) {
   using enum LayerKind;
   LayerSpec& layer = entry.layer;
-  const Selector kind(v, {"kind", "what is painted", Need::kRequired}, kKinds, layer.kind);
+  auto layer_kind = static_cast<LayerKind>(layer.kind);
+  auto blend = static_cast<Blend>(layer.blend);
+  const Selector kind(v, {"kind", "what is painted", Need::kRequired}, kKinds, layer_kind);
   const auto placed = {kHalfPlane,      kDisk,    kRing,    kLinearGradient,
                        kRadialGradient, kStripes, kChecker, kImage};
-  enumerate(v, {"blend", "how it changes what the layers before it painted"}, kBlends, layer.blend);
+  enumerate(v, {"blend", "how it changes what the layers before it painted"}, kBlends, blend);
+  layer.kind = static_cast<std::int8_t>(layer_kind);
+  layer.blend = static_cast<std::int8_t>(blend);
   const Key file{"file",
                  "image file, beside the experiment file; grey 0 gives intensity2, white "
                  "intensity",
@@ -358,51 +360,6 @@ void visitTop(KeyVisitor& v, ExperimentForm& form) {
 
 }  // namespace
 
-bool Range::contains(double value) const {
-  const bool above = above_low ? value > low : value >= low;
-  const bool below = below_high ? value < high : value <= high;
-  return above && below && (!whole || value == std::floor(value));
-}
-
-std::string Range::text() const {
-  std::string text = whole ? "whole numbers from " : "";
-  text += (above_low ? "above " : "") + numberText(low);
-  text += (below_high ? " to below " : " to ") + numberText(high);
-  return text;
-}
-
-bool TextRule::accepts(std::string_view text) const {
-  constexpr std::string_view kLetters =
-      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789";
-  if (text.size() > most) return false;
-  if (!as_folder && !bare) return true;
-  const std::string more = as_folder ? "._-" : "_-";
-  return !text.empty() && kLetters.find(text.front()) != std::string_view::npos &&
-         text.find_first_not_of(std::string(kLetters) + more) == std::string_view::npos;
-}
-
-std::string TextRule::text() const {
-  std::string text = "text of at most " + std::to_string(most) + " bytes";
-  if (as_folder || bare) {
-    text = "1 to " + std::to_string(most) + " letters, digits, ";
-    text += as_folder ? "dots, _ and -" : "_ and -";
-    text += ", beginning with a letter or digit";
-  }
-  return text;
-}
-
-std::string choiceText(std::span<const Choice> choices) {
-  std::string text;
-  for (const Choice& choice : choices) {
-    if (choice.refusal.empty()) text += (text.empty() ? "" : ", ") + tomlString(choice.name);
-  }
-  return text;
-}
-
-std::string countText(const ListRule& rule) {
-  return std::to_string(rule.fewest) + " to " + std::to_string(rule.most);
-}
-
 void visitKeys(KeyVisitor& v, ExperimentForm& form) {
   Experiment& e = form.common;
   visitTop(v, form);
@@ -418,11 +375,12 @@ void visitKeys(KeyVisitor& v, ExperimentForm& form) {
            "The robots' hardware, the same for all. Errors are what a simulated robot has "
            "and does not know"},
           [&] { visitHardware(v, e.hardware); });
-  visitList(v, {"robots", "Who takes part", Need::kRequired}, {.fewest = 1, .most = kMostRobots},
-            form.robots, [&](RobotEntry& robot) { visitRobot(v, robot); });
+  visitList(v, {"robots", "The robots that take part", Need::kRequired},
+            {.fewest = 1, .most = kMostRobots}, form.robots,
+            [&](RobotEntry& robot) { visitRobot(v, robot); });
   std::vector<std::string> names;
   for (const auto& [name, program] : e.programs) names.push_back(name);
-  v.namedTables({"programs", "What robots do; NAME is yours", Need::kRequired},
+  v.namedTables({"programs", "What robots can do; NAME is yours", Need::kRequired},
                 {.most = 32, .bare = true}, {.fewest = 1, .most = 100}, names,
                 [&](const std::string& name) {
                   ProgramSpec& program = e.programs[name];

@@ -30,7 +30,7 @@ class TomlWriter final : public KeyVisitor {
   }
   void interval(const Key& key, const Range&, double& low, double& high) override {
     const FileUnit& unit = unitOf(key.name);
-    write(key, "[" + fileText(low, unit) + ", " + fileText(high, unit) + "]");
+    write(key, '[' + fileText(low, unit) + ", " + fileText(high, unit) + "]");
   }
 
   void table(const Key& key, const std::function<void()>& keys) override {

@@ -46,6 +46,17 @@ std::optional<double> shortestThatGives(double si, double near, const FileUnit& 
   return {};
 }
 
+/// The number of the file that gives exactly `si`, if there is one.
+std::optional<double> numberFor(double si, const FileUnit& unit) {
+  const double near = si * unit.divide / unit.multiply;
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  for (const double start :
+       {near, std::nextafter(near, -kInfinity), std::nextafter(near, kInfinity)}) {
+    if (const auto found = shortestThatGives(si, start, unit)) return found;
+  }
+  return {};
+}
+
 }  // namespace
 
 const FileUnit& unitOf(std::string_view key) {
@@ -71,14 +82,9 @@ std::string numberText(double value) {
 
 std::string fileText(double si, const FileUnit& unit) {
   if (!std::isfinite(si)) return numberText(si);
+  if (const auto found = numberFor(si, unit)) return numberText(*found);
   const double near = si * unit.divide / unit.multiply;
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  for (const double start :
-       {near, std::nextafter(near, -kInfinity), std::nextafter(near, kInfinity)}) {
-    if (const auto found = shortestThatGives(si, start, unit)) return numberText(*found);
-  }
-  const double reachable = toSi(near, unit);
-  return numberText(shortestThatGives(reachable, near, unit).value_or(near));
+  return numberText(numberFor(toSi(near, unit), unit).value_or(near));
 }
 
 std::string tomlString(std::string_view text) {

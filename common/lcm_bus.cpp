@@ -3,7 +3,7 @@
 #include <cctype>
 #include <cerrno>
 #include <cstdlib>
-#include <lcm/lcm-cpp.hpp>
+#include <stdexcept>
 #include <utility>
 
 #include "common/channels.hpp"
@@ -40,21 +40,24 @@ struct LcmBus::Subscription {
   LcmBus* bus;
   PacketHandler handler;
 
-  void handle(const lcm::ReceiveBuffer* buffer, const std::string& channel) {
+  static void handle(const lcm_recv_buf_t* buffer, const char* channel, void* user_data) {
     if (channel == channels::kLcmSelfTest) return;
+    const auto* subscription = static_cast<const Subscription*>(user_data);
     try {
-      handler({channel,
-               {static_cast<const std::uint8_t*>(buffer->data), buffer->data_size},
-               buffer->recv_utime});
+      subscription->handler({channel,
+                             {static_cast<const std::uint8_t*>(buffer->data), buffer->data_size},
+                             buffer->recv_utime});
     } catch (...) {
-      if (!bus->error_) bus->error_ = std::current_exception();
+      std::exception_ptr& error = subscription->bus->error_;
+      if (!error) error = std::current_exception();
     }
   }
 };
 
-LcmBus::LcmBus(const std::string& url) : lcm_(std::make_unique<lcm::LCM>(url)) {
-  // getFileno() makes LCM send a probe to itself, which fails where multicast does not loop back.
-  if (!lcm_->good() || lcm_->getFileno() < 0) {
+LcmBus::LcmBus(const std::string& url) : lcm_(lcm_create(url.c_str()), &lcm_destroy) {
+  // Asking for the descriptor makes LCM send a probe to itself, which fails where multicast does
+  // not loop back.
+  if (!lcm_ || lcm_get_fileno(lcm_.get()) < 0) {
     throw BusError(
         "the LCM bus " + url +
         " cannot be opened: this machine has no usable multicast route (or the URL is wrong). On a "
@@ -68,7 +71,8 @@ LcmBus::~LcmBus() = default;
 void LcmBus::publish(std::string_view channel, Bytes data) {
   checkChannelName(channel);
   const std::string name(channel);
-  if (lcm_->publish(name, data.data(), static_cast<unsigned int>(data.size())) != 0) {
+  const auto size = static_cast<unsigned int>(data.size());
+  if (lcm_publish(lcm_.get(), name.c_str(), data.data(), size) != 0) {
     throw BusError("LCM cannot send " + std::to_string(data.size()) + " bytes on " + name);
   }
 }
@@ -81,13 +85,14 @@ void LcmBus::subscribeAll(PacketHandler handler) { add(".*", std::move(handler))
 
 void LcmBus::add(const std::string& pattern, PacketHandler handler) {
   subscriptions_.push_back(std::make_unique<Subscription>(this, std::move(handler)));
-  lcm::Subscription* subscription =
-      lcm_->subscribe(pattern, &Subscription::handle, subscriptions_.back().get());
+  lcm_subscription_t* subscription = lcm_subscribe(
+      lcm_.get(), pattern.c_str(), &Subscription::handle, subscriptions_.back().get());
+  if (subscription == nullptr) throw BusError("LCM cannot subscribe to " + pattern);
   constexpr int kUnlimited = 0;
-  subscription->setQueueCapacity(kUnlimited);
+  lcm_subscription_set_queue_capacity(subscription, kUnlimited);
 }
 
-int LcmBus::fileDescriptor() const { return lcm_->getFileno(); }
+int LcmBus::fileDescriptor() const { return lcm_get_fileno(lcm_.get()); }
 
 void LcmBus::drain() { drainFor(0); }
 
@@ -98,7 +103,7 @@ bool LcmBus::drainFor(int timeout_ms) {
   int result = 1;
   for (int wait = timeout_ms; result > 0 && handled < kMostInOneDrain; wait = 0) {
     errno = 0;
-    result = lcm_->handleTimeout(wait);
+    result = lcm_handle_timeout(lcm_.get(), wait);
     if (result > 0) ++handled;
   }
   draining_ = false;

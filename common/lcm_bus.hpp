@@ -1,6 +1,8 @@
 /// The live bus: LCM over UDP multicast.
 #pragma once
 
+#include <lcm/lcm.h>
+
 #include <exception>
 #include <memory>
 #include <string>
@@ -8,10 +10,6 @@
 
 #include "common/bus.hpp"
 #include "common/bus_error.hpp"
-
-namespace lcm {
-class LCM;
-}
 
 namespace lab {
 
@@ -52,8 +50,8 @@ class LcmBus final : public Bus {
   struct Subscription;
   void add(const std::string& pattern, PacketHandler handler);
 
-  std::unique_ptr<lcm::LCM> lcm_;
   std::vector<std::unique_ptr<Subscription>> subscriptions_;
+  std::unique_ptr<lcm_t, decltype(&lcm_destroy)> lcm_;
   std::exception_ptr error_;
   bool draining_ = false;
 };

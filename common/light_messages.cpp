@@ -18,6 +18,7 @@ static_assert(light_layer_t::RADIAL_GRADIENT == static_cast<int>(LayerKind::kRad
 static_assert(light_layer_t::STRIPES == static_cast<int>(LayerKind::kStripes));
 static_assert(light_layer_t::CHECKER == static_cast<int>(LayerKind::kChecker));
 static_assert(light_layer_t::IMAGE == static_cast<int>(LayerKind::kImage));
+static_assert(light_layer_t::FADE == static_cast<int>(LayerKind::kFade));
 static_assert(light_layer_t::OVER == static_cast<int>(Blend::kOver));
 static_assert(light_layer_t::ADD == static_cast<int>(Blend::kAdd));
 static_assert(light_layer_t::MULTIPLY == static_cast<int>(Blend::kMultiply));

@@ -27,6 +27,9 @@ bool findEvent(std::FILE* file) {
   return false;
 }
 
+/// An event's sync word, number, time and two lengths.
+constexpr off_t kHeader_bytes = 28;
+
 void readFile(const fs::path& path, const PacketHandler& handler, LogReadResult& result) {
   const Log log(lcm_eventlog_create(path.c_str(), "r"), &lcm_eventlog_destroy);
   if (!log) throw std::runtime_error("cannot open the log " + path.string());
@@ -39,7 +42,7 @@ void readFile(const fs::path& path, const PacketHandler& handler, LogReadResult&
       continue;
     }
     if (start != whole) ++result.resyncs;
-    whole = ftello(log->f);
+    whole = start + kHeader_bytes + event->channellen + event->datalen;
     const std::string_view channel(event->channel, static_cast<std::size_t>(event->channellen));
     if (channel == channels::kLcmSelfTest) continue;
     ++result.events;
@@ -57,6 +60,7 @@ void readFile(const fs::path& path, const PacketHandler& handler, LogReadResult&
 struct LogWriter::Implementation {
   lcm_eventlog_t* log = nullptr;
   std::string channel;
+  std::vector<char> buffer;  // glibc does not make one of the size asked for
 };
 
 LogWriter::LogWriter(const fs::path& path)
@@ -69,7 +73,8 @@ LogWriter::LogWriter(const fs::path& path)
     throw std::runtime_error("cannot write the log " + path.string());
   }
   constexpr std::size_t kBuffer_bytes = 1U << 20U;
-  std::setvbuf(implementation_->log->f, nullptr, _IOFBF, kBuffer_bytes);
+  implementation_->buffer.resize(kBuffer_bytes);
+  std::setvbuf(implementation_->log->f, implementation_->buffer.data(), _IOFBF, kBuffer_bytes);
 }
 
 LogWriter::~LogWriter() { lcm_eventlog_destroy(implementation_->log); }

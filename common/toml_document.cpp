@@ -24,6 +24,12 @@ bool isBare(std::string_view key) {
   return !key.empty() && key.find_first_not_of(kBareLetters) == std::string_view::npos;
 }
 
+std::string trimmed(const std::string& text) {
+  const std::size_t first = text.find_first_not_of(' ');
+  if (first == std::string::npos) return {};
+  return text.substr(first, text.find_last_not_of(' ') - first + 1);
+}
+
 /// "[2]" at the beginning of the text, which it then loses.
 std::optional<std::size_t> takeIndex(std::string_view& text) {
   std::size_t index = 0;
@@ -105,7 +111,7 @@ TomlDocument::TomlDocument(std::string_view text, std::string file,
 void TomlDocument::apply(const std::string& argument) {
   const std::string source = std::string(kSet) + argument;
   const std::size_t equals = argument.find('=');
-  const std::string key = argument.substr(0, equals);
+  const std::string key = trimmed(argument.substr(0, equals));
   if (equals == std::string::npos) {
     refuse(source, "found no value, allowed --set key=value, as in --set duration_s=60");
   }

@@ -23,20 +23,21 @@ class TomlReader final : public KeyVisitor {
   }
 
   void integer(const Key& key, std::int64_t low, std::int64_t high, std::int64_t& value) override {
-    const toml::node* node = take(key);
+    std::string allowed = "whole numbers from " + std::to_string(low) + " to ";
+    if (low == high) allowed = "only ";
+    allowed += std::to_string(high);
+    const toml::node* node = take(key, allowed);
     if (node == nullptr) return;
     const auto found = node->value_exact<std::int64_t>();
     if (found && *found >= low && *found <= high) {
       value = *found;
-      return;
+    } else {
+      refuse(key, *node, allowed);
     }
-    std::string allowed = "whole numbers from " + std::to_string(low) + " to ";
-    if (low == high) allowed = "only ";
-    refuse(key, *node, allowed + std::to_string(high));
   }
 
   void flag(const Key& key, bool& value) override {
-    const toml::node* node = take(key);
+    const toml::node* node = take(key, "true or false");
     if (node == nullptr) return;
     const auto found = node->value_exact<bool>();
     if (found) {
@@ -47,7 +48,7 @@ class TomlReader final : public KeyVisitor {
   }
 
   void text(const Key& key, const TextRule& rule, std::string& value) override {
-    const toml::node* node = take(key);
+    const toml::node* node = take(key, rule.text());
     if (node == nullptr) return;
     const auto found = node->value_exact<std::string>();
     if (found && rule.accepts(*found)) {
@@ -58,7 +59,7 @@ class TomlReader final : public KeyVisitor {
   }
 
   void choice(const Key& key, std::span<const Choice> choices, int& value) override {
-    const toml::node* node = take(key);
+    const toml::node* node = take(key, choiceText(choices));
     if (node == nullptr) {
       if (key.need == Need::kRequired) value = kUndecided;
       return;
@@ -75,14 +76,15 @@ class TomlReader final : public KeyVisitor {
   }
 
   void interval(const Key& key, const Range& range, double& low, double& high) override {
-    const toml::node* node = take(key);
+    const std::string allowed = "[low, high], two numbers " + range.text();
+    const toml::node* node = take(key, allowed);
     if (node == nullptr) return;
     const toml::array* ends = node->as_array();
     if (ends == nullptr || ends->size() != 2) {
       const std::string found =
           ends == nullptr ? shown(*node) : "a list of " + std::to_string(ends->size());
       problems_.addAt(document_.place(*node), pathOf(key.name),
-                      "found " + found + ", allowed [low, high], two numbers " + range.text());
+                      "found " + found + ", allowed " + allowed);
       return;
     }
     low = endOf(key, range, *ends, 0).value_or(low);
@@ -90,9 +92,10 @@ class TomlReader final : public KeyVisitor {
   }
 
   void table(const Key& key, const std::function<void()>& keys) override {
-    const toml::node* node = take(key);
+    const std::string allowed = "a table: [" + pathOf(key.name) + "]";
+    const toml::node* node = take(key, allowed);
     if (node != nullptr && !node->is_table()) {
-      refuse(key, *node, "a table: [" + pathOf(key.name) + "]");
+      refuse(key, *node, allowed);
       return;
     }
     if (node != nullptr) inside(*node->as_table(), pathOf(key.name), keys);
@@ -174,7 +177,7 @@ class TomlReader final : public KeyVisitor {
   }
 
   /// The key's value, or null when it is not there or means nothing here.
-  const toml::node* take(const Key& key, const std::string& allowed = {}) {
+  const toml::node* take(const Key& key, const std::string& allowed) {
     Scope& scope = scopes_.back();
     const toml::node* node = scope.table->get(key.name);
     scope.known.push_back(key.name);
@@ -185,15 +188,14 @@ class TomlReader final : public KeyVisitor {
     }
     scope.allowed.push_back(key.name);
     if (node == nullptr && key.need == Need::kRequired) {
-      const std::string more = allowed.empty() ? "" : ", allowed " + allowed;
       problems_.addAt(document_.place(*scope.table), pathOf(key.name),
-                      "found nothing" + more + " (required: " + key.meaning + ")");
+                      "found nothing, allowed " + allowed + " (required: " + key.meaning + ")");
     }
     return node;
   }
 
   std::optional<double> takeNumber(const Key& key, const Range& range) {
-    const toml::node* node = take(key);
+    const toml::node* node = take(key, range.text());
     if (node == nullptr) return {};
     const auto value = node->value<double>();
     if (node->is_number() && range.contains(*value)) return value;

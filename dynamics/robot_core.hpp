@@ -82,9 +82,8 @@ struct CoreReport {
 ///
 /// The robot moves only while it is configured, has a lease and is not stopped:
 /// - The stop latch outranks everything until clearStop().
-/// - The lease is the host's heartbeat. When it expires the program ENDS (the wheels stand); when
-/// it
-///   returns, the program starts with a fresh draw, as after any stop.
+/// - The lease is the host's heartbeat. When it expires the program ENDS and the wheels stand; when
+///   it returns, the program starts with a fresh draw, as after any stop.
 /// - Otherwise the light selects the program, or the wheels are driven by hand (no reversals then).
 ///
 /// A light switch starts the new program with a fresh draw, also during a reversal: the new program

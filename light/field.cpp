@@ -209,12 +209,12 @@ void CompiledLayers::evaluateRow(double first_x, double step, double y, std::siz
   std::vector<double> row(count, 0);
   std::fill_n(out, count, 0.0);
   double share = 1;
-  const auto finishPicture = [&] {
+  const auto finish_picture = [&] {
     for (std::size_t i = 0; i < count; ++i) out[i] += share * (clampToShown(row[i]) - out[i]);
   };
   for (const Entry& entry : entries_) {
     if (entry.kind == LayerKind::kFade) {
-      finishPicture();
+      finish_picture();
       share = entry.value;
       std::fill(row.begin(), row.end(), 0.0);
     } else {
@@ -223,7 +223,7 @@ void CompiledLayers::evaluateRow(double first_x, double step, double y, std::siz
       });
     }
   }
-  finishPicture();
+  finish_picture();
 }
 
 CompiledField::CompiledField(const Field& field) : layers_(field.layers), mix_(field.mix) {

@@ -43,7 +43,7 @@ double sample(const Image& image, double across, double up) {
   const Neighbours x = neighbours(across, image.columns);
   const Neighbours y = neighbours(1 - up, image.rows);
   const auto row = [&](int number) {
-    const std::uint8_t* grey = image.grey.data() + number * image.columns;
+    const std::uint8_t* grey = image.grey.data() + std::ptrdiff_t{number} * image.columns;
     return grey[x.first] + x.share * (grey[x.second] - grey[x.first]);
   };
   const double upper = row(y.first);
@@ -80,7 +80,8 @@ DecodedImage decodeImage(std::span<const std::uint8_t> file) {
   image->sha256 = sha256(file);
   image->grey.assign(decoded.get(), decoded.get() + static_cast<std::ptrdiff_t>(width) * height);
   if (scale < 1) {
-    image->grey.resize(static_cast<std::size_t>(image->columns * image->rows));
+    image->grey.resize(static_cast<std::size_t>(image->columns) *
+                       static_cast<std::size_t>(image->rows));
     // The triangle filter never overshoots, so dark stays dark beside a bright edge.
     if (stbir_resize_uint8_generic(decoded.get(), width, height, 0, image->grey.data(),
                                    image->columns, image->rows, 0, 1, STBIR_ALPHA_CHANNEL_NONE, 0,

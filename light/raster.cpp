@@ -36,7 +36,7 @@ std::vector<std::uint8_t> toGrey(const Raster& raster) {
   grey.reserve(raster.values.size());
   for (int j = raster.ny - 1; j >= 0; --j) {
     for (int i = 0; i < raster.nx; ++i) {
-      grey.push_back(static_cast<std::uint8_t>(255 * raster.at(i, j) + 0.5F));
+      grey.push_back(static_cast<std::uint8_t>(std::lround(255 * raster.at(i, j))));
     }
   }
   return grey;

@@ -20,6 +20,31 @@ constexpr std::int64_t kPatience_us = 3'000'000;
 // "Until released" without anybody to repeat it: 2100-01-01.
 constexpr std::int64_t kForGood_utime = 4'102'444'800'000'000;
 
+/// The layers as an experiment file would have them: the same keys, the same checks.
+std::vector<LayerSpec> parseLayers(const std::vector<std::string>& texts) {
+  std::string layers;
+  for (const std::string& text : texts) {
+    const bool number = text.find_first_not_of("0123456789.") == std::string::npos;
+    layers += number ? fmt::format("{{kind = \"uniform\", intensity = {}}}, ", text) : text + ", ";
+  }
+  const std::string file = fmt::format(R"(
+fileversion = 1
+name = "by_hand"
+duration_s = 1
+[[robots]]
+id = 1
+[programs.stand]
+model = "stand"
+[light_table]
+bands = [{{light = [0, 1], program = "stand"}}]
+[[light.steps]]
+at_s = 0
+layers = [{}]
+)",
+                                       layers);
+  return parseExperiment(file, "lab light").light.steps.front().layers;
+}
+
 light_command_t command(const LightOptions& options, std::int64_t now) {
   light_command_t command{};
   command.seq = 1;
@@ -30,9 +55,7 @@ light_command_t command(const LightOptions& options, std::int64_t now) {
   command.hold_until_utime =
       options.hold ? now + units::microseconds(*options.hold) : kForGood_utime;
   command.label = "by hand";
-  for (const std::string& text : options.layers) {
-    command.layers.push_back(toMessage(parseLayer(text)));
-  }
+  if (!options.release) command.layers = toMessages(parseLayers(options.layers));
   command.num_layers = static_cast<std::int32_t>(command.layers.size());
   return command;
 }

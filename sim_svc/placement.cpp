@@ -93,12 +93,16 @@ class Board {
   std::vector<Pose> freeSites() const {
     const double pitch = 2 * radius_ + kClearance;
     const double row_pitch = pitch * std::numbers::sqrt3 / 2;
+    const auto rows = static_cast<int>((arena_.height - 2 * radius_) / row_pitch) + 1;
+    const auto columns = static_cast<int>((arena_.width - 2 * radius_) / pitch) + 1;
     std::vector<Pose> sites;
-    bool odd = false;
-    for (double y = radius_; y <= arena_.height - radius_; y += row_pitch, odd = !odd) {
-      for (double x = radius_ + (odd ? pitch / 2 : 0); x <= arena_.width - radius_; x += pitch) {
-        const Pose site{x, y, 0};
-        if (!overlapping(site, places_.size(), kClearance)) sites.push_back(site);
+    for (int row = 0; row < rows; ++row) {
+      const double shift = row % 2 == 0 ? 0 : pitch / 2;
+      for (int column = 0; column < columns; ++column) {
+        const Pose site{radius_ + shift + column * pitch, radius_ + row * row_pitch, 0};
+        if (isInside(site) && !overlapping(site, places_.size(), kClearance / 2)) {
+          sites.push_back(site);
+        }
       }
     }
     return sites;

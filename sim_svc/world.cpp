@@ -20,6 +20,7 @@ double squared(Vec v) { return v.x * v.x + v.y * v.y; }
 std::vector<dynamics::Pose> place(const WorldSettings& settings,
                                   const std::vector<RobotSetup>& robots) {
   std::vector<Place> places;
+  places.reserve(robots.size());
   for (const RobotSetup& robot : robots) {
     places.push_back({robot.id, robot.pose});
   }

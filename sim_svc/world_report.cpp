@@ -15,7 +15,7 @@ dynamics::Pose World::pose(std::size_t i) const {
 
 RobotState World::state(std::size_t i) const {
   const Electronics& robot = electronics_[i];
-  const auto worldTime = [&](std::uint32_t ms) {
+  const auto world_time = [&](std::uint32_t ms) {
     return robot.clock.worldTime(unwrapMs(ms, robot.local_ms));
   };
   RobotState state;
@@ -26,10 +26,10 @@ RobotState World::state(std::size_t i) const {
   state.core = robot.core.report();
   state.program_left = state.core.held.left * kMicro;
   state.program_right = state.core.held.right * kMicro;
-  state.program_start = state.core.program_epoch == 0 ? 0 : worldTime(state.core.program_start_ms);
+  state.program_start = state.core.program_epoch == 0 ? 0 : world_time(state.core.program_start_ms);
   if (state.core.reversal_count > 0) {
-    state.reversal_start = worldTime(state.core.reversal_start_ms);
-    state.reversal_end = worldTime(state.core.reversal_end_ms);
+    state.reversal_start = world_time(state.core.reversal_start_ms);
+    state.reversal_end = world_time(state.core.reversal_end_ms);
   }
   state.run_time =
       robot.core.runTimeMs(static_cast<std::uint32_t>(robot.clock.localMs(time()))) * 1e-3;

@@ -1,5 +1,6 @@
 // What the simulated robots measure.
 #include <algorithm>
+#include <cmath>
 
 #include "sim_svc/ir_scan.hpp"
 #include "sim_svc/world.hpp"
@@ -15,7 +16,7 @@ void copyCounts(const IrScan& ir, dynamics::Sensors& sensors) {
 }
 
 std::uint16_t withNoise(std::uint16_t counts, double noise) {
-  return static_cast<std::uint16_t>(std::clamp(counts + noise, 0.0, kFullScale) + 0.5);
+  return static_cast<std::uint16_t>(std::lround(std::clamp(counts + noise, 0.0, kFullScale)));
 }
 
 }  // namespace
@@ -64,7 +65,7 @@ void World::senseLight(std::size_t i, dynamics::Sensors& sensors) const {
 
 std::uint16_t World::lightCounts(Vec at) const {
   const double intensity = light_ == nullptr ? 0 : light_->at(at.x, at.y);
-  return static_cast<std::uint16_t>(kFullScale * std::clamp(intensity, 0.0, 1.0) + 0.5);
+  return static_cast<std::uint16_t>(std::lround(kFullScale * std::clamp(intensity, 0.0, 1.0)));
 }
 
 void World::addRobots(std::size_t i, IrScan& ir) const {

@@ -1,0 +1,151 @@
+#include "analyzer/analysis_feed.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/light_messages.hpp"
+#include "common/units.hpp"
+
+namespace lab::analysis {
+namespace {
+
+// A pose that its tracker trusts less than this is not used.
+constexpr float kLeastConfidence = 0.5F;
+// Wheels may turn a little faster than the data sheet says before a pose is called impossible.
+constexpr double kWheelSpeedMargin = 1.1;
+// Epochs of successive boots, far enough apart that none follows another.
+constexpr std::int64_t kEpochsPerBoot = std::int64_t{1} << 40;
+
+bool has(const robot_state_t& state, std::int32_t flag) { return (state.flags & flag) != 0; }
+
+FramePose toPose(const tracked_pose_t& pose) {
+  constexpr std::size_t kXx = 0;
+  constexpr std::size_t kYy = 3;
+  constexpr std::size_t kTt = 5;
+  return {pose.robot_id,
+          pose.x,
+          pose.y,
+          pose.theta,
+          std::sqrt(std::max(0.0, (pose.covariance[kXx] + pose.covariance[kYy]) / 2)),
+          std::sqrt(std::max(0.0, pose.covariance[kTt])),
+          pose.confidence >= kLeastConfidence};
+}
+
+}  // namespace
+
+ProgramLaw toLaw(const program_t& program, double wheel_base) {
+  ProgramLaw law;
+  law.kind = static_cast<ProgramKind>(program.kind);
+  law.v = program.v;
+  law.va = program.va;
+  law.V = program.V;
+  law.epsilon = program.epsilon;
+  law.eta = program.eta;
+  law.gamma = program.gamma;
+  law.tau_t = program.tau_t;
+  law.wheel_base = wheel_base;
+  return law;
+}
+
+AnalysisConfig analysisConfig(const Experiment& experiment) {
+  AnalysisConfig config;
+  config.max_lag = experiment.analysis.max_lag;
+  config.stitcher.wheel_base = experiment.hardware.diameter;
+  config.stitcher.max_wheel_speed = experiment.hardware.max_wheel_speed * kWheelSpeedMargin;
+  return config;
+}
+
+AnalysisFeed::AnalysisFeed(const Experiment& experiment)
+    : wheel_base_(experiment.hardware.diameter), analysis_(analysisConfig(experiment)) {}
+
+void AnalysisFeed::anchor(std::int64_t utime) {
+  if (origin_utime_ == 0) origin_utime_ = utime;
+}
+
+double AnalysisFeed::seconds(std::int64_t utime) const {
+  return units::seconds(utime - origin_utime_);
+}
+
+void AnalysisFeed::take(const tracked_frame_t& frame) {
+  anchor(frame.utime);
+  last_frame_utime_ = frame.utime;
+  frame_.time = seconds(frame.utime);
+  frame_.frame = frame.frame;
+  frame_.poses.clear();
+  for (const tracked_pose_t& pose : frame.robots) frame_.poses.push_back(toPose(pose));
+  analysis_.addFrame(frame_);
+}
+
+void AnalysisFeed::take(const robot_status_t& status) {
+  for (const robot_state_t& state : status.robots) {
+    anchor(state.utime);
+    const std::int64_t boot = bootOf(status, state);
+    analysis_.addTelemetry(state.robot_id, toLaw(state.program, wheel_base_),
+                           telemetry(state, boot));
+  }
+}
+
+void AnalysisFeed::take(const light_status_t& status) {
+  analysis_.setSpatialLight(!light::isUniform(toField(status)));
+}
+
+std::int64_t AnalysisFeed::bootOf(const robot_status_t& status, const robot_state_t& state) {
+  Boots& boots = boots_[state.robot_id];
+  const bool other_sender = boots.instance != status.instance || boots.sender != status.sender;
+  // A late message also counts less, but is older than what has been heard.
+  const bool counts_again =
+      state.utime > boots.last_utime && state.program_epoch < boots.last_epoch;
+  if (other_sender || counts_again) {
+    ++boots.number;
+    boots.sender = status.sender;
+    boots.instance = status.instance;
+    boots.last_epoch = state.program_epoch;
+  }
+  boots.last_utime = std::max(boots.last_utime, state.utime);
+  boots.last_epoch = std::max(boots.last_epoch, state.program_epoch);
+  book_.key(state.program);
+  return boots.number;
+}
+
+RobotTelemetry AnalysisFeed::telemetry(const robot_state_t& state, std::int64_t boot) const {
+  RobotTelemetry telemetry;
+  telemetry.time = seconds(state.utime);
+  telemetry.program_epoch = boot * kEpochsPerBoot + state.program_epoch;
+  telemetry.program_start = seconds(state.program_start_utime);
+  telemetry.reversal_count = state.reversal_count;
+  telemetry.reversal_start = seconds(state.reversal_start_utime);
+  telemetry.reversal_end = seconds(state.reversal_end_utime);
+  telemetry.reversing = has(state, robot_state_t::FLAG_REVERSING);
+  telemetry.v_l = state.program_left;
+  telemetry.v_r = state.program_right;
+  telemetry.contact =
+      has(state, robot_state_t::FLAG_CONTACT_ROBOT) || has(state, robot_state_t::FLAG_CONTACT_WALL);
+  telemetry.stopped =
+      has(state, robot_state_t::FLAG_STOPPED) || has(state, robot_state_t::FLAG_LEASE_EXPIRED);
+  telemetry.tumble_count = state.tumble_count;
+  telemetry.run_time = state.run_time;
+  return telemetry;
+}
+
+void AnalysisFeed::onSample(SampleSink sink) {
+  analysis_.onSample([sink = std::move(sink)](int robot, const ProgramLaw& /*law*/,
+                                              const Sample& sample) { sink(robot, sample); });
+}
+
+std::vector<FeedResult> AnalysisFeed::results() const {
+  std::vector<FeedResult> results;
+  for (ProgramResult& result : analysis_.results()) {
+    FeedResult one;
+    for (const program_t& program : book_.programs()) {
+      if (toLaw(program, wheel_base_) == result.law) {
+        one.program = program;
+        break;
+      }
+    }
+    one.result = std::move(result);
+    results.push_back(std::move(one));
+  }
+  return results;
+}
+
+}  // namespace lab::analysis

@@ -1,0 +1,90 @@
+/// From messages to the pure analysis: the same for the online analyzer and for a closed log.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <lab/light_status_t.hpp>
+#include <lab/robot_status_t.hpp>
+#include <lab/tracked_frame_t.hpp>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "analyzer/analysis.hpp"
+#include "analyzer/program_book.hpp"
+#include "common/experiment.hpp"
+
+namespace lab::analysis {
+
+/// A result with the program as the messages say it.
+struct FeedResult {
+  program_t program{};
+  ProgramResult result;
+};
+
+/// The law of a program; d is the robot's wheel base (m).
+[[nodiscard]] ProgramLaw toLaw(const program_t& program, double wheel_base);
+
+/// What an experiment file says about how to analyze it.
+[[nodiscard]] AnalysisConfig analysisConfig(const Experiment& experiment);
+
+/// Takes messages in the order in which they arrive. It believes status, never commands, and the
+/// same messages in the same order give the same results, to the bit. Times count from the first
+/// message that carries one.
+///
+/// A robot whose sender starts anew, or whose count of program starts goes back, has booted: its
+/// epochs begin again, and the track is cut there.
+class AnalysisFeed {
+ public:
+  /// One pose that entered the statistics.
+  using SampleSink = std::function<void(int robot, const Sample& sample)>;
+
+  explicit AnalysisFeed(const Experiment& experiment);
+
+  void take(const tracked_frame_t& frame);
+  void take(const robot_status_t& status);
+  void take(const light_status_t& status);
+
+  /// End of data: judges what still waits for telemetry.
+  void flush() { analysis_.flush(); }
+
+  /// Called with every sample, from within take() and flush(), in time order for each robot.
+  void onSample(SampleSink sink);
+
+  /// Per program: the pool of its robots first, then each robot.
+  [[nodiscard]] std::vector<FeedResult> results() const;
+
+  /// The time of the analysis (s) for a time of the messages.
+  [[nodiscard]] double seconds(std::int64_t utime) const;
+
+  /// Of the last frame taken [us since 1970], 0: none yet.
+  [[nodiscard]] std::int64_t lastFrameUtime() const { return last_frame_utime_; }
+
+  [[nodiscard]] StitcherCounters robotCounters(int robot) const {
+    return analysis_.robotCounters(robot);
+  }
+
+ private:
+  /// One robot's starts, which its own counters do not survive.
+  struct Boots {
+    std::string sender;
+    std::int64_t instance = 0;
+    std::int64_t last_utime = 0;
+    std::int32_t last_epoch = 0;
+    std::int64_t number = 0;
+  };
+
+  void anchor(std::int64_t utime);
+  [[nodiscard]] RobotTelemetry telemetry(const robot_state_t& state, std::int64_t boot) const;
+  std::int64_t bootOf(const robot_status_t& status, const robot_state_t& state);
+
+  double wheel_base_;
+  Analysis analysis_;
+  ProgramBook book_;
+  std::map<std::int32_t, Boots> boots_;
+  Frame frame_;  ///< kept to reuse its memory
+  std::int64_t origin_utime_ = 0;
+  std::int64_t last_frame_utime_ = 0;
+};
+
+}  // namespace lab::analysis

@@ -1,0 +1,63 @@
+#include "analyzer/analyzer_service.hpp"
+
+#include <memory>
+
+#include "analyzer/analysis_message.hpp"
+#include "common/channels.hpp"
+#include "common/experiment_messages.hpp"
+#include "common/units.hpp"
+
+namespace lab::analysis {
+namespace {
+
+// A second has so many slots. Messages are spread over them, so that no listener's queue overflows.
+constexpr int kSlots = 20;
+
+}  // namespace
+
+AnalyzerService::AnalyzerService(const ServiceContext& context)
+    : node_(context.node),
+      loop_(context.loop),
+      experiment_(context.experiment),
+      feed_(context.experiment) {
+  node_.subscribe<tracked_frame_t>(channels::kTrackedFrame,
+                                   [this](const tracked_frame_t& frame) { feed_.take(frame); });
+  node_.subscribe<robot_status_t>(channels::kRobotStatus,
+                                  [this](const robot_status_t& status) { feed_.take(status); });
+  node_.subscribe<light_status_t>(channels::kLightStatus,
+                                  [this](const light_status_t& status) { feed_.take(status); });
+  loop_.every(units::kSecond_us / kSlots, loop_.now(), [this] { publishDue(); });
+  loop_.soon([this] { node_.ready(); });
+}
+
+void AnalyzerService::beginRound() {
+  round_ = feed_.results();
+  round_utime_ = feed_.lastFrameUtime();
+  published_ = 0;
+}
+
+void AnalyzerService::publishDue() {
+  if (slot_ == 0) beginRound();
+  ++slot_;
+  const std::size_t due = round_.size() * static_cast<std::size_t>(slot_) / kSlots;
+  for (; published_ < due; ++published_) {
+    const FeedResult& result = round_[published_];
+    analysis_t message = toMessage(result, programName(experiment_, result.program));
+    message.utime = round_utime_;
+    node_.publish(channels::kAnalysis, message);
+  }
+  slot_ %= kSlots;
+}
+
+ServiceDescription serviceDescription() {
+  ServiceDescription description;
+  description.name = "analyzer";
+  description.summary = "Measures while the lab runs whether the motion is the programmed one";
+  description.needs_experiment = false;
+  description.make = [](const ServiceContext& context) {
+    return std::make_unique<AnalyzerService>(context);
+  };
+  return description;
+}
+
+}  // namespace lab::analysis

@@ -1,0 +1,153 @@
+#include "analyzer/laws.hpp"
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace lab::analysis {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+/// x - 1 + exp(-x), also at small x.
+double persistentShape(double x) {
+  return x < 1e-3 ? x * x / 2 * (1 - x / 3 * (1 - x / 4 * (1 - x / 5))) : x + std::expm1(-x);
+}
+
+/// The MSD of a velocity correlation c0 exp(-rate s).
+double exponentialMsd(double c0, double rate, double tau) {
+  return rate == 0 ? c0 * tau * tau : 2 * c0 / (rate * rate) * persistentShape(rate * tau);
+}
+
+bool definesLaw(const ProgramLaw& law) {
+  switch (law.kind) {
+    case ProgramKind::kAbp:
+      return law.epsilon > 0;
+    case ProgramKind::kNoisyAbp:
+    case ProgramKind::kBp:
+      return law.epsilon > 0 && law.wheel_base > 0;
+    case ProgramKind::kRtp:
+      return law.gamma > 0 && law.tau_t > 0;
+    case ProgramKind::kNone:
+    case ProgramKind::kWheels:
+      break;
+  }
+  return false;
+}
+
+double rtpAngularMsd(const ProgramLaw& law, double tau) {
+  const double turning2 = std::numbers::pi * std::numbers::pi / 3;
+  const double share = law.gamma * law.tau_t / (1 + law.gamma * law.tau_t);
+  const double t = law.tau_t;
+  const double shape =
+      tau <= t ? tau * tau * (1 - tau / (3 * t)) / (t * t) : tau / t - 1.0 / 3;
+  return turning2 * share * shape;
+}
+
+}  // namespace
+
+bool isHeldNoise(ProgramKind kind) {
+  return kind == ProgramKind::kAbp || kind == ProgramKind::kNoisyAbp || kind == ProgramKind::kBp;
+}
+
+double rotationalDiffusivity(const ProgramLaw& law) {
+  if (law.kind == ProgramKind::kAbp) {
+    return law.epsilon * law.eta * law.eta / 6;
+  }
+  if (law.kind == ProgramKind::kNoisyAbp || law.kind == ProgramKind::kBp) {
+    return law.epsilon * law.V * law.V / (3 * law.wheel_base * law.wheel_base);
+  }
+  return kNan;
+}
+
+double translationalDiffusivity(const ProgramLaw& law) {
+  const bool noisy = law.kind == ProgramKind::kNoisyAbp || law.kind == ProgramKind::kBp;
+  return noisy ? law.epsilon * law.V * law.V / 24 : kNan;
+}
+
+double meanSpeed(const ProgramLaw& law) {
+  switch (law.kind) {
+    case ProgramKind::kAbp:
+    case ProgramKind::kRtp:
+      return law.v;
+    case ProgramKind::kNoisyAbp:
+      return law.va;
+    case ProgramKind::kBp:
+      return 0;
+    case ProgramKind::kNone:
+    case ProgramKind::kWheels:
+      break;
+  }
+  return kNan;
+}
+
+ExactLaw::ExactLaw(const ProgramLaw& law) : law_(law), exists_(definesLaw(law)) {
+  if (exists_ && law.kind == ProgramKind::kAbp) {
+    held_ = HeldNoise::uniformTurning(law.v, law.eta, law.epsilon);
+  } else if (exists_ && law.kind != ProgramKind::kRtp) {
+    const double va = law.kind == ProgramKind::kBp ? 0.0 : law.va;
+    held_ = HeldNoise::uniformWheels(va, law.V, law.wheel_base, law.epsilon);
+  }
+}
+
+double ExactLaw::msd(double tau) const {
+  if (!exists_) {
+    return kNan;
+  }
+  return held_ ? held_->msd(tau) : paperMsd(law_, tau);
+}
+
+double ExactLaw::angularMsd(double tau) const {
+  if (!exists_) {
+    return kNan;
+  }
+  return held_ ? held_->angularMsd(tau) : rtpAngularMsd(law_, tau);
+}
+
+double ExactLaw::velocityCorrelation(double s) const {
+  if (!exists_) {
+    return kNan;
+  }
+  return held_ ? held_->velocityCorrelation(s)
+               : law_.v * law_.v * std::exp(-law_.gamma * s) / (1 + law_.gamma * law_.tau_t);
+}
+
+double ExactLaw::diffusivity() const {
+  if (!exists_) {
+    return kNan;
+  }
+  return held_ ? held_->diffusivity()
+               : law_.v * law_.v / (2 * law_.gamma * (1 + law_.gamma * law_.tau_t));
+}
+
+double ExactLaw::persistenceLength() const {
+  if (exists_ && law_.kind == ProgramKind::kAbp && law_.v > 0) {
+    // C(l) = g(l / v) and int_0^inf C_v ds = 2 D.
+    return 2 * held_->diffusivity() / law_.v;
+  }
+  return exists_ && law_.kind == ProgramKind::kRtp ? law_.v / law_.gamma : kNan;
+}
+
+double paperMsd(const ProgramLaw& law, double tau) {
+  switch (law.kind) {
+    case ProgramKind::kAbp:
+      return exponentialMsd(law.v * law.v, rotationalDiffusivity(law), tau);
+    case ProgramKind::kNoisyAbp:
+      return 4 * translationalDiffusivity(law) * tau +
+             exponentialMsd(law.va * law.va, rotationalDiffusivity(law), tau);
+    case ProgramKind::kBp:
+      return 4 * translationalDiffusivity(law) * tau;
+    case ProgramKind::kRtp:
+      return exponentialMsd(law.v * law.v / (1 + law.gamma * law.tau_t), law.gamma, tau);
+    case ProgramKind::kNone:
+    case ProgramKind::kWheels:
+      break;
+  }
+  return kNan;
+}
+
+double paperAngularMsd(const ProgramLaw& law, double tau) {
+  return 2 * rotationalDiffusivity(law) * tau;
+}
+
+}  // namespace lab::analysis

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "analyzer/held_noise.hpp"
+
+namespace lab::analysis {
+
+/// The paper's models. The numbers are those of the messages and of dynamics/program.hpp; they are
+/// repeated here so that the analysis depends on nothing.
+enum class ProgramKind : std::uint8_t {
+  kNone = 0,      ///< Standing: no law.
+  kAbp = 1,       ///< Active Brownian particle.
+  kNoisyAbp = 2,  ///< Active Brownian particle with translational noise.
+  kBp = 3,        ///< Brownian particle.
+  kRtp = 4,       ///< Run and tumble particle.
+  kWheels = 5,    ///< Constant wheel speeds: no law.
+};
+
+/// A program and its parameters in SI units. What a kind does not name it ignores.
+struct ProgramLaw {
+  ProgramKind kind = ProgramKind::kNone;
+  double v = 0;             ///< Speed (ABP), run speed (RTP), m/s.
+  double va = 0;            ///< Mean wheel speed (noisy ABP), m/s.
+  double V = 0;             ///< Half width of the wheel speeds' noise (noisy ABP, BP), m/s.
+  double epsilon = 0;       ///< Hold time (ABP, noisy ABP, BP), s.
+  double eta = 0;           ///< Half width of the turning rate (ABP), rad/s.
+  double gamma = 0;         ///< Tumble rate (RTP), 1/s.
+  double tau_t = 0;         ///< Tumble duration (RTP), s.
+  double wheel_base = 0.075;  ///< d, m.
+
+  bool operator==(const ProgramLaw&) const = default;
+};
+
+/// True for the programs that draw wheel speeds and hold them for epsilon.
+[[nodiscard]] bool isHeldNoise(ProgramKind kind);
+
+/// Nominal coefficients, exact functions of the programmed parameters; nan where a program has
+/// none.
+[[nodiscard]] double rotationalDiffusivity(const ProgramLaw& law);     ///< D_r, rad^2/s.
+[[nodiscard]] double translationalDiffusivity(const ProgramLaw& law);  ///< D_t = epsilon V^2/24.
+[[nodiscard]] double meanSpeed(const ProgramLaw& law);  ///< v (ABP, RTP), va (noisy ABP), 0 (BP).
+
+/// The exact law of what the robot executes, at every lag, for a random observation phase.
+///
+/// Held noise: see HeldNoise. RTP in the stationary state with exponential runs and turning angles
+/// uniform on (-180, 180] degrees: C_v = v^2 exp(-gamma s) / (1 + gamma tau_t), which makes the
+/// paper's eq. 6 exact; the unwrapped heading turns at a constant rate inside a tumble. Without a
+/// law (standing, constant wheels, parameters that define none) every value is nan.
+class ExactLaw {
+ public:
+  explicit ExactLaw(const ProgramLaw& law);
+
+  [[nodiscard]] bool exists() const { return exists_; }
+  [[nodiscard]] double msd(double tau) const;                  ///< m^2.
+  [[nodiscard]] double angularMsd(double tau) const;           ///< rad^2.
+  [[nodiscard]] double velocityCorrelation(double s) const;    ///< m^2/s^2.
+  [[nodiscard]] double diffusivity() const;                    ///< lim MSD / (4 tau), m^2/s.
+  /// int_0^inf C(l) dl in m, with C(l) the velocity correlation along the path (ABP and RTP runs);
+  /// nan for the other programs. The paper's v / D_r is its limit of small epsilon.
+  [[nodiscard]] double persistenceLength() const;
+  [[nodiscard]] const ProgramLaw& program() const { return law_; }
+
+ private:
+  ProgramLaw law_;
+  bool exists_ = false;
+  std::optional<HeldNoise> held_;
+};
+
+/// The paper's formulas, for comparison: eq. 4 (ABP), eq. 5 (noisy ABP and, with va = 0, BP), eq. 6
+/// (RTP); m^2. They neglect epsilon.
+[[nodiscard]] double paperMsd(const ProgramLaw& law, double tau);
+
+/// The paper's 2 D_r tau in rad^2; nan for RTP, for which the paper gives none.
+[[nodiscard]] double paperAngularMsd(const ProgramLaw& law, double tau);
+
+}  // namespace lab::analysis

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "analyzer/curves.hpp"
+#include "analyzer/estimates.hpp"
+#include "analyzer/laws.hpp"
+#include "analyzer/msd_accumulator.hpp"
+#include "analyzer/track_stitcher.hpp"
+
+namespace lab::analysis {
+
+inline constexpr int kPool = -1;  ///< In place of a robot: all robots that ran the program.
+
+/// All that is known about one program of one robot, or of all robots; SI units.
+struct ProgramResult {
+  int robot = kPool;
+  int robots = 0;               ///< How many are in it.
+  ProgramLaw law;
+  double observed = 0;          ///< Free time that went in, s.
+  std::int64_t samples = 0;     ///< Frames that went in.
+  std::int64_t lost = 0;        ///< Frames lost to missing telemetry or as outliers.
+  std::int64_t segments = 0;
+  std::int64_t reversals = 0;   ///< Removed and joined.
+  double contact_share = 0;     ///< Share of the program's frames cut for contacts.
+  double unbiased_lag = 0;      ///< Longer lags are selected by the light, s; 0: none is.
+  Curves curves;
+  std::vector<Estimate> estimates;
+  Verdict verdict;
+};
+
+/// One program of one robot: takes its samples, gives its statistics.
+class ProgramAnalysis {
+ public:
+  /// The longest lag and the nominal frame period in s.
+  ProgramAnalysis(const ProgramLaw& law, double frame_period, double max_lag);
+
+  void add(const Sample& sample) { accumulator_.add(sample); }
+
+  [[nodiscard]] const BlockData& data() const { return accumulator_.data(); }
+  [[nodiscard]] const ProgramLaw& law() const { return law_; }
+
+ private:
+  ProgramLaw law_;
+  MsdAccumulator accumulator_;
+};
+
+/// Curves, estimates and verdict of block data; the tally of its robots is added up by the caller.
+[[nodiscard]] ProgramResult analyse(const ProgramLaw& law, const BlockData& data,
+                                    const ProgramTally& tally, const CurveOptions& options);
+
+}  // namespace lab::analysis

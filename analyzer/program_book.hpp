@@ -1,0 +1,34 @@
+/// The programs that a run has seen, numbered.
+#pragma once
+
+#include <lab/program_t.hpp>
+#include <vector>
+
+#include "common/experiment_messages.hpp"
+
+namespace lab::analysis {
+
+/// Gives each program its key: 0, 1, ... in the order of first appearance, -1 for standing.
+class ProgramBook {
+ public:
+  int key(const program_t& program) {
+    if (program.kind == program_t::NONE) return -1;
+    // Robots keep their program for long: the key found last is mostly the one wanted.
+    if (last_ < programs_.size() && sameProgram(programs_[last_], program)) {
+      return static_cast<int>(last_);
+    }
+    for (last_ = 0; last_ < programs_.size(); ++last_) {
+      if (sameProgram(programs_[last_], program)) return static_cast<int>(last_);
+    }
+    programs_.push_back(program);
+    return static_cast<int>(last_);
+  }
+
+  [[nodiscard]] const std::vector<program_t>& programs() const { return programs_; }
+
+ private:
+  std::vector<program_t> programs_;
+  std::size_t last_ = 0;
+};
+
+}  // namespace lab::analysis

@@ -1,0 +1,360 @@
+#include "analyzer/track_stitcher.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace lab::analysis {
+namespace {
+
+constexpr double kLogKept = 1.0;            // s of telemetry before the last sample
+constexpr std::size_t kMaxLog = 4096;       // messages
+constexpr std::size_t kMaxPending = 4096;   // frames
+constexpr int kBackwardsIsRestart = 50;     // frames in a row: the camera's clock was set back
+constexpr double kPositionSlack = 0.002;    // m beyond what wheels and noise explain
+constexpr double kHeadingSlack = 0.2;       // rad, the same
+constexpr double kSigmas = 7;
+constexpr int kBridgeSteps = 8;
+
+double wrapped(double angle) { return std::remainder(angle, 2 * std::numbers::pi); }
+
+bool isFinite(const RobotTelemetry& t) {
+  return std::isfinite(t.time) && std::isfinite(t.program_start) && std::isfinite(t.v_l) &&
+         std::isfinite(t.v_r) && std::isfinite(t.run_time) &&
+         (t.reversal_count == 0 ||
+          (std::isfinite(t.reversal_start) && (t.reversing || std::isfinite(t.reversal_end))));
+}
+
+double endOf(const RobotTelemetry& t) {
+  return t.reversing ? std::numeric_limits<double>::infinity() : t.reversal_end;
+}
+
+}  // namespace
+
+void TrackStitcher::addFrame(const TrackPoint& point, std::vector<Sample>& out) {
+  ++counters_.frames;
+  if (!point.valid || !std::isfinite(point.time) || !std::isfinite(point.x) ||
+      !std::isfinite(point.y) || !std::isfinite(point.theta)) {
+    ++counters_.invalid;
+    return;
+  }
+  if (point.time <= newest_frame_) {
+    ++counters_.out_of_order;
+    if (++backwards_ < kBackwardsIsRestart) {
+      return;
+    }
+    restart();
+  }
+  backwards_ = 0;
+  newest_frame_ = point.time;
+  newest_ = std::max(newest_, point.time);
+  pending_.push_back(point);
+  processPending(pending_.size() > kMaxPending, out);
+}
+
+void TrackStitcher::addTelemetry(const RobotTelemetry& telemetry, std::vector<Sample>& out) {
+  const auto place = std::lower_bound(
+      log_.begin(), log_.end(), telemetry,
+      [](const RobotTelemetry& a, const RobotTelemetry& b) { return a.time < b.time; });
+  const bool repeated = place != log_.end() && place->time == telemetry.time;
+  const bool too_late = place == log_.begin() && !log_.empty();
+  if (!isFinite(telemetry) || repeated || too_late) {
+    ++counters_.bad_telemetry;
+    return;
+  }
+  log_.insert(place, telemetry);
+  if (log_.size() > kMaxLog) {
+    log_.pop_front();
+  }
+  newest_ = std::max(newest_, telemetry.time);
+  processPending(false, out);
+}
+
+void TrackStitcher::flush(std::vector<Sample>& out) { processPending(true, out); }
+
+ProgramTally TrackStitcher::tally(int program) const {
+  const auto i = static_cast<std::size_t>(program);
+  return program >= 0 && i < tallies_.size() ? tallies_[i] : ProgramTally{};
+}
+
+ProgramTally& TrackStitcher::tallyOf(int program) {
+  const auto i = static_cast<std::size_t>(program);
+  if (i >= tallies_.size()) {
+    tallies_.resize(i + 1);
+  }
+  return tallies_[i];
+}
+
+void TrackStitcher::processPending(bool force, std::vector<Sample>& out) {
+  const double ahead = std::max(config_.contact_guard, config_.reversal_guard);
+  while (!pending_.empty()) {
+    const double time = pending_.front().time;
+    const bool covered = !log_.empty() && log_.back().time >= time + ahead;
+    if (!force && !covered && newest_ - time <= config_.reorder_delay) {
+      break;
+    }
+    process(pending_.front(), out);
+    pending_.pop_front();
+    const double keep = (last_ && !cut_ ? last_->time : time) - kLogKept;
+    while (log_.size() > 2 && log_[1].time < keep) {
+      log_.pop_front();
+    }
+  }
+}
+
+void TrackStitcher::process(const TrackPoint& point, std::vector<Sample>& out) {
+  Context context;
+  const Fate fate = judge(point, context);
+  if (fate != Fate::kFree) {
+    drop(fate, context.program);
+    return;
+  }
+  double gap = last_ ? point.time - last_->time : 0;
+  switch (linkTo(point, context)) {
+    case Link::kSamePiece:
+      if (!reachable(*last_, point)) {
+        ++counters_.outliers;
+        ++tallyOf(context.program).lost;
+        const bool real = suspect_ && reachable(*suspect_, point);
+        suspect_ = point;
+        if (!real) {
+          return;
+        }
+        // Two frames agree with each other and not with the track: it did jump.
+        ++counters_.jumps;
+        cut_ = true;
+      }
+      break;
+    case Link::kJoin:
+      gap -= context.after->reversal_end - context.after->reversal_start;
+      join(point, *context.after);
+      ++counters_.reversals;
+      ++tallyOf(context.program).reversals;
+      break;
+    case Link::kLostReversal:
+      ++counters_.lost_reversals;
+      cut_ = true;
+      break;
+    case Link::kFirst:
+    case Link::kCut:
+      cut_ = true;
+      break;
+  }
+  append(point, context, gap, out);
+}
+
+TrackStitcher::Fate TrackStitcher::judge(const TrackPoint& point, Context& context) const {
+  const auto next = std::lower_bound(
+      log_.begin(), log_.end(), point.time,
+      [](const RobotTelemetry& a, double time) { return a.time < time; });
+  if (next == log_.end()) {
+    return Fate::kUncovered;
+  }
+  const RobotTelemetry* before = next == log_.begin() ? nullptr : &*(next - 1);
+
+  // The epoch: that of the next message if it had begun, else the one before it.
+  const RobotTelemetry* state = &*next;
+  if (point.time < next->program_start) {
+    if (before == nullptr || before->program_epoch != next->program_epoch - 1) {
+      return Fate::kUncovered;
+    }
+    state = before;
+  }
+  context.program = state->program;
+  context.epoch = state->program_epoch;
+  context.counts = before != nullptr && before->program_epoch == context.epoch ? before : state;
+  if (state->program < 0 || state->stopped || context.counts->stopped) {
+    return Fate::kStanding;
+  }
+  if (nearContact(point.time, next)) {
+    return Fate::kContact;
+  }
+
+  // The reversals: each message knows the last one.
+  context.reversals = next->reversal_count;
+  context.after = &*next;
+  if (next->reversal_count > 0 && point.time < endOf(*next)) {
+    context.reversals = next->reversal_count - 1;
+    context.after = before;
+  }
+  if (nearReversal(point.time, next)) {
+    return Fate::kReversal;
+  }
+  if (context.reversals < next->reversal_count && before != nullptr &&
+      (before->reversal_count != context.reversals || before->reversing)) {
+    return Fate::kLostReversal;
+  }
+  return Fate::kFree;
+}
+
+bool TrackStitcher::nearContact(double time, Log::const_iterator next) const {
+  const double guard = config_.contact_guard;
+  if (next->contact || (next != log_.begin() && (next - 1)->contact)) {
+    return true;
+  }
+  for (auto i = next; i != log_.end() && i->time <= time + guard; ++i) {
+    if (i->contact) {
+      return true;
+    }
+  }
+  for (auto i = next; i != log_.begin() && (i - 1)->time >= time - guard; --i) {
+    if ((i - 1)->contact) {
+      return true;
+    }
+  }
+  return false;
+}
+
+bool TrackStitcher::nearReversal(double time, Log::const_iterator next) const {
+  const double guard = config_.reversal_guard;
+  const auto inside = [time, guard](const RobotTelemetry& t) {
+    return t.reversal_count > 0 && time > t.reversal_start - guard && time < endOf(t) + guard;
+  };
+  if (inside(*next)) {
+    return true;
+  }
+  // What an earlier message calls unfinished the next one knows better.
+  if (next != log_.begin() && !(next - 1)->reversing && inside(*(next - 1))) {
+    return true;
+  }
+  for (auto i = next; guard > 0 && i != log_.end() && i->time <= time + guard; ++i) {
+    if (inside(*i)) {
+      return true;
+    }
+  }
+  return false;
+}
+
+TrackStitcher::Link TrackStitcher::linkTo(const TrackPoint& point, const Context& context) const {
+  if (!last_) {
+    return Link::kFirst;
+  }
+  if (cut_ || context.epoch != last_context_.epoch || context.program != last_context_.program) {
+    return Link::kCut;
+  }
+  if (context.reversals == last_context_.reversals) {
+    return Link::kSamePiece;
+  }
+  const RobotTelemetry* reversal = context.after;
+  if (context.reversals != last_context_.reversals + 1 || reversal == nullptr ||
+      reversal->reversal_count != context.reversals || reversal->reversing) {
+    return Link::kLostReversal;
+  }
+  const double before = reversal->reversal_start - last_->time;
+  const double after = point.time - reversal->reversal_end;
+  const bool bridged = before >= 0 && after >= 0 && before + after <= config_.max_join_gap;
+  return bridged ? Link::kJoin : Link::kLostReversal;
+}
+
+bool TrackStitcher::reachable(const TrackPoint& from, const TrackPoint& to) const {
+  const double dt = to.time - from.time;
+  const double distance = std::hypot(to.x - from.x, to.y - from.y);
+  const double noise = kSigmas * std::hypot(from.sigma, to.sigma);
+  const double turn = std::abs(wrapped(to.theta - from.theta));
+  const double turn_noise = kSigmas * std::hypot(from.sigma_theta, to.sigma_theta);
+  return distance <= config_.max_wheel_speed * dt + noise + kPositionSlack &&
+         turn <= 2 * config_.max_wheel_speed / config_.wheel_base * dt + turn_noise + kHeadingSlack;
+}
+
+void TrackStitcher::drop(Fate fate, int program) {
+  switch (fate) {
+    case Fate::kUncovered:
+      ++counters_.uncovered;
+      if (!cut_ && last_) {
+        ++tallyOf(last_context_.program).lost;
+      }
+      return;
+    case Fate::kStanding:
+      ++counters_.standing;
+      break;
+    case Fate::kReversal:
+      ++counters_.in_reversal;
+      return;
+    case Fate::kContact:
+      ++counters_.in_contact;
+      ++tallyOf(program).in_contact;
+      break;
+    case Fate::kLostReversal:
+      counters_.lost_reversals += cut_ ? 0 : 1;
+      ++tallyOf(program).lost;
+      break;
+    case Fate::kFree:
+      return;
+  }
+  cut_ = true;
+}
+
+void TrackStitcher::join(const TrackPoint& point, const RobotTelemetry& reversal) {
+  const double before = reversal.reversal_start - last_->time;
+  const double removed = reversal.reversal_end - reversal.reversal_start;
+  const double total = point.time - last_->time - removed;
+  // Telemetry on the axis of free time since the last frame: all of a reversal is one instant.
+  const auto freeTime = [&](const RobotTelemetry& t) {
+    const double since = t.time - last_->time;
+    return since < before ? since : std::max(before, since - removed);
+  };
+  double x = sample_.x;
+  double y = sample_.y;
+  double theta = last_->theta;
+  const double dt = total / kBridgeSteps;
+  for (int step = 0; step < kBridgeSteps; ++step) {
+    const double at = (step + 0.5) * dt;
+    const auto held = std::min_element(log_.begin(), log_.end(), [&](const auto& a, const auto& b) {
+      return std::abs(freeTime(a) - at) < std::abs(freeTime(b) - at);
+    });
+    const double turn = (held->v_r - held->v_l) / config_.wheel_base * dt;
+    const double forward = 0.5 * (held->v_l + held->v_r) * dt;
+    x += forward * std::cos(theta + 0.5 * turn);
+    y += forward * std::sin(theta + 0.5 * turn);
+    theta += turn;
+  }
+  offset_x_ = x - point.x;
+  offset_y_ = y - point.y;
+  removed_ += removed;
+  ++sample_.piece;
+}
+
+void TrackStitcher::append(const TrackPoint& point, const Context& context, double gap,
+                           std::vector<Sample>& out) {
+  if (cut_) {
+    ++sample_.segment;
+    ++sample_.piece;
+    ++sample_.angular_segment;
+    ++tallyOf(context.program).segments;
+    offset_x_ = 0;
+    offset_y_ = 0;
+    sample_.theta = point.theta;
+  } else {
+    if (gap > config_.max_angular_gap) {
+      ++sample_.angular_segment;
+    }
+    sample_.theta += wrapped(point.theta - last_->theta);
+  }
+  cut_ = false;
+  suspect_.reset();
+  sample_.time = point.time;
+  sample_.free_time = point.time - removed_;
+  sample_.frame = point.frame;
+  sample_.x = point.x + offset_x_;
+  sample_.y = point.y + offset_y_;
+  sample_.program = context.program;
+  sample_.tumble_count = context.counts->tumble_count;
+  sample_.run_time = context.counts->run_time;
+  last_ = point;
+  last_context_ = {context.program, context.epoch, context.reversals, nullptr, nullptr};
+  ++counters_.samples;
+  ++tallyOf(context.program).samples;
+  out.push_back(sample_);
+}
+
+void TrackStitcher::restart() {
+  pending_.clear();
+  log_.clear();
+  newest_ = -1e300;
+  cut_ = true;
+  last_.reset();
+  suspect_.reset();
+}
+
+}  // namespace lab::analysis

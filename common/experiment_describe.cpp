@@ -1,0 +1,243 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <initializer_list>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "common/experiment_cores.hpp"
+#include "common/experiment_file.hpp"
+#include "common/experiment_log_size.hpp"
+#include "common/file_values.hpp"
+#include "light/field.hpp"
+
+namespace lab {
+namespace {
+
+using keys::fileText;
+using keys::numberText;
+using keys::unitOf;
+
+constexpr std::size_t kLabel = 14;  // columns before the text of a line
+
+std::string line(std::string label, const std::string& text) {
+  label.resize(std::max(kLabel, label.size() + 1), ' ');
+  return label + text + "\n";
+}
+
+std::string rounded(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.4g", value);
+  return text;
+}
+
+std::string cm(double metre) { return fileText(metre, unitOf("_cm")); }
+
+struct Quantity {
+  const char* name;
+  std::string value;
+};
+
+std::string list(std::initializer_list<Quantity> quantities) {
+  std::string text;
+  for (const Quantity& quantity : quantities) {
+    text += (text.empty() ? "" : ", ") + std::string(quantity.name) + " = " + quantity.value;
+  }
+  return text;
+}
+
+std::string parameters(const ProgramSpec& p) {
+  const std::string epsilon = numberText(p.epsilon) + " s";
+  switch (p.model) {
+    case Model::kAbp:
+      return "active Brownian, " + list({{"v", cm(p.v) + " cm/s"},
+                                         {"epsilon", epsilon},
+                                         {"eta", numberText(p.eta) + " rad/s"}});
+    case Model::kNoisyAbp:
+      return "noisy active Brownian, " +
+             list({{"va", cm(p.va) + " cm/s"}, {"V", cm(p.V) + " cm/s"}, {"epsilon", epsilon}});
+    case Model::kBp:
+      return "Brownian, " + list({{"V", cm(p.V) + " cm/s"}, {"epsilon", epsilon}});
+    case Model::kRtp:
+      return "run and tumble, " + list({{"v", cm(p.v) + " cm/s"},
+                                        {"gamma", numberText(p.gamma) + " /s"},
+                                        {"tau_t", numberText(p.tau_t) + " s"}});
+    case Model::kWheels:
+      return "constant wheel speeds, " +
+             list({{"left", cm(p.wheel_left) + " cm/s"}, {"right", cm(p.wheel_right) + " cm/s"}});
+    default:
+      return "stands still";
+  }
+}
+
+/// The paper's long-time numbers (below eqs. 4, 5 and 6).
+std::string derived(const ProgramSpec& p, double d) {
+  const std::string diffusion = " cm^2/s";
+  const std::string rotation = " rad^2/s";
+  const double wheel_rotation = p.epsilon * p.V * p.V / (3 * d * d);
+  const double wheel_diffusion = p.epsilon * p.V * p.V / 24;
+  switch (p.model) {
+    case Model::kAbp: {
+      const double dr = p.epsilon * p.eta * p.eta / 6;
+      if (dr == 0) return "drives straight";
+      return list({{"D_r", rounded(dr) + rotation}, {"L_s", rounded(p.v / dr * 100) + " cm"}});
+    }
+    case Model::kNoisyAbp:
+      return list({{"D_r", rounded(wheel_rotation) + rotation},
+                   {"D_t", rounded(wheel_diffusion * 1e4) + diffusion}});
+    case Model::kBp:
+      return list({{"D_r", rounded(wheel_rotation) + rotation},
+                   {"D", rounded(wheel_diffusion * 1e4) + diffusion}});
+    case Model::kRtp:
+      return list(
+          {{"mean run", rounded(p.v / p.gamma * 100) + " cm"},
+           {"D", rounded(p.v * p.v / (2 * p.gamma * (1 + p.gamma * p.tau_t)) * 1e4) + diffusion}});
+    default:
+      return "";
+  }
+}
+
+/// The fastest that a wheel ever has to turn [m/s].
+double fastestWheel(const ProgramSpec& program, const RobotHardware& hardware) {
+  const auto result = dynamics::paramsFromPhysics(toPhysics(program), wheelLimits(hardware));
+  const dynamics::ProgramParams& params = result.params;
+  const auto size = [](std::int32_t speed) { return std::abs(static_cast<double>(speed)); };
+  return 1e-6 * std::max({size(params.speed_um_s) + params.amplitude_um_s,
+                          size(params.tumble_amplitude_um_s), size(params.left_um_s),
+                          size(params.right_um_s)});
+}
+
+std::string describePrograms(const Experiment& e) {
+  std::string text;
+  for (const auto& [name, program] : e.programs) {
+    text += line("program", name + ": " + parameters(program));
+    std::string more = derived(program, e.hardware.diameter);
+    more += (more.empty() ? "" : "; ") + std::string("fastest wheel ") +
+            rounded(fastestWheel(program, e.hardware) * 100) + " of " +
+            cm(e.hardware.max_wheel_speed) + " cm/s";
+    text += line("", "  " + more);
+  }
+  return text;
+}
+
+std::string ids(const std::vector<RobotSpec>& robots) {
+  std::string text;
+  for (std::size_t first = 0; first < robots.size();) {
+    std::size_t last = first;
+    while (last + 1 < robots.size() && robots[last + 1].id == robots[last].id + 1) ++last;
+    text += (text.empty() ? "" : ", ") + std::to_string(robots[first].id);
+    if (last > first) text += " to " + std::to_string(robots[last].id);
+    first = last + 1;
+  }
+  return text;
+}
+
+std::string describeRobots(const Experiment& e) {
+  const auto placed = std::ranges::count_if(
+      e.robots, [](const RobotSpec& robot) { return robot.start.has_value(); });
+  const auto random = static_cast<std::ptrdiff_t>(e.robots.size()) - placed;
+  return line("robots", std::to_string(e.robots.size()) + " simulated (" + ids(e.robots) + "), " +
+                            std::to_string(placed) + " at given and " + std::to_string(random) +
+                            " at random places");
+}
+
+std::string describeTable(const LightTable& table) {
+  const char* sensor = table.sensor == LightSensor::kMean    ? "mean of both sensors"
+                       : table.sensor == LightSensor::kFront ? "front sensor"
+                                                             : "back sensor";
+  std::string text =
+      line("light table", std::string(sensor) + ", hysteresis " + numberText(table.hysteresis));
+  for (const LightBand& band : table.bands) {
+    text += line(
+        "", "  " + numberText(band.low) + " to " + numberText(band.high) + ": " + band.program);
+  }
+  return text;
+}
+
+/// The program for this light, seen for the first time.
+std::string programIn(const LightTable& table, double light) {
+  for (const LightBand& band : table.bands) {
+    const bool full = light >= 1 && band.high >= 1;
+    if (light >= band.low && (light < band.high || full)) return band.program;
+  }
+  return "no band (robots stand)";
+}
+
+/// How much of the arena each program gets.
+std::string shares(const Experiment& e, const LightStep& step) {
+  constexpr int kColumns = 48;
+  constexpr int kRows = 36;
+  light::Field field;
+  for (const LayerSpec& layer : step.layers) {
+    if (!layer.image.empty()) return "as the image " + layer.image + " says";
+    field.layers.push_back(toLightLayer(layer));
+  }
+  const light::CompiledField compiled(field);
+  std::map<std::string, int> pixels;
+  double low = 1;
+  double high = 0;
+  for (int pixel = 0; pixel < kColumns * kRows; ++pixel) {
+    const double x = (pixel % kColumns + 0.5) / kColumns * e.arena_width;
+    const double y = (pixel / kColumns + 0.5) / kRows * e.arena_height;
+    const double light = compiled.evaluate(x, y);
+    ++pixels[programIn(e.light_table, light)];
+    low = std::min(low, light);
+    high = std::max(high, light);
+  }
+  std::string text = "light " + rounded(low);
+  if (high > low) text += " to " + rounded(high);
+  for (const auto& [program, count] : pixels) {
+    text += ", " + program;
+    if (pixels.size() > 1)
+      text += " " + rounded(std::round(100.0 * count / (kColumns * kRows))) + " %";
+  }
+  return text;
+}
+
+std::string describeLight(const Experiment& e) {
+  std::string head = std::to_string(e.light.steps.size());
+  head += e.light.steps.size() == 1 ? " step" : " steps";
+  if (e.light.repeat) head += ", again every " + numberText(e.light.length) + " s";
+  std::string text = line("light", head);
+  for (const LightStep& step : e.light.steps) {
+    std::string what = "  " + numberText(step.at) + " s " + step.label + ": " + shares(e, step);
+    if (step.ramp > 0) what += ", fading in for " + numberText(step.ramp) + " s";
+    if (step.at >= e.duration) what += " (after the run's end)";
+    text += line("", what);
+  }
+  return text;
+}
+
+std::string describeReversal(const Reversal& reversal) {
+  if (reversal.on == ReverseOn::kNever) return line("reversal", "never");
+  return line("reversal",
+              std::string("from walls") + (reversal.on == ReverseOn::kAny ? " and robots" : "") +
+                  ", " + cm(reversal.distance) + " cm back at " + cm(reversal.speed) + " cm/s");
+}
+
+std::string describeSize(double bytes) {
+  return bytes < 1e9 ? rounded(std::ceil(bytes / 1e6)) + " MB" : rounded(bytes / 1e9) + " GB";
+}
+
+}  // namespace
+
+std::string describeExperiment(const Experiment& e) {
+  std::string text =
+      line("experiment", e.name + (e.description.empty() ? "" : ": ") + e.description);
+  text += line("run", numberText(e.duration) + " s, seed " + std::to_string(e.seed));
+  text += line("arena", cm(e.arena_width) + " cm x " + cm(e.arena_height) + " cm");
+  text += describeRobots(e);
+  text += describePrograms(e);
+  text += describeTable(e.light_table);
+  text += describeLight(e);
+  text += describeReversal(e.reversal);
+  text += line("camera", numberText(e.camera.fps) + " frames/s, " +
+                             numberText(std::floor(e.camera.fps * e.duration)) + " frames, noise " +
+                             cm(e.camera.position_noise) + " cm and " +
+                             fileText(e.camera.heading_noise, unitOf("_deg")) + " degrees");
+  text += line("log", "about " + describeSize(expectedLogBytes(e)));
+  return text;
+}
+
+}  // namespace lab

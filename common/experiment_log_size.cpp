@@ -1,0 +1,99 @@
+#include "common/experiment_log_size.hpp"
+
+#include <algorithm>
+#include <lab/analysis_t.hpp>
+#include <lab/light_command_t.hpp>
+#include <lab/light_status_t.hpp>
+#include <lab/robot_command_t.hpp>
+#include <lab/robot_status_t.hpp>
+#include <lab/sim_truth_t.hpp>
+#include <lab/tracked_frame_t.hpp>
+#include <string>
+#include <string_view>
+
+#include "common/channels.hpp"
+#include "common/experiment_messages.hpp"
+
+namespace lab {
+namespace {
+
+constexpr double kEventHeader = 28;       // bytes of an lcm-logger event before its channel's name
+constexpr std::size_t kUsualSender = 10;  // letters of a sender's name
+constexpr int kUsualLags = 57;            // of the analyzer's curves
+constexpr int kUsualEstimates = 8;
+constexpr double kCommandRate = 5;  // [1/s] ROBOT_COMMAND
+constexpr double kLightCommandRate = 2;
+constexpr double kLightStatusRate = 10;
+
+template <typename Message>
+double eventBytes(std::string_view channel, Message message) {
+  message.sender.assign(kUsualSender, 'x');
+  return kEventHeader + static_cast<double>(channel.size()) + message.getEncodedSize();
+}
+
+double frameBytes(std::int32_t robots) {
+  tracked_frame_t message{};
+  message.num_robots = robots;
+  message.robots.resize(static_cast<std::size_t>(robots));
+  return eventBytes(channels::kTrackedFrame, message);
+}
+
+double statusBytes(std::int32_t robots) {
+  robot_status_t message{};
+  message.num_robots = robots;
+  message.robots.resize(static_cast<std::size_t>(robots));
+  return eventBytes(channels::kRobotStatus, message);
+}
+
+double truthBytes(std::int32_t robots) {
+  sim_truth_t message{};
+  message.num_robots = robots;
+  message.robots.resize(static_cast<std::size_t>(robots));
+  return eventBytes(channels::kSimTruth, message);
+}
+
+double analysisBytes() {
+  curve_t curve{};
+  curve.num_lags = kUsualLags;
+  for (auto* column : {&curve.lag, &curve.value, &curve.sigma, &curve.exact, &curve.paper}) {
+    column->resize(kUsualLags);
+  }
+  curve.windows.resize(kUsualLags);
+  curve.biased.resize(kUsualLags);
+  analysis_t message{};
+  message.num_curves = 2;
+  message.curves.assign(2, curve);
+  message.num_estimates = kUsualEstimates;
+  message.estimates.resize(kUsualEstimates);
+  for (estimate_t& estimate : message.estimates) estimate.note.assign(40, 'x');
+  return eventBytes(channels::kAnalysis, message);
+}
+
+template <typename Message>
+double lightBytes(std::string_view channel, const LightStep& step) {
+  Message message{};
+  message.layers = toMessages(step.layers);
+  message.num_layers = static_cast<std::int32_t>(message.layers.size());
+  return eventBytes(channel, message);
+}
+
+}  // namespace
+
+double expectedLogBytes(const Experiment& experiment) {
+  const auto robots = static_cast<std::int32_t>(experiment.robots.size());
+  double light = 0;
+  for (const LightStep& step : experiment.light.steps) {
+    const double rate = step.ramp > 0 ? experiment.light.frame_rate : kLightStatusRate;
+    light = std::max(
+        light, rate * lightBytes<light_status_t>(channels::kLightStatus, step) +
+                   kLightCommandRate * lightBytes<light_command_t>(channels::kLightCommand, step));
+  }
+  const double per_second =
+      experiment.camera.fps * frameBytes(robots) +
+      experiment.hardware.status_rate * (statusBytes(robots) + truthBytes(robots)) + light +
+      kCommandRate * eventBytes(channels::kRobotCommand, lightTableCommand(experiment)) +
+      (robots + 1.0) * static_cast<double>(experiment.programs.size()) * analysisBytes();
+  return experiment.duration * per_second;
+}
+
+}  // namespace lab

@@ -1,0 +1,241 @@
+#include "report/findings.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/experiment_messages.hpp"
+#include "report/people.hpp"
+
+namespace lab::report {
+namespace {
+
+using analysis::CurvePoint;
+using analysis::Estimate;
+using analysis::ProgramResult;
+using analysis::VerdictKind;
+
+constexpr double kPercent = 100;
+
+/// The formula of the paper for this model.
+std::string paperFormula(analysis::ProgramKind kind) {
+  switch (kind) {
+    case analysis::ProgramKind::kAbp:
+      return "eq. 4";
+    case analysis::ProgramKind::kNoisyAbp:
+    case analysis::ProgramKind::kBp:
+      return "eq. 5";
+    case analysis::ProgramKind::kRtp:
+      return "eq. 6";
+    default:
+      return "";
+  }
+}
+
+std::string uniqueFile(const std::vector<Finding>& before, const std::string& name) {
+  const std::string word = fileWord(name);
+  std::string file = word;
+  const auto taken = [&] {
+    return std::any_of(before.begin(), before.end(),
+                       [&](const Finding& other) { return other.file == file; });
+  };
+  for (int number = 2; taken(); ++number) file = fmt::format("{}_{}", word, number);
+  return file;
+}
+
+std::string nameOf(const RunRecord& record, const program_t& program) {
+  for (const RunProgram& known : record.programs) {
+    if (sameProgram(known.program, program)) return known.name;
+  }
+  return modelName(program.kind);
+}
+
+/// "D_r = 0.748 ± 0.012 rad²/s, programmed 0.75"
+std::string estimateText(const Estimate& estimate) {
+  const PeopleUnit unit = peopleUnit(estimate.unit);
+  const double error = (estimate.high95 - estimate.low95) / 2 * unit.factor;
+  return fmt::format("{} = {} ± {} {} (programmed {})", estimate.name,
+                     numberText(estimate.value * unit.factor, error), numberText(error, error),
+                     unit.text, shortText(estimate.theory * unit.factor));
+}
+
+}  // namespace
+
+std::vector<Finding> findingsOf(const RunRecord& record) {
+  std::vector<Finding> findings;
+  for (const analysis::FeedResult& result : record.results) {
+    if (result.result.robot == analysis::kPool) {
+      Finding finding;
+      finding.name = nameOf(record, result.program);
+      finding.model = modelName(result.program.kind);
+      finding.file = uniqueFile(findings, finding.name);
+      finding.pool = &result;
+      findings.push_back(std::move(finding));
+    } else if (!findings.empty() && findings.back().pool->result.robots > 1) {
+      findings.back().robots.push_back(&result);
+    }
+  }
+  return findings;
+}
+
+std::string verdictText(const ProgramResult& result) {
+  switch (result.verdict.kind) {
+    case VerdictKind::kAgrees:
+      return "agrees with the exact law";
+    case VerdictKind::kDisagrees:
+      return "deviates from the exact law";
+    default:
+      return "undecided";
+  }
+}
+
+std::string verdictReason(const ProgramResult& result) {
+  const analysis::Verdict& verdict = result.verdict;
+  if (verdict.kind == VerdictKind::kUndecided) {
+    return fmt::format(
+        "{} of free motion, {} that can be judged: not enough to tell. A verdict needs five lags "
+        "with at least a hundred draws behind them.",
+        durationText(result.observed), countText(verdict.judged, "lag"));
+  }
+  return fmt::format(
+      "Over {} the largest deviation from the exact law is {:.1f} standard errors ({} at {} s); "
+      "chance exceeds 3.2 in one run of a hundred, and 4 is the limit.",
+      countText(verdict.judged, "lag"), std::abs(verdict.max_z),
+      verdict.angular ? "angular MSD" : "MSD", shortText(verdict.tau));
+}
+
+std::vector<std::string> reservations(const ProgramResult& result) {
+  std::vector<std::string> remarks;
+  if (result.unbiased_lag > 0) {
+    remarks.push_back(fmt::format(
+        "The light depends on place, so a robot leaves this program by where it goes: windows "
+        "longer than {} s are selected by the motion itself. They are drawn hollow and not judged.",
+        shortText(result.unbiased_lag)));
+  }
+  if (result.reversals > 0) {
+    remarks.push_back(fmt::format(
+        "{} at walls or robots removed and the track joined across; robots resume exactly, so this "
+        "leaves the statistics those of free motion.",
+        countText(result.reversals, "reversal")));
+  }
+  if (result.contact_share > 0) {
+    remarks.push_back(fmt::format(
+        "{:.1f} % of the frames were cut because a body touched a robot or a wall. What remains is "
+        "motion between contacts, which favours places with room.",
+        result.contact_share * kPercent));
+  }
+  if (result.lost > 0) {
+    remarks.push_back(fmt::format(
+        "{} left out: no report said what the robot did then, or the wheels could not have made "
+        "the jump.",
+        countText(result.lost, "frame")));
+  }
+  const double noise = result.curves.msd.empty() ? 0 : result.curves.msd.front().noise;
+  if (std::isfinite(noise) && noise > 0) {
+    remarks.push_back(fmt::format(
+        "Tracker noise of {} cm in each coordinate was measured and taken into account.",
+        shortText(std::sqrt(noise) / 2 * kPercent)));
+  }
+  return remarks;
+}
+
+std::string paperComparison(const ProgramResult& result) {
+  const std::string formula = paperFormula(result.law.kind);
+  const CurvePoint* furthest = nullptr;
+  double most = 0;
+  double most_z = 0;
+  for (const CurvePoint& point : result.curves.msd) {
+    const double off = point.paper / point.exact - 1;
+    if (!point.judged || !std::isfinite(off) || !(point.sigma > 0)) continue;
+    if (std::abs(off) > std::abs(most)) {
+      most = off;
+      furthest = &point;
+    }
+    most_z = std::max(most_z, std::abs(point.paper - point.exact) / point.sigma);
+  }
+  if (formula.empty()) return {};
+  if (furthest == nullptr || std::abs(most) < 1e-6) {
+    return result.verdict.judged == 0
+               ? std::string()
+               : fmt::format("The paper's {} is the exact law here.", formula);
+  }
+  return fmt::format(
+      "The paper's {} differs from the exact law by up to {:+.2g} % (at {} s); in this run that is "
+      "{} standard errors at most.",
+      formula, most * kPercent, shortText(furthest->tau),
+      most_z < 10 ? fmt::format("{:.1f}", most_z) : fmt::format("{:.0f}", most_z));
+}
+
+std::string parametersText(const program_t& program) {
+  std::vector<std::string> parts;
+  const auto add = [&parts](const char* symbol, double value, double factor, const char* unit) {
+    parts.push_back(fmt::format("{} = {} {}", symbol, shortText(value * factor), unit));
+  };
+  constexpr double kCm = 100;
+  switch (program.kind) {
+    case program_t::ABP:
+      add("v", program.v, kCm, "cm/s");
+      add("ε", program.epsilon, 1, "s");
+      add("η", program.eta, 1, "rad/s");
+      break;
+    case program_t::NOISY_ABP:
+      add("va", program.va, kCm, "cm/s");
+      add("V", program.V, kCm, "cm/s");
+      add("ε", program.epsilon, 1, "s");
+      break;
+    case program_t::BP:
+      add("V", program.V, kCm, "cm/s");
+      add("ε", program.epsilon, 1, "s");
+      break;
+    case program_t::RTP:
+      add("v", program.v, kCm, "cm/s");
+      add("γ", program.gamma, 1, "/s");
+      add("τt", program.tau_t, 1, "s");
+      break;
+    case program_t::WHEELS:
+      add("left", program.wheel_left, kCm, "cm/s");
+      add("right", program.wheel_right, kCm, "cm/s");
+      break;
+    default:
+      break;
+  }
+  return fmt::format("{}", fmt::join(parts, ", "));
+}
+
+std::vector<std::string> headlines(const RunRecord& record) {
+  std::vector<std::string> lines;
+  for (const Finding& finding : findingsOf(record)) {
+    const ProgramResult& result = finding.pool->result;
+    std::string line = fmt::format("{}: {}", finding.name, verdictText(result));
+    if (result.verdict.kind != VerdictKind::kUndecided) {
+      line += fmt::format(", at most {:.1f} standard errors over {}",
+                          std::abs(result.verdict.max_z), countText(result.verdict.judged, "lag"));
+    }
+    for (const Estimate& estimate : result.estimates) {
+      if (!std::isfinite(estimate.value) || !std::isfinite(estimate.theory)) continue;
+      line += "; " + estimateText(estimate);
+      break;
+    }
+    lines.push_back(line);
+  }
+  if (lines.empty())
+    lines.emplace_back("no robot ran a program that has a law: nothing to compare");
+  std::int64_t lost = 0;
+  bool at_least = false;
+  for (const StreamLoss& stream : record.log.streams) {
+    lost += stream.lost;
+    at_least = at_least || stream.at_least;
+  }
+  lines.push_back(lost == 0 && !at_least
+                      ? "no message was lost on the way to the log"
+                      : fmt::format("messages missing in the log: {}{}",
+                                    at_least ? "at least " : "", groupedText(lost)));
+  for (const Remark& fault : record.faults) {
+    lines.push_back(fmt::format("fault at {:.1f} s: {}", record.seconds(fault.utime), fault.text));
+  }
+  if (!record.ended) lines.emplace_back("the run has no END: it was cut short");
+  return lines;
+}
+
+}  // namespace lab::report

@@ -1,0 +1,240 @@
+#include "report/summary.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+
+#include "common/version.hpp"
+#include "report/delivery.hpp"
+#include "report/findings.hpp"
+#include "report/people.hpp"
+
+namespace lab::report {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using analysis::CurvePoint;
+
+constexpr int kFormat = 1;  // of summary.json
+
+/// Rounded to six figures; null where it is no number.
+Json number(double value) {
+  if (!std::isfinite(value)) return nullptr;
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.6g", value);
+  const double rounded = std::strtod(text.data(), nullptr);
+  return rounded == 0 ? 0.0 : rounded;  // no -0
+}
+
+Json secondsOrNull(const RunRecord& record, std::int64_t utime) {
+  return utime == 0 ? Json(nullptr) : number(record.seconds(utime));
+}
+
+std::string keyWithUnit(const std::string& name, const std::string& unit_key) {
+  return unit_key.empty() ? name : name + "_" + unit_key;
+}
+
+Json estimates(const analysis::ProgramResult& result) {
+  Json all = Json::object();
+  for (const analysis::Estimate& estimate : result.estimates) {
+    const PeopleUnit unit = peopleUnit(estimate.unit);
+    all[keyWithUnit(estimate.name, unit.key)] = {
+        {"value", number(estimate.value * unit.factor)},
+        {"standard_error", number(estimate.sigma * unit.factor)},
+        {"low95", number(estimate.low95 * unit.factor)},
+        {"high95", number(estimate.high95 * unit.factor)},
+        {"theory", number(estimate.theory * unit.factor)},
+        {"effective_samples", number(estimate.n_eff)},
+        {"note", estimate.note}};
+  }
+  return all;
+}
+
+/// One array a column. A robot's own curve goes without what its program's pool says already.
+Json curve(const std::vector<CurvePoint>& points, const std::string& si_unit, bool whole) {
+  const PeopleUnit unit = peopleUnit(si_unit);
+  const auto column = [&points](auto value) {
+    Json values = Json::array();
+    for (const CurvePoint& point : points) {
+      if (point.windows > 0) values.push_back(value(point));
+    }
+    return values;
+  };
+  const auto in_unit = [&](double CurvePoint::*member) {
+    return column([&](const CurvePoint& point) { return number(point.*member * unit.factor); });
+  };
+  const auto plain = [&](double CurvePoint::*member) {
+    return column([&](const CurvePoint& point) { return number(point.*member); });
+  };
+  Json json;
+  json["lag_s"] = plain(&CurvePoint::tau);
+  json["value_" + unit.key] = in_unit(&CurvePoint::value);
+  json["standard_error_" + unit.key] = in_unit(&CurvePoint::sigma);
+  json["windows"] = plain(&CurvePoint::windows);
+  if (!whole) return json;
+  json["noise_" + unit.key] = in_unit(&CurvePoint::noise);
+  json["exact_" + unit.key] = in_unit(&CurvePoint::exact);
+  json["paper_" + unit.key] = in_unit(&CurvePoint::paper);
+  json["z"] = plain(&CurvePoint::z);
+  json["effective_windows"] = plain(&CurvePoint::n_eff);
+  json["kurtosis"] = plain(&CurvePoint::kurtosis);
+  json["selection_biased"] = column([](const CurvePoint& point) { return point.selection_biased; });
+  json["judged"] = column([](const CurvePoint& point) { return point.judged; });
+  return json;
+}
+
+Json result(const analysis::ProgramResult& result, bool whole) {
+  constexpr std::array kVerdicts{"undecided", "agrees", "disagrees"};
+  Json json;
+  json["robots"] = result.robots;
+  json["verdict"] = kVerdicts.at(static_cast<std::size_t>(result.verdict.kind));
+  json["max_z"] = number(result.verdict.max_z);
+  json["max_z_lag_s"] = number(result.verdict.tau);
+  json["max_z_curve"] = result.verdict.angular ? "angular_msd" : "msd";
+  json["judged_lags"] = result.verdict.judged;
+  json["observed_s"] = number(result.observed);
+  json["samples"] = result.samples;
+  json["lost_frames"] = result.lost;
+  json["segments"] = result.segments;
+  json["reversals"] = result.reversals;
+  json["contact_share"] = number(result.contact_share);
+  json["longest_unselected_lag_s"] = result.unbiased_lag > 0 ? number(result.unbiased_lag) : Json();
+  json["estimates"] = estimates(result);
+  json["msd"] = curve(result.curves.msd, "m^2", whole);
+  json["angular_msd"] = curve(result.curves.angular_msd, "rad^2", whole);
+  return json;
+}
+
+Json programs(const RunRecord& record) {
+  Json all = Json::array();
+  for (const Finding& finding : findingsOf(record)) {
+    Json json;
+    json["name"] = finding.name;
+    json["model"] = finding.model;
+    json["parameters"] = parametersText(finding.pool->program);
+    json["pool"] = result(finding.pool->result, true);
+    Json robots = Json::array();
+    for (const analysis::FeedResult* robot : finding.robots) {
+      Json one = {{"robot", robot->result.robot}};
+      one.update(result(robot->result, false));
+      robots.push_back(std::move(one));
+    }
+    json["each_robot"] = std::move(robots);
+    all.push_back(std::move(json));
+  }
+  return all;
+}
+
+Json losses(const RunRecord& record) {
+  Json streams = Json::array();
+  for (const StreamLoss& stream : record.log.streams) {
+    streams.push_back({{"channel", stream.channel},
+                       {"sender", stream.sender},
+                       {"start", stream.start},
+                       {"received", stream.received},
+                       {"lost", stream.lost},
+                       {"lost_is_at_least", stream.at_least},
+                       {"largest_age_ms", number(stream.largest_age * 1e3)}});
+  }
+  Json listeners = Json::array();
+  for (const ListenerLoss& loss : record.listeners) {
+    listeners.push_back({{"listener", loss.listener},
+                         {"channel", loss.channel},
+                         {"sender", loss.sender},
+                         {"lost", loss.lost},
+                         {"decode_errors", loss.decode_errors}});
+  }
+  Json json;
+  json["log"] = std::move(streams);
+  json["listeners"] = std::move(listeners);
+  json["decode_errors"] =
+      record.log.decode_errors.empty() ? Json::object() : Json(record.log.decode_errors);
+  json["damaged_places_in_log"] = record.log.damaged_places;
+  json["camera_frames"] = record.log.frames;
+  json["camera_frames_missing"] = record.missing_frames;
+  return json;
+}
+
+Json steps(const RunRecord& record) {
+  Json all = Json::array();
+  for (const StepRecord& step : record.steps) {
+    const StepDelays delays = delaysOf(step);
+    all.push_back({{"step", step.number},
+                   {"label", step.label},
+                   {"commanded_s", secondsOrNull(record, step.commanded_utime)},
+                   {"presented_s", secondsOrNull(record, step.presented_utime)},
+                   {"first_acted_s", secondsOrNull(record, step.first_acted_utime)},
+                   {"last_acted_s", secondsOrNull(record, step.last_acted_utime)},
+                   {"robots_acted", step.robots_acted},
+                   {"robots_expected", step.robots_expected},
+                   {"presented_after_ms", number(delays.presented_ms)},
+                   {"last_acted_after_ms", number(delays.last_acted_ms)}});
+  }
+  return all;
+}
+
+Json latency(const Percentiles& percentiles) {
+  return {{"steps", percentiles.count},
+          {"p50_ms", number(percentiles.p50)},
+          {"p99_ms", number(percentiles.p99)},
+          {"max_ms", number(percentiles.max)}};
+}
+
+Json remarks(const RunRecord& record, const std::vector<Remark>& list) {
+  Json all = Json::array();
+  for (const Remark& remark : list) {
+    all.push_back({{"t_s", secondsOrNull(record, remark.utime)}, {"text", remark.text}});
+  }
+  return all;
+}
+
+Json robots(const RunRecord& record) {
+  Json all = Json::array();
+  for (const auto& [id, robot] : record.robots) {
+    const double states = static_cast<double>(std::max<std::int64_t>(1, robot.states));
+    const auto share = [states](std::int64_t count) {
+      return number(static_cast<double>(count) / states);
+    };
+    all.push_back({{"robot", id},
+                   {"origin", originName(robot.origin)},
+                   {"boots", robot.boots},
+                   {"reversals", robot.reversals},
+                   {"tumbles", robot.tumbles},
+                   {"saturated_share", share(robot.saturated)},
+                   {"contact_robot_share", share(robot.contact_robot)},
+                   {"contact_wall_share", share(robot.contact_wall)},
+                   {"stopped_share", share(robot.stopped)},
+                   {"lease_expired_share", share(robot.lease_expired)}});
+  }
+  return all;
+}
+
+}  // namespace
+
+std::string summaryJson(const RunRecord& record) {
+  Json json;
+  json["format"] = kFormat;
+  json["experiment"] = record.experiment ? Json(record.experiment->name) : Json(nullptr);
+  json["seed"] = record.experiment ? Json(record.experiment->seed) : Json(nullptr);
+  json["run_with_version"] = record.version;
+  json["analyzed_with_version"] = kVersion;
+  json["contract_version"] = record.contract_version;
+  json["duration_s"] = number(record.duration());
+  json["ended"] = record.ended;
+  json["end_reason"] = record.end_reason;
+  json["faults"] = remarks(record, record.faults);
+  json["marks"] = remarks(record, record.marks);
+  json["programs"] = programs(record);
+  json["robots"] = robots(record);
+  json["latency"] = {{"presented", latency(presentedDelays(record.steps))},
+                     {"first_acted", latency(firstActedDelays(record.steps))},
+                     {"last_acted", latency(lastActedDelays(record.steps))}};
+  json["steps"] = steps(record);
+  json["losses"] = losses(record);
+  return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace lab::report

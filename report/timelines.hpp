@@ -1,0 +1,98 @@
+/// What light and robots did over time, from what they report.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <lab/light_status_t.hpp>
+#include <lab/robot_status_t.hpp>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "light/field.hpp"
+
+namespace lab::report {
+
+/// The light from one change to the next.
+struct LightSpan {
+  std::int64_t begin_utime = 0;
+  std::string label;      ///< of the script's step
+  std::string commander;  ///< empty: the safe field
+  double low = 0;         ///< [1] darkest place of the arena
+  double high = 0;        ///< [1] brightest
+  bool uniform = true;
+  bool has_image = false;  ///< low and high are the image's limits, not its content
+};
+
+/// Collects LIGHT_STATUS into spans, one a change.
+class LightTimeline {
+ public:
+  /// Of the arena [m].
+  LightTimeline(double width, double height) : width_(width), height_(height) {}
+
+  void take(const light_status_t& status);
+
+  [[nodiscard]] const std::vector<LightSpan>& spans() const { return spans_; }
+  [[nodiscard]] const std::string& calibration() const { return calibration_; }
+
+ private:
+  void measure(LightSpan& span) const;
+
+  double width_;
+  double height_;
+  light::Field field_;
+  std::vector<LightSpan> spans_;
+  std::string calibration_;
+};
+
+/// A robot under one program.
+struct ProgramSpan {
+  std::int64_t begin_utime = 0;
+  std::int64_t end_utime = 0;
+  int program = -1;  ///< the caller's key, -1: standing
+};
+
+/// What one robot said about itself over the run.
+struct RobotRecord {
+  std::int8_t origin = 0;
+  std::vector<ProgramSpan> programs;
+  std::int64_t states = 0;     ///< reports in the log
+  std::int64_t saturated = 0;  ///< reports that said so
+  std::int64_t contact_robot = 0;
+  std::int64_t contact_wall = 0;
+  std::int64_t stopped = 0;
+  std::int64_t lease_expired = 0;
+  std::int64_t reversals = 0;
+  std::int64_t tumbles = 0;
+  int boots = 0;  ///< the robot or the service that speaks for it started anew
+};
+
+/// Collects ROBOT_STATUS.
+class RobotTimelines {
+ public:
+  using KeyOf = std::function<int(const program_t&)>;
+
+  explicit RobotTimelines(KeyOf key_of) : key_of_(std::move(key_of)) {}
+
+  void take(const robot_status_t& status);
+
+  [[nodiscard]] std::map<std::int32_t, RobotRecord> records() const;
+
+ private:
+  struct Robot {
+    RobotRecord record;
+    std::int64_t instance = 0;
+    std::int64_t last_utime = 0;
+    std::int32_t epoch = -1;
+    std::int32_t reversal_count = 0;
+    std::int32_t tumble_count = 0;
+  };
+
+  void take(Robot& robot, const robot_state_t& state, std::int64_t instance);
+  void extendPrograms(Robot& robot, const robot_state_t& state, bool fresh) const;
+
+  KeyOf key_of_;
+  std::map<std::int32_t, Robot> robots_;
+};
+
+}  // namespace lab::report

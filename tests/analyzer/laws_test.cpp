@@ -1,0 +1,174 @@
+#include "analyzer/laws.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "reference_table.hpp"
+
+namespace lab::analysis {
+namespace {
+
+constexpr double kCm = 0.01;
+
+ProgramLaw abp(double v_cm, double eta, double epsilon) {
+  ProgramLaw law;
+  law.kind = ProgramKind::kAbp;
+  law.v = v_cm * kCm;
+  law.eta = eta;
+  law.epsilon = epsilon;
+  return law;
+}
+
+ProgramLaw noisy(double va_cm, double amplitude_cm, double epsilon) {
+  ProgramLaw law;
+  law.kind = va_cm == 0 ? ProgramKind::kBp : ProgramKind::kNoisyAbp;
+  law.va = va_cm * kCm;
+  law.V = amplitude_cm * kCm;
+  law.epsilon = epsilon;
+  return law;
+}
+
+ProgramLaw rtp(double v_cm, double gamma, double tau_t) {
+  ProgramLaw law;
+  law.kind = ProgramKind::kRtp;
+  law.v = v_cm * kCm;
+  law.gamma = gamma;
+  law.tau_t = tau_t;
+  return law;
+}
+
+double tolerance(double expected) { return std::max(1e-10 * std::abs(expected), 1e-12); }
+
+TEST(ExactLaw, AgreesWithTheHighPrecisionTable) {
+  const auto rows = readTable("unit_tests.csv");
+  ASSERT_EQ(rows.size(), 88U);
+  for (const auto& row : rows) {
+    const double epsilon = std::stod(row[2]);
+    ProgramLaw law = row[0] == "ABP" ? abp(std::stod(row[1]), std::stod(row[3]), epsilon)
+                                     : noisy(std::stod(row[1]), std::stod(row[3]), epsilon);
+    law.wheel_base = std::stod(row[4]) * kCm;
+    const double tau = std::stod(row[5]);
+    const ExactLaw dut(law);
+
+    EXPECT_NEAR(dut.msd(tau) * 1e4, std::stod(row[6]), tolerance(std::stod(row[6])))
+        << row[0] << " tau " << tau;
+    EXPECT_NEAR(dut.angularMsd(tau), std::stod(row[7]), tolerance(std::stod(row[7])));
+    EXPECT_NEAR(dut.velocityCorrelation(tau) * 1e4, std::stod(row[8]),
+                tolerance(std::stod(row[8])))
+        << row[0] << " epsilon " << epsilon << " tau " << tau;
+  }
+}
+
+struct Panel {
+  std::string file;
+  ProgramLaw law;
+};
+
+std::vector<Panel> panels() {
+  return {{"fig2b_ABP_v3_eps0.5_eta3.csv", abp(3, 3, 0.5)},
+          {"fig2c_ABP_v3_eps0.1_eta3.csv", abp(3, 3, 0.1)},
+          {"fig2c_ABP_v3_eps0.25_eta3.csv", abp(3, 3, 0.25)},
+          {"fig2c_ABP_v3_eps0.5_eta3.csv", abp(3, 3, 0.5)},
+          {"fig2c_ABP_v3_eps0.9_eta3.csv", abp(3, 3, 0.9)},
+          {"fig2d_ABP_v3_eps0.25_eta1.csv", abp(3, 1, 0.25)},
+          {"fig2d_ABP_v3_eps0.25_eta3.csv", abp(3, 3, 0.25)},
+          {"fig2d_ABP_v3_eps0.25_eta4.csv", abp(3, 4, 0.25)},
+          {"fig2d_ABP_v3_eps0.25_eta6.csv", abp(3, 6, 0.25)},
+          {"fig3b_NABP_va1_V10_eps0.1.csv", noisy(1, 10, 0.1)},
+          {"fig3d_BP_V10_eps0.2.csv", noisy(0, 10, 0.2)},
+          {"fig3d_BP_V3_eps0.2.csv", noisy(0, 3, 0.2)},
+          {"fig3d_BP_V7_eps0.2.csv", noisy(0, 7, 0.2)},
+          {"fig3dinset_BP_V10_eps0.1.csv", noisy(0, 10, 0.1)},
+          {"fig3dinset_BP_V10_eps0.4.csv", noisy(0, 10, 0.4)},
+          {"fig3dinset_BP_V7_eps0.4.csv", noisy(0, 7, 0.4)},
+          {"fig4d_RTP_v5_gam1_tt0.5.csv", rtp(5, 1, 0.5)},
+          {"fig4d_RTP_v5_gam3_tt0.5.csv", rtp(5, 3, 0.5)},
+          {"fig4e_RTP_v5_gam1_tt1.csv", rtp(5, 1, 1)}};
+}
+
+TEST(ExactLaw, AgreesWithEveryPanelOfTheFigures) {
+  for (const Panel& panel : panels()) {
+    const ExactLaw dut(panel.law);
+    const auto rows = readTable(panel.file);
+    ASSERT_GT(rows.size(), 20U);
+    for (const auto& row : rows) {
+      // The panels hold eight digits of the value and, from 1 s on, of the lag.
+      const double tau = std::stod(row[0]);
+      EXPECT_NEAR(dut.msd(tau) * 1e4 / std::stod(row[1]), 1, 1e-7) << panel.file << " " << tau;
+      EXPECT_NEAR(paperMsd(panel.law, tau) * 1e4 / std::stod(row[2]), 1, 1e-7) << panel.file;
+      EXPECT_NEAR(dut.angularMsd(tau) / std::stod(row[4]), 1, 1e-7) << panel.file;
+      if (isHeldNoise(panel.law.kind)) {
+        EXPECT_NEAR(paperAngularMsd(panel.law, tau) / std::stod(row[5]), 1, 1e-7) << panel.file;
+      }
+    }
+  }
+}
+
+TEST(ExactLaw, GivesTheCorrelationAlongThePath) {
+  for (const int eta : {1, 2, 3, 4, 6}) {
+    const HeldNoise dut = HeldNoise::uniformTurning(0.03, eta, 0.25);
+    for (const auto& row : readTable("fig2e_C_of_l_eta" + std::to_string(eta) + ".csv")) {
+      const double time = std::stod(row[0]) * kCm / 0.03;
+      EXPECT_NEAR(dut.directionCorrelation(time), std::stod(row[1]), 1e-12);
+    }
+  }
+}
+
+TEST(ExactLaw, GivesTheDiffusivityOfEveryParameterSet) {
+  for (const auto& row : readTable("summary_parameters.csv")) {
+    const double speed = std::stod(row[1]);
+    ProgramLaw law;
+    if (row[0].find("RTP") != std::string::npos) {
+      const auto slash = row[3].find('/');
+      law = rtp(speed, std::stod(row[3].substr(0, slash)), std::stod(row[3].substr(slash + 1)));
+    } else if (row[0].find("BP_V") != std::string::npos ||
+               row[0].find("NABP") != std::string::npos) {
+      law = noisy(speed, std::stod(row[3]), std::stod(row[2]));
+    } else {
+      law = abp(speed, std::stod(row[3]), std::stod(row[2]));
+    }
+    EXPECT_NEAR(ExactLaw(law).diffusivity() * 1e4 / std::stod(row[7]), 1, 1e-9) << row[0];
+  }
+}
+
+TEST(ExactLaw, IsContinuousAcrossTheUpdatesAndMatchesItsOwnDiffusivity) {
+  const ExactLaw dut(abp(3, 6, 0.9));
+  for (int m = 1; m < 5; ++m) {
+    const double tau = 0.9 * m;
+    EXPECT_NEAR(dut.msd(tau - 1e-9) / dut.msd(tau + 1e-9), 1, 1e-7);
+  }
+  const double slope = (dut.msd(2000) - dut.msd(1000)) / 4000;
+  EXPECT_NEAR(slope / dut.diffusivity(), 1, 1e-9);
+}
+
+TEST(ExactLaw, StaysExactWhereTheNoiseVanishes) {
+  const ExactLaw straight(abp(3, 0, 0.5));
+  EXPECT_NEAR(straight.msd(40) / (0.03 * 0.03 * 1600), 1, 1e-12);
+  EXPECT_TRUE(std::isinf(straight.diffusivity()));
+
+  // A turn of x per hold so small that eq. 4 holds to x^2 / 45.
+  const ProgramLaw slow = abp(3, 0.01, 0.1);
+  EXPECT_NEAR(ExactLaw(slow).msd(50) / paperMsd(slow, 50), 1, 1e-4);
+  EXPECT_NEAR(ExactLaw(slow).msd(5e6) / paperMsd(slow, 5e6), 1, 1e-6);
+}
+
+TEST(ExactLaw, PersistenceLengthApproachesThePaperForShortHolds) {
+  EXPECT_NEAR(ExactLaw(abp(3, 3, 0.25)).persistenceLength() / (0.03 / 0.375), 1.0125, 5e-4);
+  EXPECT_NEAR(ExactLaw(abp(3, 6, 0.25)).persistenceLength() / (0.03 / 1.5), 1.049, 1e-3);
+  EXPECT_DOUBLE_EQ(ExactLaw(rtp(5, 2, 0.5)).persistenceLength(), 0.025);
+}
+
+TEST(ExactLaw, IsNotANumberWithoutALaw) {
+  ProgramLaw wheels;
+  wheels.kind = ProgramKind::kWheels;
+  EXPECT_FALSE(ExactLaw(wheels).exists());
+  EXPECT_TRUE(std::isnan(ExactLaw(wheels).msd(1)));
+  EXPECT_TRUE(std::isnan(ExactLaw(abp(3, 3, 0)).angularMsd(1)));
+  EXPECT_TRUE(std::isnan(paperAngularMsd(rtp(5, 1, 0.5), 1)));
+}
+
+}  // namespace
+}  // namespace lab::analysis

@@ -1,0 +1,83 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "analyzer/chebyshev.hpp"
+#include "analyzer/lags.hpp"
+#include "analyzer/statistics.hpp"
+#include "programs.hpp"
+
+namespace lab::analysis {
+namespace {
+
+TEST(ChebyshevSeries, InterpolatesAndIntegratesToFullPrecision) {
+  const ChebyshevSeries dut([](double x) { return std::cos(3 * x); }, 2.5, 30);
+  const ChebyshevSeries once = dut.integral();
+  const ChebyshevSeries twice = once.integral();
+  for (double x = 0; x <= 2.5; x += 0.1) {
+    EXPECT_NEAR(dut(x), std::cos(3 * x), 1e-13);
+    EXPECT_NEAR(once(x), std::sin(3 * x) / 3, 1e-13);
+    EXPECT_NEAR(twice(x), (1 - std::cos(3 * x)) / 9, 1e-13);
+  }
+}
+
+TEST(GaussLegendre, IsExactForPolynomialsOfDegreeTwoNMinusOne) {
+  const GaussRule dut = gaussLegendre(7);
+  for (int power = 0; power <= 13; ++power) {
+    double sum = 0;
+    for (std::size_t i = 0; i < dut.nodes.size(); ++i) {
+      sum += dut.weights[i] * std::pow(dut.nodes[i], power);
+    }
+    EXPECT_NEAR(sum, 1.0 / (power + 1), 1e-14);
+  }
+}
+
+TEST(StudentQuantile, AgreesWithTheTables) {
+  EXPECT_TRUE(std::isinf(studentQuantile(0.5)));
+  EXPECT_NEAR(studentQuantile(1), 12.706, 1e-3);
+  EXPECT_NEAR(studentQuantile(3), 3.182, 0.01);
+  EXPECT_NEAR(studentQuantile(7), 2.365, 2e-3);
+  EXPECT_NEAR(studentQuantile(31), 2.040, 1e-3);
+  EXPECT_NEAR(studentQuantile(1e9), 1.960, 1e-3);
+}
+
+TEST(NormalDeviate, IsAsImprobableAsStudentsT) {
+  EXPECT_NEAR(normalDeviate(2.365, 7), 1.960, 5e-3);
+  EXPECT_NEAR(normalDeviate(-2.131, 15), -1.960, 3e-3);
+  EXPECT_NEAR(normalDeviate(4, 1e9), 4, 1e-6);
+  EXPECT_LT(normalDeviate(4, 12), 3.2);
+}
+
+TEST(PoissonInterval, AgreesWithTheTables) {
+  EXPECT_NEAR(poissonInterval(10).low, 4.795, 0.03);
+  EXPECT_NEAR(poissonInterval(10).high, 18.39, 0.05);
+  EXPECT_NEAR(poissonInterval(100).low, 81.36, 0.05);
+  EXPECT_EQ(poissonInterval(0).low, 0);
+  EXPECT_NEAR(poissonInterval(0).high, 3.69, 0.1);
+}
+
+TEST(LagGrid, IsAscendingWholeAndHoldsTheHoldTime) {
+  for (const double fps : {10.0, 25.0, 50.0, 100.0}) {
+    const std::vector<int> dut = makeLagGrid(1 / fps, 100, abpLaw(3, 0.5));
+    EXPECT_EQ(dut.front(), 1);
+    EXPECT_EQ(dut.back(), static_cast<int>(100 * fps));
+    EXPECT_GE(dut.size(), 50U);
+    EXPECT_LE(dut.size(), 60U);
+    EXPECT_TRUE(std::is_sorted(dut.begin(), dut.end()));
+    EXPECT_EQ(std::adjacent_find(dut.begin(), dut.end()), dut.end());
+    for (const double time : {0.5, 1.0}) {
+      const int frames = static_cast<int>(std::lround(time * fps));
+      EXPECT_EQ(dut[nearestLag(dut, frames)], frames);
+    }
+  }
+}
+
+TEST(LagGrid, HoldsOneLagEvenForTheShortestFilm) {
+  EXPECT_EQ(makeLagGrid(0.1, 0.05, abpLaw(3, 0.5)), std::vector<int>{1});
+  EXPECT_EQ(makeLagGrid(0.1, 0.35, rtpLaw(1, 0.5)), (std::vector<int>{1, 2, 3}));
+}
+
+}  // namespace
+}  // namespace lab::analysis

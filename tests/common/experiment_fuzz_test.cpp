@@ -1,0 +1,65 @@
+#include <gmock/gmock.h>
+
+#include <array>
+
+#include "tests/common/experiment_samples.hpp"
+
+namespace lab {
+namespace {
+
+/// What a damaged file comes to: 1 for one that is an experiment all the same, 0 for one that is
+/// refused with a reason. Anything else ends the test.
+int outcome(const std::string& text) {
+  try {
+    const Experiment experiment = parseExperiment(text, "damaged.toml");
+    EXPECT_EQ(parseExperiment(writeExperiment(experiment), "written"), experiment) << text;
+    return 1;
+  } catch (const ExperimentError& error) {
+    EXPECT_FALSE(error.problems().empty());
+    return 0;
+  }
+}
+
+class DamagedExperiment : public ::testing::TestWithParam<std::filesystem::path> {};
+
+TEST_P(DamagedExperiment, CutAnywhereIsRefusedOrAnExperiment) {
+  const std::string text = readText(GetParam());
+  int accepted = 0;
+  for (std::size_t length = 0; length < text.size(); ++length) {
+    accepted += outcome(text.substr(0, length));
+  }
+  EXPECT_LT(accepted, static_cast<int>(text.size()));
+  EXPECT_EQ(outcome(text), 1);
+}
+
+TEST_P(DamagedExperiment, WithAByteReplacedIsRefusedOrAnExperiment) {
+  constexpr std::array<char, 6> kBytes = {'\0', '"', '[', '9', '\xff', '\n'};
+  const std::string text = readText(GetParam());
+  int accepted = 0;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    std::string damaged = text;
+    damaged[i] = kBytes[i % kBytes.size()];
+    accepted += outcome(damaged);
+    damaged[i] = static_cast<char>(text[i] ^ (1 << (i % 8)));
+    accepted += outcome(damaged);
+  }
+  EXPECT_GT(accepted, 0);
+}
+
+TEST_P(DamagedExperiment, WithALineLostIsRefusedOrAnExperiment) {
+  const std::string text = readText(GetParam());
+  int accepted = 0;
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = text.find('\n', begin) + 1;
+    std::string damaged = text;
+    accepted += outcome(damaged.erase(begin, end - begin));
+    begin = end;
+  }
+  EXPECT_GT(accepted, 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Shipped, DamagedExperiment, ::testing::ValuesIn(tomlFiles("experiments")),
+                         [](const auto& parameter) { return parameter.param.stem().string(); });
+
+}  // namespace
+}  // namespace lab

@@ -1,0 +1,62 @@
+/// Experiment files to test with.
+#pragma once
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/experiment_file.hpp"
+
+namespace lab {
+
+/// The least that is an experiment, and light and robots of its own.
+inline constexpr std::string_view kSmall = R"(fileversion = 1
+name = "small"
+duration_s = 60
+program = "abp"
+[[robots]]
+id = 1
+[programs.abp]
+model = "abp"
+v_cm_s = 3
+epsilon_s = 0.5
+eta_rad_s = 3
+)";
+
+inline Experiment small(std::string_view more = {},
+                        const std::vector<std::string>& overrides = {}) {
+  return parseExperiment(std::string(kSmall) + std::string(more), "small.toml", overrides);
+}
+
+/// The problems of kSmall and `more`, none: it is fine.
+inline std::vector<std::string> problemsOf(std::string_view more,
+                                           const std::vector<std::string>& overrides = {}) {
+  try {
+    static_cast<void>(small(more, overrides));
+  } catch (const ExperimentError& error) {
+    return error.problems();
+  }
+  return {};
+}
+
+inline std::string readText(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+/// The *.toml files of a folder below the project's root, in order.
+inline std::vector<std::filesystem::path> tomlFiles(const std::string& folder) {
+  std::vector<std::filesystem::path> files;
+  for (const auto& entry :
+       std::filesystem::directory_iterator(std::filesystem::path(LAB_ROOT) / folder)) {
+    if (entry.path().extension() == ".toml") files.push_back(entry.path());
+  }
+  std::ranges::sort(files);
+  return files;
+}
+
+}  // namespace lab

@@ -1,0 +1,74 @@
+#include <gmock/gmock.h>
+
+#include "tests/common/experiment_samples.hpp"
+
+namespace lab {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::Field;
+using ::testing::IsSupersetOf;
+using ::testing::SizeIs;
+
+std::vector<std::string> names() {
+  std::vector<std::string> names;
+  for (const auto& file : tomlFiles("experiments")) names.push_back(file.stem().string());
+  return names;
+}
+
+Experiment shipped(const std::string& name) {
+  return loadExperiment(std::filesystem::path(LAB_ROOT) / "experiments" / (name + ".toml"));
+}
+
+TEST(ShippedExperiments, AreThere) {
+  EXPECT_THAT(names(), IsSupersetOf({"abp", "bp", "half_dark_arena", "light_switching", "noisy_abp",
+                                     "rtp", "swarm"}));
+}
+
+TEST(ShippedExperiments, BearTheNamesOfTheirFiles) {
+  for (const std::string& name : names()) EXPECT_EQ(shipped(name).name, name);
+}
+
+TEST(ShippedExperiments, WrittenAndReadBackAreEqual) {
+  for (const std::string& name : names()) {
+    const Experiment dut = shipped(name);
+    const std::string written = writeExperiment(dut);
+    const Experiment back = parseExperiment(written, name);
+    EXPECT_EQ(back, dut) << name;
+    EXPECT_EQ(writeExperiment(back), written) << name;
+  }
+}
+
+TEST(ShippedExperiments, HaveThePaperParameters) {
+  EXPECT_EQ(
+      shipped("abp").programs.at("abp"),
+      (ProgramSpec{.name = "abp", .model = Model::kAbp, .v = 0.03, .epsilon = 0.5, .eta = 3}));
+  EXPECT_EQ(
+      shipped("noisy_abp").programs.at("noisy_abp"),
+      (ProgramSpec{
+          .name = "noisy_abp", .model = Model::kNoisyAbp, .va = 0.01, .V = 0.1, .epsilon = 0.1}));
+  EXPECT_EQ(shipped("bp").programs.at("bp"),
+            (ProgramSpec{.name = "bp", .model = Model::kBp, .V = 0.07, .epsilon = 0.2}));
+  EXPECT_EQ(
+      shipped("rtp").programs.at("rtp"),
+      (ProgramSpec{.name = "rtp", .model = Model::kRtp, .v = 0.05, .gamma = 3, .tau_t = 0.5}));
+}
+
+TEST(ShippedExperiments, SwitchTheLightThroughThreeBands) {
+  const Experiment dut = shipped("light_switching");
+
+  EXPECT_THAT(dut.light_table.bands,
+              ElementsAre(Field(&LightBand::program, "bp"), Field(&LightBand::program, "abp"),
+                          Field(&LightBand::program, "rtp")));
+  ASSERT_THAT(dut.light.steps, SizeIs(3));
+  EXPECT_TRUE(dut.light.repeat);
+  EXPECT_EQ(dut.light.length, 90);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double light = dut.light.steps[i].layers.at(0).intensity;
+    EXPECT_GT(light, dut.light_table.bands[i].low);
+    EXPECT_LT(light, dut.light_table.bands[i].high);
+  }
+}
+
+}  // namespace
+}  // namespace lab

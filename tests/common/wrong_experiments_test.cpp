@@ -1,0 +1,47 @@
+// Each file of wrong_experiments/ begins with what must be said about it, line by line:
+// "# expect 12: key: found ..., allowed ...", and nothing else must be said.
+#include <gmock/gmock.h>
+
+#include <sstream>
+
+#include "tests/common/experiment_samples.hpp"
+
+namespace lab {
+namespace {
+
+constexpr std::string_view kExpect = "# expect ";
+
+std::vector<std::string> expectedProblems(const std::filesystem::path& file) {
+  std::vector<std::string> problems;
+  std::istringstream lines(readText(file));
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with(kExpect)) {
+      problems.push_back(file.string() + ":" + line.substr(kExpect.size()));
+    }
+  }
+  return problems;
+}
+
+class WrongExperiment : public ::testing::TestWithParam<std::filesystem::path> {};
+
+TEST_P(WrongExperiment, IsRefusedWithFileLineKeyAndWayOut) {
+  const std::vector<std::string> expected = expectedProblems(GetParam());
+  ASSERT_FALSE(expected.empty());
+  try {
+    static_cast<void>(loadExperiment(GetParam()));
+    FAIL() << "was accepted";
+  } catch (const ExperimentError& error) {
+    EXPECT_THAT(error.problems(), ::testing::ElementsAreArray(expected));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Files, WrongExperiment,
+                         ::testing::ValuesIn(tomlFiles("tests/common/wrong_experiments")),
+                         [](const auto& parameter) { return parameter.param.stem().string(); });
+
+TEST(WrongExperiments, AreMoreThanEighty) {
+  EXPECT_GT(tomlFiles("tests/common/wrong_experiments").size(), 80U);
+}
+
+}  // namespace
+}  // namespace lab

@@ -1,0 +1,88 @@
+/// A little lab in virtual time whose messages go into a log: robots that run the paper's programs
+/// under a light that is the same everywhere, reverse at the walls, and may be made to lose things.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/experiment.hpp"
+#include "common/log_file.hpp"
+#include "common/memory_bus.hpp"
+#include "common/node.hpp"
+#include "common/virtual_loop.hpp"
+
+namespace lab::report {
+
+/// An experiment whose light changes every `step` s from one program to the next.
+[[nodiscard]] Experiment syntheticExperiment(int robots, double duration, double fps,
+                                             const std::vector<ProgramSpec>& programs, double step);
+
+/// The paper's figure 2: ABP with v = 3 cm/s, epsilon = 0.5 s, eta = 3 rad/s.
+[[nodiscard]] ProgramSpec paperAbp();
+[[nodiscard]] ProgramSpec paperBp();   ///< V = 7 cm/s, epsilon = 0.2 s
+[[nodiscard]] ProgramSpec paperRtp();  ///< v = 5 cm/s, gamma = 1 /s, tau_t = 0.5 s
+
+class SyntheticRobot;
+
+class SyntheticLab {
+ public:
+  /// @param keeps whether the logger hears a message; everything by default.
+  using Keeps = std::function<bool(const Packet&)>;
+
+  SyntheticLab(const std::filesystem::path& log, Experiment experiment, Keeps keeps = {});
+  ~SyntheticLab();
+
+  /// Runs the whole experiment and ends every service cleanly.
+  void run();
+
+  /// The parts of run(), for tests that interfere.
+  void begin();
+  void runUntil(double seconds);  ///< since the start
+  void end();
+
+  /// Starts sim_svc anew, as after a crash: no closing messages, a new instance, robots afresh.
+  void restartSimulation();
+
+  Node& runner() { return *runner_; }
+  void fault(const std::string& text);
+  void mark(const std::string& text);
+
+ private:
+  void tick();
+  void showStep(std::size_t number);
+  void publishLight(bool changed);
+  void say(std::int8_t kind, const std::string& text);
+
+  Experiment experiment_;
+  VirtualLoop loop_;
+  MemoryBus bus_;
+  LogWriter writer_;
+  std::vector<std::unique_ptr<Node>> killed_;  ///< kept since their timers are; unheard
+  std::unique_ptr<Node> runner_;
+  std::unique_ptr<Node> projector_;
+  std::unique_ptr<Node> simulation_;
+  std::vector<std::unique_ptr<SyntheticRobot>> robots_;
+  std::int64_t frame_ = 0;
+  std::size_t step_ = 0;
+  std::int64_t step_utime_ = 0;
+  bool lit_ = false;
+};
+
+/// A folder of its own for each test, removed with it.
+class TemporaryFolder {
+ public:
+  TemporaryFolder();
+  ~TemporaryFolder();
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+[[nodiscard]] std::string readFile(const std::filesystem::path& path);
+
+}  // namespace lab::report
