@@ -5,24 +5,30 @@
 
 namespace lab::analysis {
 
-ChebyshevSeries::ChebyshevSeries(const std::function<double(double)>& f, double length, int points)
+ChebyshevSeries::ChebyshevSeries(const std::vector<double>& values, double length)
     : length_(length) {
-  const auto n = static_cast<std::size_t>(points);
-  std::vector<double> values(n);
-  for (std::size_t i = 0; i < n; ++i) {
-    const double angle =
-        std::numbers::pi * (static_cast<double>(i) + 0.5) / static_cast<double>(n);
-    values[i] = f(0.5 * length * (1 + std::cos(angle)));
+  const std::size_t n = values.size();
+  // All angles are multiples of pi / 2n.
+  std::vector<double> cosines(4 * n);
+  for (std::size_t k = 0; k < 4 * n; ++k) {
+    cosines[k] = std::cos(std::numbers::pi * static_cast<double>(k) / static_cast<double>(2 * n));
   }
   coefficients_.resize(n);
   for (std::size_t j = 0; j < n; ++j) {
     double sum = 0;
     for (std::size_t i = 0; i < n; ++i) {
-      sum += values[i] * std::cos(std::numbers::pi * static_cast<double>(j) *
-                                  (static_cast<double>(i) + 0.5) / static_cast<double>(n));
+      sum += values[i] * cosines[j * (2 * i + 1) % (4 * n)];
     }
     coefficients_[j] = (j == 0 ? 1.0 : 2.0) * sum / static_cast<double>(n);
   }
+}
+
+std::vector<double> ChebyshevSeries::points(double length, int count) {
+  std::vector<double> points;
+  for (int i = 0; i < count; ++i) {
+    points.push_back(0.5 * length * (1 + std::cos(std::numbers::pi * (i + 0.5) / count)));
+  }
+  return points;
 }
 
 double ChebyshevSeries::operator()(double x) const {

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <functional>
 #include <vector>
 
 namespace lab::analysis {
@@ -12,9 +11,12 @@ class ChebyshevSeries {
   /// The zero function on [0, 1].
   ChebyshevSeries() : coefficients_(1, 0.0) {}
 
-  /// Interpolates f at the given number of Chebyshev points. For a function without singularities
-  /// the error falls faster than any power of the number of points.
-  ChebyshevSeries(const std::function<double(double)>& f, double length, int points);
+  /// Interpolates the values of a function at points(length, values.size()). For a function without
+  /// singularities the error falls faster than any power of the number of points.
+  ChebyshevSeries(const std::vector<double>& values, double length);
+
+  /// The Chebyshev points of [0, length].
+  [[nodiscard]] static std::vector<double> points(double length, int count);
 
   /// The value at x in [0, length].
   [[nodiscard]] double operator()(double x) const;

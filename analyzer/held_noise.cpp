@@ -3,11 +3,23 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 
 namespace lab::analysis {
 namespace {
 
 double sinc(double x) { return std::abs(x) < 1e-4 ? 1 - x * x / 6 : std::sin(x) / x; }
+
+/// The Gauss rule for half a symmetric integral that `count` points resolve; kept, since laws are
+/// built many times.
+const GaussRule& halfRule(int count) {
+  thread_local std::map<int, GaussRule> rules;
+  auto found = rules.find(count);
+  if (found == rules.end()) {
+    found = rules.emplace(count, gaussLegendre(count / 2 + 4)).first;
+  }
+  return found->second;
+}
 
 /// sum_{j=0}^{n-1} q^j and sum_{j=0}^{n-1} (n - 1 - j) q^j, also where q is close to 1.
 struct GeometricSums {
@@ -46,25 +58,31 @@ HeldNoise::HeldNoise(Noise noise, double va, double width, double amplitude, dou
       epsilon_(epsilon),
       omega2_(noise == Noise::kTurning ? width * width / 3 : 2 * width * width / 3),
       q_(chi(epsilon)) {
-  // chi oscillates width * epsilon / pi times on a hold; these numbers reach full precision.
-  const int points = std::min(200, 28 + static_cast<int>(2 * width * epsilon));
-  const GaussRule rule = gaussLegendre(points);
-  const auto convolve = [&](double from, double to, double total) {
+  // Enough for full precision: chi makes width * epsilon / 2 pi turns in a hold, its square two.
+  const int count = std::min(200, 18 + static_cast<int>(6 * width * epsilon));
+  const GaussRule& rule = halfRule(count);
+  // The integrands are symmetric about total / 2.
+  const auto convolve = [&](double from, double total) {
+    const double half = 0.5 * total - from;
     double sum = 0;
     for (std::size_t i = 0; i < rule.nodes.size(); ++i) {
-      const double a = from + (to - from) * rule.nodes[i];
+      const double a = from + half * rule.nodes[i];
       sum += rule.weights[i] * chi(a) * chi(total - a);
     }
-    return sum * (to - from) / epsilon_;
+    return 2 * half * sum / epsilon_;
   };
-  const auto first = [&](double r) { return (1 - r / epsilon_) * chi(r) + convolve(0, r, r); };
-  const auto later = [&](double r) {
-    return q_ * convolve(0, r, r) + convolve(r, epsilon_, epsilon_ + r);
-  };
-  const auto spread = [&](double r) { return (1 - r / epsilon_) * psi(r); };
-  first_ = ChebyshevSeries(first, epsilon, points);
-  later_ = ChebyshevSeries(later, epsilon, points);
-  spread_ = ChebyshevSeries(spread, epsilon, points);
+  std::vector<double> first;
+  std::vector<double> later;
+  std::vector<double> spread;
+  for (const double r : ChebyshevSeries::points(epsilon, count)) {
+    const double inside = convolve(0, r);
+    first.push_back((1 - r / epsilon_) * chi(r) + inside);
+    later.push_back(q_ * inside + convolve(r, epsilon_ + r));
+    spread.push_back((1 - r / epsilon_) * psi(r));
+  }
+  first_ = ChebyshevSeries(first, epsilon);
+  later_ = ChebyshevSeries(later, epsilon);
+  spread_ = ChebyshevSeries(spread, epsilon);
   first_once_ = first_.integral();
   first_twice_ = first_once_.integral();
   later_once_ = later_.integral();

@@ -178,8 +178,10 @@ std::string shares(const Experiment& e, const LightStep& step) {
   double low = 1;
   double high = 0;
   for (int pixel = 0; pixel < kColumns * kRows; ++pixel) {
-    const double x = (pixel % kColumns + 0.5) / kColumns * e.arena_width;
-    const double y = (pixel / kColumns + 0.5) / kRows * e.arena_height;
+    const int column = pixel % kColumns;
+    const int row = pixel / kColumns;
+    const double x = (column + 0.5) / kColumns * e.arena_width;
+    const double y = (row + 0.5) / kRows * e.arena_height;
     const double light = compiled.evaluate(x, y);
     ++pixels[programIn(e.light_table, light)];
     low = std::min(low, light);
@@ -190,7 +192,7 @@ std::string shares(const Experiment& e, const LightStep& step) {
   for (const auto& [program, count] : pixels) {
     text += ", " + program;
     if (pixels.size() > 1)
-      text += " " + rounded(std::round(100.0 * count / (kColumns * kRows))) + " %";
+      text += ' ' + rounded(std::round(100.0 * count / (kColumns * kRows))) + " %";
   }
   return text;
 }

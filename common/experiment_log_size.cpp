@@ -24,6 +24,8 @@ constexpr int kUsualEstimates = 8;
 constexpr double kCommandRate = 5;  // [1/s] ROBOT_COMMAND
 constexpr double kLightCommandRate = 2;
 constexpr double kLightStatusRate = 10;
+constexpr double kTruthRate = 10;
+constexpr double kHousekeeping = 1500;  // bytes/s of SERVICE_STATUS, EXPERIMENT_EVENT and CLOCK
 
 template <typename Message>
 double eventBytes(std::string_view channel, Message message) {
@@ -90,7 +92,8 @@ double expectedLogBytes(const Experiment& experiment) {
   }
   const double per_second =
       experiment.camera.fps * frameBytes(robots) +
-      experiment.hardware.status_rate * (statusBytes(robots) + truthBytes(robots)) + light +
+      experiment.hardware.status_rate * statusBytes(robots) + kTruthRate * truthBytes(robots) +
+      light + kHousekeeping +
       kCommandRate * eventBytes(channels::kRobotCommand, lightTableCommand(experiment)) +
       (robots + 1.0) * static_cast<double>(experiment.programs.size()) * analysisBytes();
   return experiment.duration * per_second;

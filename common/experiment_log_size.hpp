@@ -5,8 +5,8 @@
 
 namespace lab {
 
-/// Bytes of the log, from the sizes and rates of the messages that a run of this experiment sends;
-/// right within some ten percent. The analyzer's curves are taken at their usual length.
+/// Bytes of the log, from the sizes and rates of the messages that a run of this experiment sends.
+/// The analyzer's share is a guess from above: every robot runs every program, with full curves.
 [[nodiscard]] double expectedLogBytes(const Experiment& experiment);
 
 }  // namespace lab

@@ -31,16 +31,16 @@ void Node::start() {
   });
 }
 
-void Node::ready() { enter(service_status_t::READY); }
+void Node::ready() {
+  if (state_ == service_status_t::ENDED) return;
+  state_ = service_status_t::READY;
+  beat();
+}
 
 void Node::fault(const std::string& what) {
   last_error_ = what;
-  enter(service_status_t::FAULT);
-}
-
-void Node::enter(std::int8_t state) {
-  if (state_ == state || state_ == service_status_t::ENDED) return;
-  state_ = state;
+  if (state_ == service_status_t::FAULT || state_ == service_status_t::ENDED) return;
+  state_ = service_status_t::FAULT;
   beat();
 }
 

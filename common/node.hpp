@@ -79,7 +79,6 @@ class Node {
 
  private:
   void beat();
-  void enter(std::int8_t state);
   std::int64_t& sentOn(std::string_view channel);
 
   template <class Message>

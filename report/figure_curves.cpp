@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "report/figure_scripts.hpp"
 #include "report/gnuplot.hpp"
@@ -30,106 +31,136 @@ bool drawable(const CurvePoint& point) {
   return point.windows > 0 && std::isfinite(point.value) && point.value > 0 && point.tau > 0;
 }
 
-/// The error bar on a logarithmic axis: it ends above 0.
-void addMeasured(DataBlock& data, const CurvePoint& point, double factor) {
-  constexpr double kLeastShare = 0.02;
-  const double sigma = std::isfinite(point.sigma) ? point.sigma : 0;
-  data.row(point.tau, point.value * factor,
-           std::max(point.value - sigma, kLeastShare * point.value) * factor,
-           (point.value + sigma) * factor);
+constexpr double kFewestWindows = 10;  // behind a point of a single robot's curve
+
+/// A block that may stay without data, which gnuplot refuses.
+DataBlock emptyBlock(const char* name) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  DataBlock block(name);
+  block.row(kNan, kNan, kNan, kNan);
+  return block;
 }
 
-/// Smooth lines through the laws, and what the eye needs to compare.
-std::string curveScript(const Finding& finding, const Quantity& quantity, const std::string& file) {
-  const std::vector<CurvePoint>& points = finding.pool->result.curves.*quantity.curve;
-  DataBlock judged("judged");
-  DataBlock open("open");
-  DataBlock law("law");
-  DataBlock paper("paper");
-  DataBlock z("z");
-  DataBlock z_open("z_open");
-  bool has_paper = false;
+/// What is drawn of one curve.
+struct CurveData {
+  DataBlock judged = emptyBlock("judged");
+  DataBlock open = emptyBlock("open");
+  DataBlock law = emptyBlock("law");
+  DataBlock paper = emptyBlock("paper");
+  DataBlock paper_z = emptyBlock("paper_z");
+  DataBlock z = emptyBlock("z");
+  DataBlock z_open = emptyBlock("z_open");
+  DataBlock robots = emptyBlock("robots");
   bool has_open = false;
+  bool has_paper = false;
+  bool has_robots = false;
   double largest_z = kLimitZ;
-  double first = 1e300;
+  double first = 1e300;  ///< [s] lags
   double last = 0;
-  // A block may not be empty.
-  for (DataBlock* block : {&judged, &open, &law, &paper, &z, &z_open}) {
-    block->row(std::nan(""), std::nan(""), std::nan(""), std::nan(""));
+
+  void add(const CurvePoint& point, double factor);
+  [[nodiscard]] std::string text() const;
+};
+
+void CurveData::add(const CurvePoint& point, double factor) {
+  first = std::min(first, point.tau);
+  last = std::max(last, point.tau);
+  // The error bar ends above 0, which a logarithmic axis does not have.
+  constexpr double kLeastShare = 0.02;
+  const double sigma = std::isfinite(point.sigma) ? point.sigma : 0;
+  const double low = std::max(point.value - sigma, kLeastShare * point.value);
+  (point.judged ? judged : open)
+      .row(point.tau, point.value * factor, low * factor, (point.value + sigma - low) * factor);
+  has_open = has_open || !point.judged;
+  if (std::isfinite(point.exact)) law.row(point.tau, (point.exact + point.noise) * factor);
+  if (std::isfinite(point.paper)) {
+    paper.row(point.tau, point.paper * factor);
+    has_paper = true;
+    if (sigma > 0) paper_z.row(point.tau, (point.paper - point.exact) / sigma);
   }
-  for (const CurvePoint& point : points) {
-    if (!drawable(point)) continue;
-    first = std::min(first, point.tau);
-    last = std::max(last, point.tau);
-    addMeasured(point.judged ? judged : open, point, quantity.factor);
-    has_open = has_open || !point.judged;
-    if (std::isfinite(point.exact)) {
-      law.row(point.tau, (point.exact + point.noise) * quantity.factor);
-    }
-    if (std::isfinite(point.paper)) {
-      paper.row(point.tau, point.paper * quantity.factor);
-      has_paper = true;
-    }
-    if (std::isfinite(point.z)) {
-      (point.judged ? z : z_open).row(point.tau, point.z);
-      if (point.judged) largest_z = std::max(largest_z, std::abs(point.z));
-    }
+  if (std::isfinite(point.z)) {
+    (point.judged ? z : z_open).row(point.tau, point.z);
+    if (point.judged) largest_z = std::max(largest_z, std::abs(point.z));
   }
-  DataBlock robots("robots");
-  robots.row(std::nan(""), std::nan(""));
-  const bool show_robots = finding.robots.size() > 1 && finding.robots.size() <= kMostRobots;
-  if (show_robots) {
-    for (const analysis::FeedResult* robot : finding.robots) {
-      for (const CurvePoint& point : robot->result.curves.*quantity.curve) {
-        if (drawable(point)) robots.row(point.tau, point.value * quantity.factor);
-      }
-      robots.blank();
+}
+
+std::string CurveData::text() const {
+  std::string all;
+  for (const DataBlock* block : {&judged, &open, &law, &paper, &paper_z, &z, &z_open, &robots}) {
+    all += block->text();
+  }
+  return all;
+}
+
+CurveData collect(const Finding& finding, const Quantity& quantity) {
+  CurveData data;
+  for (const CurvePoint& point : finding.pool->result.curves.*quantity.curve) {
+    if (drawable(point)) data.add(point, quantity.factor);
+  }
+  data.has_robots = finding.robots.size() > 1 && finding.robots.size() <= kMostRobots;
+  if (!data.has_robots) return data;
+  for (const analysis::FeedResult* robot : finding.robots) {
+    for (const CurvePoint& point : robot->result.curves.*quantity.curve) {
+      if (!drawable(point) || point.windows < kFewestWindows) continue;
+      data.robots.row(point.tau, point.value * quantity.factor);
     }
+    data.robots.blank();
   }
-  const double z_range = std::min(12.0, largest_z * 1.25);
-  std::string script;
-  for (const DataBlock* block : {&judged, &open, &law, &paper, &z, &z_open, &robots}) {
-    script += block->text();
-  }
-  script += style::preamble(file, 760, 640);
-  script += fmt::format(
-      "set multiplot\nset logscale xy\nset format '%g'\n"
-      "set lmargin at screen 0.15\nset rmargin at screen 0.97\n"
-      "set xrange [{:.6g}:{:.6g}]\n"
+  return data;
+}
+
+/// The curve with its laws, doubly logarithmic.
+std::string upperPanel(const CurveData& data, const Quantity& quantity) {
+  std::string script = fmt::format(
+      "set logscale xy\nset format y '%g'\nset format x ''\n"
       "set tmargin at screen 0.97\nset bmargin at screen 0.40\n"
-      "set ylabel '{}' offset 0.5\nset format x ''\nset key top left\n",
-      first / 1.4, last * 1.4, quantity.axis);
-  script += fmt::format("plot {}", show_robots ? "$robots using 1:2 with lines lw 0.8 lc rgb "
-                                                 "'#C4C4C4' title 'each robot', \\\n  "
-                                               : "");
-  if (has_paper) {
+      "set xrange [{:.6g}:{:.6g}]\nset ylabel '{}' offset 0.5\nset key top left Left reverse\n"
+      "plot ",
+      data.first / 1.4, data.last * 1.4, quantity.axis);
+  if (data.has_robots) {
+    script += "$robots using 1:2 with lines lw 0.8 lc rgb '#C8C8C8' title 'each robot', ";
+  }
+  if (data.has_open) {
+    script +=
+        "$open using 1:3:(0):4 with vectors nohead lw 1 lc rgb '#808080' notitle, "
+        "$open using 1:2 with points pt 6 ps 0.5 lw 1 lc rgb '#707070' title 'measured, not "
+        "judged', ";
+  }
+  script +=
+      "$judged using 1:3:(0):4 with vectors nohead lw 1.2 lc rgb 'black' notitle, "
+      "$judged using 1:2 with points pt 7 ps 0.5 lc rgb 'black' title 'measured', ";
+  if (data.has_paper) {
     script += fmt::format(
-        "$paper using 1:2 with lines lw 2 dt (8,5) lc rgb '{}' title 'paper’s formula', \\\n  ",
+        "$paper using 1:2 with lines lw 2 dt (8,5) lc rgb '{}' title 'paper’s formula', ",
         style::kVermillion);
   }
-  script += fmt::format(
-      "$law using 1:2 with lines lw 2 lc rgb '{}' title 'exact law', \\\n"
-      "  $judged using 1:2:3:4 with yerrorbars pt 7 ps 0.45 lw 1.2 lc rgb 'black' title 'measured'",
-      style::kBlue);
-  if (has_open) {
-    script +=
-        ", \\\n  $open using 1:2:3:4 with yerrorbars pt 6 ps 0.45 lw 1 lc rgb '#707070' title "
-        "'measured, not judged'";
-  }
-  script += fmt::format(
-      "\nunset logscale y\nset tmargin at screen 0.36\nset bmargin at screen 0.12\n"
-      "set format '%g'\nunset key\nset xlabel 'lag (s)'\n"
-      "set ylabel 'deviation (σ)' offset 0.5\nset yrange [{:.4g}:{:.4g}]\n"
-      "set ytics {}\n"
-      "set object 2 rectangle from graph 0,first -{} to graph 1,first {} behind fs solid noborder "
-      "fc rgb '#EEF3F7'\n"
-      "plot 0 with lines lw 1.2 lc rgb '{}', {} with lines lw 1 dt (4,4) lc rgb '#808080', "
-      "-{} with lines lw 1 dt (4,4) lc rgb '#808080', \\\n"
-      "  $z_open using 1:2 with points pt 6 ps 0.45 lw 1 lc rgb '#707070', \\\n"
-      "  $z using 1:2 with points pt 7 ps 0.45 lc rgb 'black'\n"
-      "unset multiplot\n",
-      -z_range, z_range, z_range > 8 ? 4 : 2, 2, 2, style::kBlue, kLimitZ, kLimitZ);
-  return script;
+  return script + fmt::format("$law using 1:2 with lines lw 1.6 lc rgb '{}' title 'exact law'\n",
+                              style::kBlue);
+}
+
+/// The deviation in standard errors.
+std::string lowerPanel(const CurveData& data) {
+  const double range = std::clamp(data.largest_z * 1.25, 6.0, 14.0);
+  return fmt::format(
+      "unset logscale y\nset format x '%g'\nset tmargin at screen 0.36\n"
+      "set bmargin at screen 0.13\nunset key\nset xlabel 'lag (s)'\n"
+      "set ylabel 'deviation (σ)' offset 0.5\nset yrange [-{0:.4g}:{0:.4g}]\nset ytics {1}\n"
+      "set object 2 rectangle from graph 0,first -2 to graph 1,first 2 behind fs solid noborder "
+      "fc rgb '#E8EFF5'\n"
+      "plot {2} with lines lw 1 dt (4,4) lc rgb '#808080', "
+      "-{2} with lines lw 1 dt (4,4) lc rgb '#808080', "
+      "$paper_z using 1:2 with lines lw 2 dt (8,5) lc rgb '{3}', "
+      "0 with lines lw 1.6 lc rgb '{4}', "
+      "$z_open using 1:2 with points pt 6 ps 0.5 lw 1 lc rgb '#707070', "
+      "$z using 1:2 with points pt 7 ps 0.5 lc rgb 'black'\n",
+      range, range > 8 ? 4 : 2, kLimitZ, style::kVermillion, style::kBlue);
+}
+
+std::string curveScript(const Finding& finding, const Quantity& quantity, const std::string& file) {
+  const CurveData data = collect(finding, quantity);
+  return data.text() + style::preamble(file, 760, 640) +
+         "set multiplot\nset lmargin at screen 0.15\nset rmargin at screen 0.97\n" +
+         upperPanel(data, quantity) + lowerPanel(data) + "unset multiplot\n";
 }
 
 FigureScript curveFigure(const Finding& finding, const Quantity& quantity) {

@@ -136,7 +136,7 @@ FigureScript lightAndPrograms(const RunRecord& record) {
       as_strips ? strips(record, axis, script.script) : counts(record, axis, script.script);
   const int strip_height =
       as_strips ? std::clamp(static_cast<int>(record.robots.size()) * 16, 40, 340) : 260;
-  const int height = 330 + strip_height;
+  const int height = 340 + strip_height;
   const auto screen = [height](int pixels_from_bottom) {
     return static_cast<double>(pixels_from_bottom) / height;
   };
@@ -145,8 +145,8 @@ FigureScript lightAndPrograms(const RunRecord& record) {
       "set multiplot\nset lmargin at screen 0.10\nset rmargin at screen 0.86\n"
       "set xrange [0:{:.7g}]\nset yrange [-0.04:1.04]\nset ytics 0.25\n"
       "set tmargin at screen {:.4f}\nset bmargin at screen {:.4f}\n"
-      "set format x ''\nset ylabel 'light (0 dark … 1 white)' offset 0.5\nunset key\n",
-      duration / axis.scale, screen(height - 14), screen(150 + strip_height));
+      "set format x ''\nset ylabel 'light' offset 0.5\nunset key\n",
+      duration / axis.scale, screen(height - 14), screen(160 + strip_height));
   script.script += bands(record);
   script.script +=
       "plot $light using 1:2:3 with filledcurves fs solid 0.35 noborder lc rgb '#E69F00', "
@@ -155,8 +155,8 @@ FigureScript lightAndPrograms(const RunRecord& record) {
       "unset label\nunset arrow\nset format x '%g'\n";
   script.script += fmt::format(
       "set tmargin at screen {:.4f}\nset bmargin at screen {:.4f}\nset xlabel 'time ({})'\n"
-      "set key outside top center horizontal\n",
-      screen(70 + strip_height), screen(66), axis.unit);
+      "set key at screen 0.48,screen {:.4f} center top horizontal\n",
+      screen(80 + strip_height), screen(80), axis.unit, screen(134 + strip_height));
   if (programs.empty()) {
     script.script += "set yrange [0:1]\nunset ytics\nplot NaN notitle\n";
   } else if (as_strips) {
@@ -169,7 +169,8 @@ FigureScript lightAndPrograms(const RunRecord& record) {
   }
   script.script += "unset multiplot\n";
   script.figure.caption =
-      "Above: the light shown, from its darkest to its brightest place where it differs; dotted, "
+      "Above: the light shown (0 dark, 1 projector white), from its darkest to its brightest place "
+      "where it differs; dotted, "
       "the edges of the robots’ light bands. Below: the program that each robot reported.";
   return script;
 }

@@ -112,7 +112,7 @@ FigureScript speedTraces(const RunRecord& record) {
     script.figure.sentence = "No speed trace: no robot was tracked while it ran a program.";
     return script;
   }
-  constexpr int kPanelHeight = 190;
+  constexpr int kPanelHeight = 200;
   const int height = kPanelHeight * static_cast<int>(panels.size()) + 70;
   script.script += style::preamble(script.figure.name, 900, height);
   script.script +=
@@ -121,15 +121,15 @@ FigureScript speedTraces(const RunRecord& record) {
       "unset key\n";
   for (std::size_t i = 0; i < panels.size(); ++i) {
     const auto& [key, stretch] = panels[i];
-    const int top = height - 12 - kPanelHeight * static_cast<int>(i);
+    const int top = height - 32 - kPanelHeight * static_cast<int>(i);
     const double speed = programmedSpeed(record.programs[key].program);
     script.script += fmt::format(
         "set tmargin at screen {:.4f}\nset bmargin at screen {:.4f}\n"
         "set xrange [{:.6g}:{:.6g}]\n{}"
-        "set label 1 {} at graph 0.99,0.92 right tc rgb '{}' noenhanced\n"
+        "set label 1 {} at graph 0,1.07 left tc rgb '{}' noenhanced\n"
         "plot $held{} using 1:2 with lines lw 1.2 lc rgb '#BBBBBB', "
         "$free{} using 1:2 with lines lw 1.4 lc rgb '{}'{}\n",
-        static_cast<double>(top) / height, static_cast<double>(top - kPanelHeight + 45) / height,
+        static_cast<double>(top) / height, static_cast<double>(top - kPanelHeight + 68) / height,
         record.seconds(stretch.begin_utime), record.seconds(stretch.end_utime),
         i + 1 == panels.size() ? "set xlabel 'time (s)'\n" : "",
         gnuplotText(fmt::format("{}, robot {}", record.programs[key].name, stretch.robot)),

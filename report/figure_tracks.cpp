@@ -10,7 +10,7 @@
 namespace lab::report {
 namespace {
 
-constexpr std::size_t kPoints = 4000;
+constexpr std::size_t kPoints = 4500;
 constexpr int kColours = 24;
 constexpr double kCm = 100;
 

@@ -3,13 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <utility>
 
 #include "common/units.hpp"
 
 namespace lab::report {
 namespace {
 
-constexpr double kStep_m = 0.02;      // between points, so that curves look like curves
+constexpr double kStep_m = 0.015;     // between points, so that curves look like curves
 constexpr double kLongestStep = 2.0;  // [s] between points
 constexpr std::size_t kProbes = 400;  // places where the speed is measured
 

@@ -13,6 +13,8 @@ struct ScheduledStep {
   int number = 0;         ///< counts from 0 over the whole run
   std::size_t index = 0;  ///< into LightScript::steps
   double at = 0;          ///< [s] since the run began
+
+  bool operator==(const ScheduledStep&) const = default;
 };
 
 /// The `number`-th showing, counting from 0 through all repetitions, or nothing when the script is

@@ -9,8 +9,8 @@
 #include "common/channels.hpp"
 #include "common/experiment_file.hpp"
 #include "common/lcm_bus.hpp"
-#include "common/random.hpp"
 #include "runner/exit_code.hpp"
+#include "runner/resume.hpp"
 #include "runner/supervisor.hpp"
 
 namespace lab::runner {
@@ -98,18 +98,11 @@ class LiveRun {
     if (!all_up) closeEarly("a process would not stay up");
   }
 
-  /// What a restarted sim_svc begins with: the robots where the tracker last saw them, and other
-  /// random numbers than those already drawn.
   fs::path resume() {
-    Experiment experiment = run_.experiment;
-    experiment.seed = deriveSeed(experiment.seed, ++restarts_, "restart") >> 1U;
-    for (RobotSpec& robot : experiment.robots) {
-      const auto pose = conductor_.lastPoses().find(robot.id);
-      if (pose == conductor_.lastPoses().end()) continue;
-      robot.start = StartPose{pose->second.x, pose->second.y, pose->second.theta};
-    }
+    ++restarts_;
     const fs::path file = run_.directory / fmt::format("resumed_{:02}.toml", restarts_);
-    writeNewFile(file, writeExperiment(experiment));
+    writeNewFile(file, writeExperiment(
+                           resumedExperiment(run_.experiment, conductor_.lastPoses(), restarts_)));
     return file;
   }
 

@@ -1,9 +1,15 @@
 #pragma once
 
+#include <gtest/gtest.h>
+
+#include <algorithm>
 #include <cmath>
+#include <map>
+#include <string>
 #include <vector>
 
 #include "analyzer/program_analysis.hpp"
+#include "analyzer/statistics.hpp"
 #include "walker.hpp"
 
 namespace lab::analysis {
@@ -56,9 +62,10 @@ struct Scatter {
   [[nodiscard]] double deviation() const {
     return std::sqrt((sum2 - sum * sum / n) / (n - 1));
   }
-  /// The deviation of the mean from `expected` in standard errors.
+  /// The deviation of the mean from `expected`, as a normal deviate (the scatter of few films is
+  /// itself uncertain: Student's t).
   [[nodiscard]] double z(double expected) const {
-    return (mean() - expected) / (deviation() / std::sqrt(n));
+    return normalDeviate((mean() - expected) / (deviation() / std::sqrt(n)), n - 1);
   }
 };
 
@@ -90,5 +97,84 @@ struct EnsembleCurves {
     }
   }
 };
+
+/// Every lag that all films observed follows the exact law.
+inline void expectUnbiased(const std::vector<LagScatter>& lags, double films, const char* what) {
+  for (const LagScatter& lag : lags) {
+    if (lag.value.n == films) {
+      EXPECT_LT(std::abs(lag.value.z(lag.exact)), 4)
+          << what << " at " << lag.tau << " s: " << lag.value.mean() / lag.exact;
+    }
+  }
+}
+
+/// How often the 95 % interval of each estimate held the true value, and its bias.
+struct Coverage {
+  int films = 0;
+  std::map<std::string, int> covered;
+  std::map<std::string, Scatter> value;
+  std::map<std::string, Scatter> sigma;
+  std::map<std::string, double> theory;
+  int disagreements = 0;
+  EnsembleCurves curves;
+
+  [[nodiscard]] double share(const std::string& name) const {
+    return static_cast<double>(covered.at(name)) / films;
+  }
+};
+
+inline Coverage cover(Film film, int films, double max_lag) {
+  Coverage result;
+  result.films = films;
+  for (int i = 0; i < films; ++i) {
+    film.seed = 7000U + static_cast<unsigned>(i);
+    const ProgramResult analysed = analyseFilm(film, stitch(film), max_lag);
+    for (const Estimate& estimate : analysed.estimates) {
+      const bool inside = estimate.low95 <= estimate.theory && estimate.theory <= estimate.high95;
+      result.covered[estimate.name] += inside ? 1 : 0;
+      result.value[estimate.name].add(estimate.value);
+      result.sigma[estimate.name].add(estimate.sigma);
+      result.theory[estimate.name] = estimate.theory;
+    }
+    result.disagreements += analysed.verdict.kind == VerdictKind::kDisagrees ? 1 : 0;
+    result.curves.add(analysed);
+  }
+  return result;
+}
+
+/// 90 to 97 %, or the binomial 3-sigma band around 95 % where that is wider.
+inline void expectCoverage(const Coverage& coverage, const std::string& name) {
+  const double band = 3 * std::sqrt(0.95 * 0.05 / coverage.films);
+  EXPECT_GT(coverage.share(name), std::min(0.90, 0.95 - band)) << name;
+  EXPECT_LT(coverage.share(name), std::max(0.97, 0.95 + band)) << name;
+}
+
+/// Block errors over true scatter, lag by lag up to film / 180, and on average.
+inline void expectTrueErrors(const std::vector<LagScatter>& lags, double film) {
+  Scatter ratios;
+  for (const LagScatter& lag : lags) {
+    if (lag.tau <= film / 180) {
+      const double ratio = lag.sigma.mean() / lag.value.deviation();
+      // The deviation of n films is itself uncertain.
+      const double slack = 3 / std::sqrt(2 * lag.value.n);
+      EXPECT_GT(ratio, 0.9 * (1 - slack)) << lag.tau;
+      EXPECT_LT(ratio, 1.15 * (1 + slack)) << lag.tau;
+      ratios.add(ratio);
+    }
+  }
+  ASSERT_GT(ratios.n, 10);
+  EXPECT_GT(ratios.mean(), 0.9);
+  EXPECT_LT(ratios.mean(), 1.15);
+}
+
+/// A short film with the noise of a good tracker.
+inline Film shortFilm(const ProgramLaw& law) {
+  Film film;
+  film.law = law;
+  film.duration = 120;
+  film.sigma = 0.0005;
+  film.sigma_theta = 0.025;
+  return film;
+}
 
 }  // namespace lab::analysis

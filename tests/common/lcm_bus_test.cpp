@@ -56,19 +56,23 @@ TEST(LcmBus, DeliversABurstOfAThousandToABusySubscriber) {  // fact 4: LCM alone
 
 TEST(LcmBus, GivesTheTimersTheirTurnInAFlood) {
   constexpr std::size_t kMostInOneDrain = 10'000;
+  constexpr std::size_t kFlood = 3 * kMostInOneDrain;
   LcmBus dut(lcmUrl(kPort));
+  std::size_t published = 1;
   std::size_t heard = 0;
-  dut.subscribe("ECHO", [&](const Packet& packet) {  // a flood of its own making, without end
+  dut.subscribe("ECHO", [&](const Packet& packet) {  // one message becomes two, so none waits long
     ++heard;
-    dut.publish("ECHO", packet.data);
+    for (int i = 0; i < 2 && published < kFlood; ++i, ++published) {
+      dut.publish("ECHO", packet.data);
+    }
   });
-  for (int i = 0; i < 100; ++i) dut.publish("ECHO", number(i));
-  while (heard < 2 * kMostInOneDrain) {
-    const std::size_t before = heard;
-    dut.drainFor(kPatience_ms);
-    ASSERT_GT(heard, before);
+  dut.publish("ECHO", number(1));
+  bool any = true;
+  for (std::size_t before = 0; any; before = heard) {
+    any = dut.drainFor(100);
     ASSERT_LE(heard - before, kMostInOneDrain);
   }
+  EXPECT_GT(heard, kMostInOneDrain);
 }
 
 TEST(LcmBus, TakesChannelNamesLiterally) {  // LCM takes them for regular expressions

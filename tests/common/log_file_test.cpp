@@ -147,6 +147,13 @@ TEST_F(LogFile, LosesOnlyTheEventThatWasCut) {  // fact 12: LCM alone stops ther
   EXPECT_EQ(result.resyncs, 1);
 }
 
+TEST_F(LogFile, LosesOnlyTheEventOfWhichAPieceIsLeft) {
+  const LogReadResult result =
+      readDamaged([](std::string& bytes) { bytes.erase(500 * kEventSize + 10, kEventSize - 10); });
+  EXPECT_EQ(result.events, kEvents - 1);
+  EXPECT_EQ(result.resyncs, 1);
+}
+
 TEST_F(LogFile, LosesBothEventsThatACutWentThrough) {
   const LogReadResult result =
       readDamaged([](std::string& bytes) { bytes.erase(500 * kEventSize - 20, 50); });

@@ -141,7 +141,6 @@ TEST_F(NodeTest, SaysOncePerSecondThatItLives) {
 TEST_F(NodeTest, SaysAtOnceThatItIsReadyAndThatItIsNot) {
   dut_.start();
   dut_.ready();
-  dut_.ready();
   bus_.deliver();
   ASSERT_EQ(beats_.size(), 2U);
   EXPECT_EQ(beats_[1].state, service_status_t::READY);

@@ -1,0 +1,104 @@
+#include "analyzer/estimates.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "film_ensemble.hpp"
+#include "programs.hpp"
+
+namespace lab::analysis {
+namespace {
+
+TEST(Estimates, CoverTheTruthOfTheAbpAtTheStatedRate) {
+  const Coverage dut = cover(shortFilm(abpLaw(3, 0.5)), 250, 10);
+  for (const char* name : {"D_r", "v", "D", "L_s"}) {
+    expectCoverage(dut, name);
+  }
+  EXPECT_LT(std::abs(dut.value.at("D_r").z(0.75)), 4);
+  EXPECT_LT(std::abs(dut.value.at("v").z(0.03)), 4);
+  EXPECT_EQ(dut.disagreements, 0);
+}
+
+TEST(Estimates, CoverTheTruthOfTheRtpAtTheStatedRate) {
+  const Coverage dut = cover(shortFilm(rtpLaw(1, 0.5)), 200, 5);
+  for (const char* name : {"v", "gamma", "tau_r", "D", "L_s"}) {
+    expectCoverage(dut, name);
+  }
+}
+
+TEST(CurveErrors, AreTheTrueScatterUpToAFilmOver180) {
+  Film film;
+  film.law = abpLaw(3, 0.5);
+  film.duration = 450;
+  film.fps = 24.3;
+  film.telemetry_rate = 20;
+  const EnsembleCurves curves = cover(film, 120, 2.5).curves;
+  expectTrueErrors(curves.msd, film.duration);
+  expectTrueErrors(curves.angular, film.duration);
+}
+
+TEST(Estimates, SayWhatAFewSecondsCannotTell) {
+  Film film = shortFilm(abpLaw(3, 0.5));
+  film.duration = 3;
+  const ProgramResult dut = analyseFilm(film, stitch(film));
+  ASSERT_FALSE(dut.estimates.empty());
+  EXPECT_EQ(dut.verdict.kind, VerdictKind::kUndecided);
+  for (const Estimate& estimate : dut.estimates) {
+    if (estimate.name == "D_r") {
+      EXPECT_NE(estimate.note.find("few blocks"), std::string::npos) << estimate.note;
+      EXPECT_GT(estimate.sigma, 0.5 * estimate.value);
+    }
+    if (estimate.name == "D_slope") {
+      EXPECT_TRUE(std::isnan(estimate.value));
+      EXPECT_NE(estimate.note.find("too little data"), std::string::npos);
+    }
+  }
+}
+
+TEST(Estimates, AreAbsentWithoutDataOrLaw) {
+  const ProgramAnalysis empty(abpLaw(3, 0.5), 0.02, 10);
+  EXPECT_TRUE(estimate(abpLaw(3, 0.5), empty.data()).empty());
+  EXPECT_TRUE(curves(abpLaw(3, 0.5), empty.data(), CurveOptions{}).msd.empty());
+}
+
+TEST(Verdict, DisagreesWithANeighbouringProgram) {
+  Film film = shortFilm(abpLaw(3, 0.5));
+  film.duration = 600;
+  const StitchedFilm stitched = stitch(film);
+  EXPECT_EQ(analyseFilm(film, stitched).verdict.kind, VerdictKind::kAgrees);
+
+  film.law = abpLaw(3.6, 0.5);  // 44 % more D_r
+  EXPECT_EQ(analyseFilm(film, stitched).verdict.kind, VerdictKind::kDisagrees);
+  film.law = abpLaw(3, 0.5, 0.035);  // beyond what a calibration explains
+  EXPECT_EQ(analyseFilm(film, stitched).verdict.kind, VerdictKind::kDisagrees);
+}
+
+TEST(Verdict, TakesASmallSpeedErrorForACalibration) {
+  Film film = shortFilm(abpLaw(3, 0.5, 0.0297));
+  film.duration = 600;
+  const StitchedFilm stitched = stitch(film);
+  film.law.v = 0.03;
+  const ProgramResult dut = analyseFilm(film, stitched);
+  EXPECT_EQ(dut.verdict.kind, VerdictKind::kAgrees);
+  for (const Estimate& estimate : dut.estimates) {
+    if (estimate.name == "v") {
+      EXPECT_LT(estimate.high95, 0.03);  // but the estimate says so
+    }
+  }
+}
+
+TEST(Curves, SeparateTheTrackersNoise) {
+  Film film = shortFilm(abpLaw(3, 0.5));
+  film.duration = 600;
+  const ProgramResult dut = analyseFilm(film, stitch(film));
+  const double sigma2 = film.sigma * film.sigma;
+  const double sigma_theta2 = film.sigma_theta * film.sigma_theta;
+  EXPECT_NEAR(dut.curves.msd.front().noise / (4 * sigma2), 1, 0.03);
+  EXPECT_NEAR(dut.curves.angular_msd.front().noise / (2 * sigma_theta2), 1, 0.03);
+  EXPECT_LT(std::abs(dut.curves.msd.front().z), 4);
+}
+
+}  // namespace
+}  // namespace lab::analysis
