@@ -8,8 +8,8 @@ namespace lab::analysis {
 namespace {
 
 constexpr std::size_t kFramesForPeriod = 20;
-constexpr double kUnbiasedShare = 0.1;       // of the median stay
-constexpr std::size_t kMaxStays = 100000;    // remembered per program
+constexpr double kUnbiasedShare = 0.1;     // of the median stay
+constexpr std::size_t kMaxStays = 100000;  // remembered per program
 
 }  // namespace
 

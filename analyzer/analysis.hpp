@@ -23,7 +23,7 @@ struct FramePose {
 
 /// A camera frame. The frame number is kept for people; windows go by time.
 struct Frame {
-  double time = 0;         ///< Middle of the exposure, s.
+  double time = 0;  ///< Middle of the exposure, s.
   std::int64_t frame = 0;
   std::vector<FramePose> poses;
 };
@@ -36,9 +36,10 @@ struct AnalysisConfig {
 };
 
 struct AnalysisCounters {
-  std::int64_t frames = 0;            ///< Camera frames received.
-  std::int64_t duplicate_robots = 0;  ///< Poses dropped since their robot was seen twice in a frame.
-  std::int64_t telemetry = 0;         ///< Telemetry of robots received.
+  std::int64_t frames = 0;  ///< Camera frames received.
+  std::int64_t duplicate_robots =
+      0;                       ///< Poses dropped since their robot was seen twice in a frame.
+  std::int64_t telemetry = 0;  ///< Telemetry of robots received.
 };
 
 /// The physics of a whole lab: takes camera frames and telemetry of many robots in the order in

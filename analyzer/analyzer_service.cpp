@@ -10,8 +10,9 @@
 namespace lab::analysis {
 namespace {
 
-// A second has so many slots. Messages are spread over them, so that no listener's queue overflows.
-constexpr int kSlots = 20;
+// A second has so many slots. Messages are spread over them, so that no listener's queue overflows:
+// at most eight a slot with 250 robots of four programs (lcmtypes/README.md, the burst budget).
+constexpr int kSlots = 125;
 
 }  // namespace
 

@@ -25,10 +25,7 @@ double mean(double sum, std::uint32_t n) { return n > 0 ? sum / n : kNan; }
 class LagFunctions {
  public:
   LagFunctions(const Estimator& estimator, const BlockData& data)
-      : estimator_(estimator),
-        lags_(data.lags),
-        period_(data.frame_period),
-        n_(data.lags.size()) {}
+      : estimator_(estimator), lags_(data.lags), period_(data.frame_period), n_(data.lags.size()) {}
 
   std::vector<double> operator()(const BlockSums& sums) const {
     const Quantities q = estimator_(sums);
@@ -127,8 +124,7 @@ ExactLaw calibrated(const ProgramLaw& law, double speed, double tolerance) {
 bool predictsItsMsdError(const ProgramLaw& law) { return law.kind != ProgramKind::kAbp; }
 
 double drawsSeen(const ProgramLaw& law, double observed) {
-  return isHeldNoise(law.kind) ? observed / law.epsilon
-                               : observed / (1 / law.gamma + law.tau_t);
+  return isHeldNoise(law.kind) ? observed / law.epsilon : observed / (1 / law.gamma + law.tau_t);
 }
 
 }  // namespace

@@ -11,10 +11,10 @@ namespace lab::analysis {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kBlocksPerReach = 5;    // how much longer than its lags a block must be
-constexpr double kFilmsPerSlope = 20;    // how much longer than the slope's lags a film must be
+constexpr double kBlocksPerReach = 5;  // how much longer than its lags a block must be
+constexpr double kFilmsPerSlope = 20;  // how much longer than the slope's lags a film must be
 constexpr double kManyBlocks = 1e9;
-constexpr double kCorrectionShare = 0.1; // of a correction counted as its own uncertainty
+constexpr double kCorrectionShare = 0.1;  // of a correction counted as its own uncertainty
 
 double persistenceTime(const ProgramLaw& law) {
   switch (law.kind) {
@@ -62,9 +62,9 @@ double modelError(const ProgramLaw& law, Quantity quantity, double observed) {
 
 double finiteOrZero(double x) { return std::isfinite(x) ? x : 0; }
 
-/// The 95 % interval: Student's t unless sigma does not come from the blocks' scatter (known_error).
-/// Positive quantities that are mean squares (scale) have relative errors: a film that fluctuates
-/// low also scatters less, which a symmetric interval would miss.
+/// The 95 % interval: Student's t unless sigma does not come from the blocks' scatter
+/// (known_error). Positive quantities that are mean squares (scale) have relative errors: a film
+/// that fluctuates low also scatters less, which a symmetric interval would miss.
 void setInterval(Estimate& estimate, double degrees_of_freedom, bool known_error, bool scale) {
   const double half =
       studentQuantile(known_error ? kManyBlocks : degrees_of_freedom) * estimate.sigma;
@@ -173,13 +173,11 @@ Quantities Estimator::operator()(const BlockSums& sums) const {
                              (noise_part_[to] - noise_part_[from])
                        : kNan;
     };
-    q[kTranslationalDiffusivity] =
-        translationalDiffusivity(law_) * ratio(hold_, two_holds_);
+    q[kTranslationalDiffusivity] = translationalDiffusivity(law_) * ratio(hold_, two_holds_);
     q[kAmplitude] = law_.V * std::sqrt(hold_ > 0 ? ratio(0, hold_) : ratio(hold_, two_holds_));
   }
   if (slope_time_ > 0) {
-    q[kSlopeDiffusivity] =
-        (msd(sums, slope_end_) - msd(sums, slope_begin_)) / (4 * slope_time_);
+    q[kSlopeDiffusivity] = (msd(sums, slope_end_) - msd(sums, slope_begin_)) / (4 * slope_time_);
   }
   return q;
 }
@@ -229,8 +227,8 @@ class Report {
               const char* note) {
     const bool own = estimator_.reach(quantity) != estimator_.reach(kRotationalDiffusivity);
     const Replicates replicates = own ? replicate(quantity) : main_;
-    Estimate estimate{name, unit, replicates.values[quantity], replicates.sigma(quantity), 0, 0,
-                      theory, 0, note};
+    Estimate estimate{
+        name, unit, replicates.values[quantity], replicates.sigma(quantity), 0, 0, theory, 0, note};
     const double dof = replicates.degreesOfFreedom();
     bool known = boundedByModel(
         estimate, modelError(law_, quantity, observed_) * std::abs(estimate.value), dof);
@@ -289,12 +287,20 @@ class Report {
     const BlockSums total = data_.total();
     const double run_time = total.run_time;
     const Interval count = poissonInterval(total.tumbles);
-    Estimate gamma{"gamma", "1/s", main_.values[kTumbleRate],
-                   std::sqrt(total.tumbles) / run_time, count.low / run_time,
-                   count.high / run_time, law_.gamma, total.tumbles,
+    Estimate gamma{"gamma",
+                   "1/s",
+                   main_.values[kTumbleRate],
+                   std::sqrt(total.tumbles) / run_time,
+                   count.low / run_time,
+                   count.high / run_time,
+                   law_.gamma,
+                   total.tumbles,
                    "tumbles over run time (right-censored maximum likelihood)"};
-    Estimate tau{"tau_r", "s", 1 / gamma.value, gamma.sigma / (gamma.value * gamma.value),
-                 1 / gamma.high95, 1 / gamma.low95, 1 / law_.gamma, total.tumbles, "1 / gamma"};
+    Estimate tau{"tau_r",          "s",
+                 1 / gamma.value,  gamma.sigma / (gamma.value * gamma.value),
+                 1 / gamma.high95, 1 / gamma.low95,
+                 1 / law_.gamma,   total.tumbles,
+                 "1 / gamma"};
     if (!(total.tumbles > 0)) {
       gamma.value = run_time > 0 ? 0 : kNan;
       gamma.note += "; no tumble seen";
@@ -351,8 +357,8 @@ class Report {
       const double model = slope * main_.values[q] * modelError(law_, q, observed_);
       model2 += model * model;
     }
-    Estimate estimate{name, unit, value, main_.sigmaOf(value, without), 0, 0,
-                      function(ExactLaw(law_)), 0, note};
+    Estimate estimate{
+        name, unit, value, main_.sigmaOf(value, without), 0, 0, function(ExactLaw(law_)), 0, note};
     const double dof = main_.degreesOfFreedom();
     const bool known = boundedByModel(estimate, std::sqrt(model2), dof);
     setInterval(estimate, dof, known, true);

@@ -16,8 +16,8 @@ struct Estimate {
   std::string name;
   std::string unit;
   double value = 0;
-  double sigma = 0;   ///< Standard error.
-  double low95 = 0;   ///< 95 % interval: Student's t for few blocks.
+  double sigma = 0;  ///< Standard error.
+  double low95 = 0;  ///< 95 % interval: Student's t for few blocks.
   double high95 = 0;
   double theory = 0;  ///< Of the programmed parameters; nan: none.
   double n_eff = 0;   ///< Independent blocks (or tumbles) behind sigma.
@@ -27,14 +27,14 @@ struct Estimate {
 /// What is measured directly from the sums of a program. Quantities that the program or the data do
 /// not define are nan.
 enum Quantity : std::size_t {
-  kRotationalDiffusivity,  ///< D_r, rad^2/s.
-  kSpeed,                  ///< Mean forward speed, for RTP inside runs, m/s.
-  kPositionOffset,         ///< 4 sigma^2, what tracker noise adds to the MSD, m^2.
-  kHeadingOffset,          ///< 2 sigma_theta^2, rad^2.
-  kAmplitude,              ///< V, m/s.
+  kRotationalDiffusivity,     ///< D_r, rad^2/s.
+  kSpeed,                     ///< Mean forward speed, for RTP inside runs, m/s.
+  kPositionOffset,            ///< 4 sigma^2, what tracker noise adds to the MSD, m^2.
+  kHeadingOffset,             ///< 2 sigma_theta^2, rad^2.
+  kAmplitude,                 ///< V, m/s.
   kTranslationalDiffusivity,  ///< D_t, m^2/s.
-  kSlopeDiffusivity,       ///< D of the MSD's slope, m^2/s.
-  kTumbleRate,             ///< gamma, 1/s.
+  kSlopeDiffusivity,          ///< D of the MSD's slope, m^2/s.
+  kTumbleRate,                ///< gamma, 1/s.
   kQuantities
 };
 using Quantities = std::array<double, kQuantities>;
@@ -69,14 +69,14 @@ class Estimator {
   void measureNoise(const BlockSums& sums, Quantities& q) const;
 
   ProgramLaw law_;
-  double first_lag_ = 0;          ///< s.
-  std::size_t hold_ = 0;          ///< Index of the lag nearest to epsilon.
-  std::size_t two_holds_ = 0;     ///< Of the one nearest to 2 epsilon.
+  double first_lag_ = 0;       ///< s.
+  std::size_t hold_ = 0;       ///< Index of the lag nearest to epsilon.
+  std::size_t two_holds_ = 0;  ///< Of the one nearest to 2 epsilon.
   std::size_t slope_begin_ = 0;
   std::size_t slope_end_ = 0;
-  double slope_time_ = 0;         ///< s, 0: no slope.
+  double slope_time_ = 0;  ///< s, 0: no slope.
   std::vector<double> lag_times_;
-  std::vector<double> shape_;     ///< F: angular MSD of the law over <omega^2>.
+  std::vector<double> shape_;       ///< F: angular MSD of the law over <omega^2>.
   std::vector<double> mean_part_;   ///< MSD of unit mean wheel speed.
   std::vector<double> noise_part_;  ///< MSD of the wheels' noise as programmed.
 };

@@ -107,7 +107,8 @@ double HeldNoise::psi(double t) const {
   double curvature = 0;
   if (k < 0.3) {
     slope = -k / 3 * (1 - k2 / 10 * (1 - k2 / 28 * (1 - k2 / 54 * (1 - k2 / 88))));
-    curvature = -(1.0 / 3) * (1 - 3 * k2 / 10 * (1 - 5 * k2 / 84 * (1 - 7 * k2 / 270 * (1 - 9 * k2 / 616))));
+    curvature = -(1.0 / 3) *
+                (1 - 3 * k2 / 10 * (1 - 5 * k2 / 84 * (1 - 7 * k2 / 270 * (1 - 9 * k2 / 616))));
   } else {
     slope = (std::cos(k) - sinc(k)) / k;
     curvature = -sinc(k) - 2 * slope / k;

@@ -56,13 +56,13 @@ class HeldNoise {
   double epsilon_;
   double omega2_;  ///< <omega^2>.
   double q_;
-  ChebyshevSeries first_;         ///< g on the first hold.
-  ChebyshevSeries first_once_;    ///< Its integral.
-  ChebyshevSeries first_twice_;   ///< Its double integral.
-  ChebyshevSeries later_;         ///< g on the second hold; times q^(m-1) on hold m + 1.
+  ChebyshevSeries first_;        ///< g on the first hold.
+  ChebyshevSeries first_once_;   ///< Its integral.
+  ChebyshevSeries first_twice_;  ///< Its double integral.
+  ChebyshevSeries later_;        ///< g on the second hold; times q^(m-1) on hold m + 1.
   ChebyshevSeries later_once_;
   ChebyshevSeries later_twice_;
-  ChebyshevSeries spread_;        ///< (1 - s/epsilon) psi(s).
+  ChebyshevSeries spread_;  ///< (1 - s/epsilon) psi(s).
   ChebyshevSeries spread_once_;
   ChebyshevSeries spread_twice_;
 };

@@ -39,8 +39,7 @@ double rtpAngularMsd(const ProgramLaw& law, double tau) {
   const double turning2 = std::numbers::pi * std::numbers::pi / 3;
   const double share = law.gamma * law.tau_t / (1 + law.gamma * law.tau_t);
   const double t = law.tau_t;
-  const double shape =
-      tau <= t ? tau * tau * (1 - tau / (3 * t)) / (t * t) : tau / t - 1.0 / 3;
+  const double shape = tau <= t ? tau * tau * (1 - tau / (3 * t)) / (t * t) : tau / t - 1.0 / 3;
   return turning2 * share * shape;
 }
 

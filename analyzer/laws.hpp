@@ -21,13 +21,13 @@ enum class ProgramKind : std::uint8_t {
 /// A program and its parameters in SI units. What a kind does not name it ignores.
 struct ProgramLaw {
   ProgramKind kind = ProgramKind::kNone;
-  double v = 0;             ///< Speed (ABP), run speed (RTP), m/s.
-  double va = 0;            ///< Mean wheel speed (noisy ABP), m/s.
-  double V = 0;             ///< Half width of the wheel speeds' noise (noisy ABP, BP), m/s.
-  double epsilon = 0;       ///< Hold time (ABP, noisy ABP, BP), s.
-  double eta = 0;           ///< Half width of the turning rate (ABP), rad/s.
-  double gamma = 0;         ///< Tumble rate (RTP), 1/s.
-  double tau_t = 0;         ///< Tumble duration (RTP), s.
+  double v = 0;               ///< Speed (ABP), run speed (RTP), m/s.
+  double va = 0;              ///< Mean wheel speed (noisy ABP), m/s.
+  double V = 0;               ///< Half width of the wheel speeds' noise (noisy ABP, BP), m/s.
+  double epsilon = 0;         ///< Hold time (ABP, noisy ABP, BP), s.
+  double eta = 0;             ///< Half width of the turning rate (ABP), rad/s.
+  double gamma = 0;           ///< Tumble rate (RTP), 1/s.
+  double tau_t = 0;           ///< Tumble duration (RTP), s.
   double wheel_base = 0.075;  ///< d, m.
 
   bool operator==(const ProgramLaw&) const = default;
@@ -53,10 +53,10 @@ class ExactLaw {
   explicit ExactLaw(const ProgramLaw& law);
 
   [[nodiscard]] bool exists() const { return exists_; }
-  [[nodiscard]] double msd(double tau) const;                  ///< m^2.
-  [[nodiscard]] double angularMsd(double tau) const;           ///< rad^2.
-  [[nodiscard]] double velocityCorrelation(double s) const;    ///< m^2/s^2.
-  [[nodiscard]] double diffusivity() const;                    ///< lim MSD / (4 tau), m^2/s.
+  [[nodiscard]] double msd(double tau) const;                ///< m^2.
+  [[nodiscard]] double angularMsd(double tau) const;         ///< rad^2.
+  [[nodiscard]] double velocityCorrelation(double s) const;  ///< m^2/s^2.
+  [[nodiscard]] double diffusivity() const;                  ///< lim MSD / (4 tau), m^2/s.
   /// int_0^inf C(l) dl in m, with C(l) the velocity correlation along the path (ABP and RTP runs);
   /// nan for the other programs. The paper's v / D_r is its limit of small epsilon.
   [[nodiscard]] double persistenceLength() const;

@@ -8,11 +8,11 @@ namespace lab::analysis {
 namespace {
 
 constexpr std::size_t kMaxBlocks = 64;
-constexpr double kFirstBlock = 0.25;     // s
-constexpr double kLongestStep = 0.3;     // s between frames that still counts as observed
-constexpr int kRingMargin = 64;          // slots beyond the longest lag, for joins
-constexpr int kSearch = 8;               // slots
-constexpr double kBracket = 2.2;         // frame periods between which a start is interpolated
+constexpr double kFirstBlock = 0.25;  // s
+constexpr double kLongestStep = 0.3;  // s between frames that still counts as observed
+constexpr int kRingMargin = 64;       // slots beyond the longest lag, for joins
+constexpr int kSearch = 8;            // slots
+constexpr double kBracket = 2.2;      // frame periods between which a start is interpolated
 
 /// log2 of the distance between the end frames used for a lag: from lag/16 to lag/8.
 int strideLevel(int lag) {
@@ -103,8 +103,8 @@ MsdAccumulator::MsdAccumulator(std::vector<int> lags, double frame_period)
   ring_.resize(slots);
   mask_ = slots - 1;
   for (int level = 0; level <= 64; ++level) {
-    active_.push_back(static_cast<std::size_t>(
-        std::count_if(lags.begin(), lags.end(), [&](int lag) { return strideLevel(lag) <= level; })));
+    active_.push_back(static_cast<std::size_t>(std::count_if(
+        lags.begin(), lags.end(), [&](int lag) { return strideLevel(lag) <= level; })));
   }
   data_.frame_period = frame_period;
   data_.lag_times.resize(lags.size());
@@ -260,8 +260,8 @@ void MsdAccumulator::addJoinWindow(std::size_t i, const Fix& end) {
   if (!start) {
     return;
   }
-  const double r2 = (end.x - start->x) * (end.x - start->x) +
-                    (end.y - start->y) * (end.y - start->y);
+  const double r2 =
+      (end.x - start->x) * (end.x - start->x) + (end.y - start->y) * (end.y - start->y);
   LagSums& sum = data_.tracks[0].back().lags[i];
   ++sum.windows;
   sum.r2 += r2;

@@ -25,12 +25,12 @@ struct BlockSums {
   std::vector<LagSums> lags;  ///< One a lag of the grid.
   double forward = 0;         ///< Displacement along the heading between consecutive frames, m.
   double forward_time = 0;    ///< The time of these steps, s.
-  double sideways2 = 0;       ///< Sum of squares of one-frame displacements across the heading, m^2.
-  double steps = 0;           ///< Their number.
-  double joins = 0;           ///< Removed reversals.
-  double run_time = 0;        ///< In runs (RTP), s.
-  double run_span = 0;        ///< The time in which runs were counted, s.
-  double tumbles = 0;         ///< Begun in it (RTP).
+  double sideways2 = 0;  ///< Sum of squares of one-frame displacements across the heading, m^2.
+  double steps = 0;      ///< Their number.
+  double joins = 0;      ///< Removed reversals.
+  double run_time = 0;   ///< In runs (RTP), s.
+  double run_span = 0;   ///< The time in which runs were counted, s.
+  double tumbles = 0;    ///< Begun in it (RTP).
 
   BlockSums& operator+=(const BlockSums& other);
   BlockSums& operator-=(const BlockSums& other);
@@ -38,9 +38,9 @@ struct BlockSums {
 
 /// The blocks of one or many robots that run the same program on the same lag grid.
 struct BlockData {
-  std::vector<int> lags;           ///< Frames.
-  double frame_period = 0;         ///< s.
-  std::vector<double> lag_times;   ///< Sum of the windows' true durations, one a lag, s.
+  std::vector<int> lags;          ///< Frames.
+  double frame_period = 0;        ///< s.
+  std::vector<double> lag_times;  ///< Sum of the windows' true durations, one a lag, s.
   std::vector<std::vector<BlockSums>> tracks;  ///< Per robot, in time order.
 
   /// Adds the robots of another data set; their blocks stay independent blocks.

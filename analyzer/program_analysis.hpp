@@ -16,15 +16,15 @@ inline constexpr int kPool = -1;  ///< In place of a robot: all robots that ran 
 /// All that is known about one program of one robot, or of all robots; SI units.
 struct ProgramResult {
   int robot = kPool;
-  int robots = 0;               ///< How many are in it.
+  int robots = 0;  ///< How many are in it.
   ProgramLaw law;
-  double observed = 0;          ///< Free time that went in, s.
-  std::int64_t samples = 0;     ///< Frames that went in.
-  std::int64_t lost = 0;        ///< Frames lost to missing telemetry or as outliers.
+  double observed = 0;       ///< Free time that went in, s.
+  std::int64_t samples = 0;  ///< Frames that went in.
+  std::int64_t lost = 0;     ///< Frames lost to missing telemetry or as outliers.
   std::int64_t segments = 0;
-  std::int64_t reversals = 0;   ///< Removed and joined.
-  double contact_share = 0;     ///< Share of the program's frames cut for contacts.
-  double unbiased_lag = 0;      ///< Longer lags are selected by the light, s; 0: none is.
+  std::int64_t reversals = 0;  ///< Removed and joined.
+  double contact_share = 0;    ///< Share of the program's frames cut for contacts.
+  double unbiased_lag = 0;     ///< Longer lags are selected by the light, s; 0: none is.
   Curves curves;
   std::vector<Estimate> estimates;
   Verdict verdict;

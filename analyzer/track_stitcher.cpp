@@ -8,12 +8,12 @@
 namespace lab::analysis {
 namespace {
 
-constexpr double kLogKept = 1.0;            // s of telemetry before the last sample
-constexpr std::size_t kMaxLog = 4096;       // messages
-constexpr std::size_t kMaxPending = 4096;   // frames
-constexpr int kBackwardsIsRestart = 50;     // frames in a row: the camera's clock was set back
-constexpr double kPositionSlack = 0.002;    // m beyond what wheels and noise explain
-constexpr double kHeadingSlack = 0.2;       // rad, the same
+constexpr double kLogKept = 1.0;           // s of telemetry before the last sample
+constexpr std::size_t kMaxLog = 4096;      // messages
+constexpr std::size_t kMaxPending = 4096;  // frames
+constexpr int kBackwardsIsRestart = 50;    // frames in a row: the camera's clock was set back
+constexpr double kPositionSlack = 0.002;   // m beyond what wheels and noise explain
+constexpr double kHeadingSlack = 0.2;      // rad, the same
 constexpr double kSigmas = 7;
 constexpr int kBridgeSteps = 8;
 
@@ -145,9 +145,9 @@ void TrackStitcher::process(const TrackPoint& point, std::vector<Sample>& out) {
 }
 
 TrackStitcher::Fate TrackStitcher::judge(const TrackPoint& point, Context& context) const {
-  const auto next = std::lower_bound(
-      log_.begin(), log_.end(), point.time,
-      [](const RobotTelemetry& a, double time) { return a.time < time; });
+  const auto next =
+      std::lower_bound(log_.begin(), log_.end(), point.time,
+                       [](const RobotTelemetry& a, double time) { return a.time < time; });
   if (next == log_.end()) {
     return Fate::kUncovered;
   }

@@ -22,37 +22,37 @@ struct TrackPoint {
 /// What one robot says about itself at one time. Every message carries the whole state, so that a
 /// lost message costs nothing that the next one does not say again.
 struct RobotTelemetry {
-  double time = 0;                      ///< When sampled, in the time of the frames, s.
-  int program = -1;                     ///< The caller's key of the program, -1: standing.
-  std::int64_t program_epoch = 0;       ///< Counts starts of programs, each with a fresh draw.
-  double program_start = 0;             ///< When this epoch began, s.
-  std::int64_t reversal_count = 0;      ///< Reversals begun.
-  double reversal_start = 0;            ///< Of the last reversal, s.
-  double reversal_end = 0;              ///< Of the last reversal, s; ignored while reversing.
+  double time = 0;                  ///< When sampled, in the time of the frames, s.
+  int program = -1;                 ///< The caller's key of the program, -1: standing.
+  std::int64_t program_epoch = 0;   ///< Counts starts of programs, each with a fresh draw.
+  double program_start = 0;         ///< When this epoch began, s.
+  std::int64_t reversal_count = 0;  ///< Reversals begun.
+  double reversal_start = 0;        ///< Of the last reversal, s.
+  double reversal_end = 0;          ///< Of the last reversal, s; ignored while reversing.
   bool reversing = false;
-  double v_l = 0;                       ///< The program's held wheel speeds, also while
-  double v_r = 0;                       ///< reversing, m/s.
-  bool contact = false;                 ///< Touches another robot.
-  bool stopped = false;                 ///< Stopped from outside.
-  std::int64_t tumble_count = 0;        ///< Tumbles begun (RTP).
-  double run_time = 0;                  ///< Time spent in runs, reversals excluded (RTP), s.
+  double v_l = 0;                 ///< The program's held wheel speeds, also while
+  double v_r = 0;                 ///< reversing, m/s.
+  bool contact = false;           ///< Touches another robot.
+  bool stopped = false;           ///< Stopped from outside.
+  std::int64_t tumble_count = 0;  ///< Tumbles begun (RTP).
+  double run_time = 0;            ///< Time spent in runs, reversals excluded (RTP), s.
 };
 
 /// One point of the free motion. Free time and the stitched coordinates mean something only
 /// relative to other samples of the same segment.
 struct Sample {
-  double time = 0;         ///< Camera time, s.
-  double free_time = 0;    ///< Camera time without the reversals, s.
+  double time = 0;       ///< Camera time, s.
+  double free_time = 0;  ///< Camera time without the reversals, s.
   std::int64_t frame = 0;
-  double x = 0;            ///< Stitched, m.
-  double y = 0;            ///< Stitched, m.
-  double theta = 0;        ///< Unwrapped, rad.
-  int segment = 0;         ///< No window may cross a change of segment.
-  int angular_segment = 0; ///< No angular window may cross a change of this one.
-  int piece = 0;           ///< Changes also where a reversal was removed: frames are aligned in it.
-  int program = -1;        ///< The caller's key.
+  double x = 0;             ///< Stitched, m.
+  double y = 0;             ///< Stitched, m.
+  double theta = 0;         ///< Unwrapped, rad.
+  int segment = 0;          ///< No window may cross a change of segment.
+  int angular_segment = 0;  ///< No angular window may cross a change of this one.
+  int piece = 0;     ///< Changes also where a reversal was removed: frames are aligned in it.
+  int program = -1;  ///< The caller's key.
   std::int64_t tumble_count = 0;
-  double run_time = 0;     ///< s.
+  double run_time = 0;  ///< s.
 };
 
 /// What the robots can do and how long to wait for their telemetry.
@@ -68,19 +68,19 @@ struct StitcherConfig {
 
 /// What happened to the frames, over all programs.
 struct StitcherCounters {
-  std::int64_t frames = 0;           ///< Received.
-  std::int64_t samples = 0;          ///< Passed on.
-  std::int64_t invalid = 0;          ///< Not finite, or marked invalid.
-  std::int64_t out_of_order = 0;     ///< Time stamp repeated or gone back.
-  std::int64_t uncovered = 0;        ///< No telemetry says what the robot did then.
-  std::int64_t standing = 0;         ///< No program, or stopped.
+  std::int64_t frames = 0;        ///< Received.
+  std::int64_t samples = 0;       ///< Passed on.
+  std::int64_t invalid = 0;       ///< Not finite, or marked invalid.
+  std::int64_t out_of_order = 0;  ///< Time stamp repeated or gone back.
+  std::int64_t uncovered = 0;     ///< No telemetry says what the robot did then.
+  std::int64_t standing = 0;      ///< No program, or stopped.
   std::int64_t in_reversal = 0;
   std::int64_t in_contact = 0;
-  std::int64_t outliers = 0;         ///< Not reachable with the wheels.
-  std::int64_t bad_telemetry = 0;    ///< Repeated, too late or not finite.
-  std::int64_t jumps = 0;            ///< Cuts at an unmarked jump.
-  std::int64_t lost_reversals = 0;   ///< Cuts at reversals whose times were lost.
-  std::int64_t reversals = 0;        ///< Removed and joined.
+  std::int64_t outliers = 0;        ///< Not reachable with the wheels.
+  std::int64_t bad_telemetry = 0;   ///< Repeated, too late or not finite.
+  std::int64_t jumps = 0;           ///< Cuts at an unmarked jump.
+  std::int64_t lost_reversals = 0;  ///< Cuts at reversals whose times were lost.
+  std::int64_t reversals = 0;       ///< Removed and joined.
 };
 
 /// Of one program.
@@ -89,7 +89,7 @@ struct ProgramTally {
   std::int64_t in_contact = 0;  ///< Frames cut for a contact.
   std::int64_t lost = 0;        ///< Frames without telemetry, and outliers.
   std::int64_t segments = 0;
-  std::int64_t reversals = 0;   ///< Removed and joined.
+  std::int64_t reversals = 0;  ///< Removed and joined.
 };
 
 /// The paper's Appendix B for one robot, online: removes the marked reversals from its track and
@@ -125,9 +125,9 @@ class TrackStitcher {
   struct Context {
     int program = -1;
     std::int64_t epoch = 0;
-    std::int64_t reversals = 0;             ///< Finished before the frame.
-    const RobotTelemetry* after = nullptr;  ///< Says when the last of them was.
-    const RobotTelemetry* counts = nullptr; ///< Tumbles and run time.
+    std::int64_t reversals = 0;              ///< Finished before the frame.
+    const RobotTelemetry* after = nullptr;   ///< Says when the last of them was.
+    const RobotTelemetry* counts = nullptr;  ///< Tumbles and run time.
   };
   enum class Fate { kFree, kUncovered, kStanding, kReversal, kContact, kLostReversal };
   enum class Link { kFirst, kSamePiece, kJoin, kCut, kLostReversal };
@@ -155,8 +155,8 @@ class TrackStitcher {
   double newest_ = -1e300;
   int backwards_ = 0;
 
-  bool cut_ = true;                    ///< The next sample begins a segment.
-  std::optional<TrackPoint> last_;     ///< Last frame that became a sample.
+  bool cut_ = true;                 ///< The next sample begins a segment.
+  std::optional<TrackPoint> last_;  ///< Last frame that became a sample.
   Context last_context_;
   Sample sample_;                      ///< Last sample.
   std::optional<TrackPoint> suspect_;  ///< A frame that the last one cannot reach.

@@ -9,7 +9,7 @@ target_compile_options(lab_options INTERFACE
   $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>)
 if(LAB_SANITIZE)
   target_compile_options(lab_options INTERFACE -fsanitize=${LAB_SANITIZE} -fno-omit-frame-pointer
-    -fno-sanitize-recover=all)
+    -fno-sanitize-recover=all -Wno-tsan)
   target_link_options(lab_options INTERFACE -fsanitize=${LAB_SANITIZE})
 endif()
 

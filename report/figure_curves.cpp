@@ -51,6 +51,7 @@ struct CurveData {
   DataBlock z = emptyBlock("z");
   DataBlock z_open = emptyBlock("z_open");
   DataBlock robots = emptyBlock("robots");
+  bool has_judged = false;
   bool has_open = false;
   bool has_paper = false;
   bool has_robots = false;
@@ -71,12 +72,12 @@ void CurveData::add(const CurvePoint& point, double factor) {
   const double low = std::max(point.value - sigma, kLeastShare * point.value);
   (point.judged ? judged : open)
       .row(point.tau, point.value * factor, low * factor, (point.value + sigma - low) * factor);
-  has_open = has_open || !point.judged;
+  (point.judged ? has_judged : has_open) = true;
   if (std::isfinite(point.exact)) law.row(point.tau, (point.exact + point.noise) * factor);
   if (std::isfinite(point.paper)) {
     paper.row(point.tau, point.paper * factor);
     has_paper = true;
-    if (sigma > 0) paper_z.row(point.tau, (point.paper - point.exact) / sigma);
+    if (sigma > 0 && point.judged) paper_z.row(point.tau, (point.paper - point.exact) / sigma);
   }
   if (std::isfinite(point.z)) {
     (point.judged ? z : z_open).row(point.tau, point.z);
@@ -126,9 +127,11 @@ std::string upperPanel(const CurveData& data, const Quantity& quantity) {
         "$open using 1:2 with points pt 6 ps 0.5 lw 1 lc rgb '#707070' title 'measured, not "
         "judged', ";
   }
-  script +=
-      "$judged using 1:3:(0):4 with vectors nohead lw 1.2 lc rgb 'black' notitle, "
-      "$judged using 1:2 with points pt 7 ps 0.5 lc rgb 'black' title 'measured', ";
+  if (data.has_judged) {
+    script +=
+        "$judged using 1:3:(0):4 with vectors nohead lw 1.2 lc rgb 'black' notitle, "
+        "$judged using 1:2 with points pt 7 ps 0.5 lc rgb 'black' title 'measured', ";
+  }
   if (data.has_paper) {
     script += fmt::format(
         "$paper using 1:2 with lines lw 2 dt (8,5) lc rgb '{}' title 'paper’s formula', ",

@@ -93,11 +93,12 @@ void adoptStart(const std::optional<experiment_event_t>& start, RunRecord& recor
     record.experiment_problem = "the log has no START: names and parameters of the run are unknown";
     return;
   }
+  record.experiment_text = start->text;
   try {
     record.experiment = parseExperiment(start->text, "experiment in the log");
   } catch (const ExperimentError& error) {
     record.experiment_problem =
-        std::string("the experiment in the log cannot be read: ") + error.what();
+        "the experiment in the log cannot be read: " + error.problems().front();
   }
 }
 

@@ -87,7 +87,8 @@ struct RunProgram {
 
 struct RunRecord {
   std::optional<Experiment> experiment;  ///< as run; nothing: the log has no readable START
-  std::string experiment_problem;        ///< why not
+  std::string experiment_text;           ///< the effective file
+  std::string experiment_problem;        ///< why it is not there
   std::string version;                   ///< of the software that ran it
   int contract_version = 0;
   LogFacts log;

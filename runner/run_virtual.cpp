@@ -69,6 +69,7 @@ RunOutcome runVirtual(const PreparedRun& run, const ShowProgress& show,
   for (Member& member : members) member.node.close();
   node.close();
   bus.deliver();
+  log.flush();
   outcome.faults = conductor.faults();
   return outcome;
 }

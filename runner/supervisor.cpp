@@ -90,8 +90,11 @@ bool Supervisor::revive(const std::function<void(const std::string&)>& report,
 }
 
 void Supervisor::endServices() {
-  for (Entry& entry : services_) entry.process->terminate();
-  for (Entry& entry : services_) entry.process->waitOrKill(kServicePatience_ms);
+  // One after the other: their closing messages together would overflow the logger's queue.
+  for (Entry& entry : services_) {
+    entry.process->terminate();
+    entry.process->waitOrKill(kServicePatience_ms);
+  }
 }
 
 void Supervisor::endLogger() {

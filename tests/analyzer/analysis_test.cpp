@@ -170,7 +170,8 @@ void feedSwitches(Analysis& dut) {
     telemetry.program_start = 10.0 * stay;
     dut.addTelemetry(1, laws[stay % 2], telemetry);
     theta += 0.02 * std::sin(0.7 * t);
-    dut.addFrame({t, i, {{1, 0.6 + 0.01 * std::sin(t), 0.4, std::remainder(theta, 6.28), 0, 0, true}}});
+    dut.addFrame(
+        {t, i, {{1, 0.6 + 0.01 * std::sin(t), 0.4, std::remainder(theta, 6.28), 0, 0, true}}});
   }
   dut.flush();
 }

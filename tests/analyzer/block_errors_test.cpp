@@ -16,14 +16,11 @@ BlockSums block(double time, double forward) {
   return sums;
 }
 
-std::vector<double> meanSpeed(const BlockSums& sums) {
-  return {sums.forward / sums.forward_time};
-}
+std::vector<double> meanSpeed(const BlockSums& sums) { return {sums.forward / sums.forward_time}; }
 
 TEST(GroupBlocks, MergesNeighboursOfARobotAndNeverTwoRobots) {
   BlockData data;
-  data.tracks = {{block(1, 1), block(1, 2), block(1, 3), block(1, 4), block(1, 5)},
-                 {block(1, 6)}};
+  data.tracks = {{block(1, 1), block(1, 2), block(1, 3), block(1, 4), block(1, 5)}, {block(1, 6)}};
   const std::vector<BlockSums> dut = groupBlocks(data, 2);
   ASSERT_EQ(dut.size(), 3U);
   EXPECT_DOUBLE_EQ(dut[0].forward, 3);

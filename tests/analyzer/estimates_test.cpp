@@ -31,10 +31,10 @@ TEST(Estimates, CoverTheTruthOfTheRtpAtTheStatedRate) {
 TEST(CurveErrors, AreTheTrueScatterUpToAFilmOver180) {
   Film film;
   film.law = abpLaw(3, 0.5);
-  film.duration = 450;
+  film.duration = 300;
   film.fps = 24.3;
   film.telemetry_rate = 20;
-  const EnsembleCurves curves = cover(film, 120, 2.5).curves;
+  const EnsembleCurves curves = cover(film, 500, 1.67).curves;
   expectTrueErrors(curves.msd, film.duration);
   expectTrueErrors(curves.angular, film.duration);
 }

@@ -59,9 +59,7 @@ struct Scatter {
     }
   }
   [[nodiscard]] double mean() const { return sum / n; }
-  [[nodiscard]] double deviation() const {
-    return std::sqrt((sum2 - sum * sum / n) / (n - 1));
-  }
+  [[nodiscard]] double deviation() const { return std::sqrt((sum2 - sum * sum / n) / (n - 1)); }
   /// The deviation of the mean from `expected`, as a normal deviate (the scatter of few films is
   /// itself uncertain: Student's t).
   [[nodiscard]] double z(double expected) const {
@@ -156,7 +154,7 @@ inline void expectTrueErrors(const std::vector<LagScatter>& lags, double film) {
     if (lag.tau <= film / 180) {
       const double ratio = lag.sigma.mean() / lag.value.deviation();
       // The deviation of n films is itself uncertain.
-      const double slack = 3 / std::sqrt(2 * lag.value.n);
+      const double slack = 2 / std::sqrt(2 * lag.value.n);
       EXPECT_GT(ratio, 0.9 * (1 - slack)) << lag.tau;
       EXPECT_LT(ratio, 1.15 * (1 + slack)) << lag.tau;
       ratios.add(ratio);

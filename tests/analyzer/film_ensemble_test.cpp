@@ -1,10 +1,11 @@
 // Ensembles large enough to see small biases and wrong error bars.
+#include "film_ensemble.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <string>
 
-#include "film_ensemble.hpp"
 #include "programs.hpp"
 
 namespace lab::analysis {

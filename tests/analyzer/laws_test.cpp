@@ -56,8 +56,7 @@ TEST(ExactLaw, AgreesWithTheHighPrecisionTable) {
     EXPECT_NEAR(dut.msd(tau) * 1e4, std::stod(row[6]), tolerance(std::stod(row[6])))
         << row[0] << " tau " << tau;
     EXPECT_NEAR(dut.angularMsd(tau), std::stod(row[7]), tolerance(std::stod(row[7])));
-    EXPECT_NEAR(dut.velocityCorrelation(tau) * 1e4, std::stod(row[8]),
-                tolerance(std::stod(row[8])))
+    EXPECT_NEAR(dut.velocityCorrelation(tau) * 1e4, std::stod(row[8]), tolerance(std::stod(row[8])))
         << row[0] << " epsilon " << epsilon << " tau " << tau;
   }
 }

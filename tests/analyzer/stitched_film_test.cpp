@@ -45,12 +45,13 @@ TEST_P(WalledFilm, FollowsTheExactLawOfTheFreeMotion) {
   expectUnbiased(curves.angular, kFilms, "angular MSD");
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Programs, WalledFilm,
-    testing::Values(Case{"AbpFig2b", abpLaw(3, 0.5), 30}, Case{"AbpEta1", abpLaw(1, 0.25), 100},
-                    Case{"NoisyAbp", noisyLaw(0.01, 0.1, 0.1), 20},
-                    Case{"Bp", noisyLaw(0, 0.07, 0.2), 1}, Case{"Rtp", rtpLaw(1, 0.5), 30}),
-    [](const auto& parameter) { return parameter.param.name; });
+INSTANTIATE_TEST_SUITE_P(Programs, WalledFilm,
+                         testing::Values(Case{"AbpFig2b", abpLaw(3, 0.5), 30},
+                                         Case{"AbpEta1", abpLaw(1, 0.25), 100},
+                                         Case{"NoisyAbp", noisyLaw(0.01, 0.1, 0.1), 20},
+                                         Case{"Bp", noisyLaw(0, 0.07, 0.2), 1},
+                                         Case{"Rtp", rtpLaw(1, 0.5), 30}),
+                         [](const auto& parameter) { return parameter.param.name; });
 
 TEST(NaiveCutting, AtReversalsIsBiasedAgainstStraightMotion) {
   constexpr int kFilms = 40;

@@ -295,10 +295,10 @@ TEST_F(TrackStitcherTest, JudgesAFrameWithoutTelemetryAfterTheDelayAndLosesOnlyT
 
 TEST_F(TrackStitcherTest, CountsAndDropsBrokenAndRepeatedFrames) {
   drive(0, 1, 0);
-  frame(0.98, 0.0294);   // repeated
-  frame(0.5, 0.015);     // gone back
-  frame(kNan, 0);        // no time
-  frame(1.0, kNan);      // no place
+  frame(0.98, 0.0294);  // repeated
+  frame(0.5, 0.015);    // gone back
+  frame(kNan, 0);       // no time
+  frame(1.0, kNan);     // no place
   TrackPoint doubtful;
   doubtful.time = 1.01;
   doubtful.valid = false;

@@ -16,7 +16,7 @@ namespace lab::analysis {
 /// observation phase sweep, as real clocks do.
 struct Film {
   ProgramLaw law;
-  double duration = 600;       ///< s.
+  double duration = 600;  ///< s.
   double fps = 49.7;
   double telemetry_rate = 50;  ///< 1/s.
   double sigma = 0;            ///< Tracker noise per axis, m.
@@ -124,8 +124,8 @@ class Walker {
   [[nodiscard]] bool facesWall(double speed) const {
     const double vx = speed * std::cos(theta_);
     const double vy = speed * std::sin(theta_);
-    return (x_ < kMargin && vx < 0) || (x_ > 1.2 - kMargin && vx > 0) ||
-           (y_ < kMargin && vy < 0) || (y_ > 0.9 - kMargin && vy > 0);
+    return (x_ < kMargin && vx < 0) || (x_ > 1.2 - kMargin && vx > 0) || (y_ < kMargin && vy < 0) ||
+           (y_ > 0.9 - kMargin && vy > 0);
   }
 
   void look() {

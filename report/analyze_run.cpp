@@ -1,0 +1,108 @@
+#include "report/analyze_run.hpp"
+
+#include <fmt/format.h>
+
+#include <cstdlib>
+#include <fstream>
+
+#include "report/figures.hpp"
+#include "report/findings.hpp"
+#include "report/html.hpp"
+#include "report/people.hpp"
+#include "report/report_error.hpp"
+#include "report/run_record.hpp"
+#include "report/summary.hpp"
+#include "report/trajectories.hpp"
+
+namespace lab::report {
+namespace fs = std::filesystem;
+namespace {
+
+/// A folder for what is not finished, beside the finished so that files can be moved over.
+class Scratch {
+ public:
+  explicit Scratch(const fs::path& out) {
+    std::error_code error;
+    fs::create_directories(out, error);
+    std::string name = (out / ".report-XXXXXX").string();
+    if (error || mkdtemp(name.data()) == nullptr) {
+      throw ReportError(fmt::format(
+          "{}: cannot write here; choose another folder with --out or change its permissions",
+          out.string()));
+    }
+    path_ = name;
+  }
+  ~Scratch() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  Scratch(const Scratch&) = delete;
+  Scratch& operator=(const Scratch&) = delete;
+
+  void write(const std::string& name, const std::string& text) const {
+    std::ofstream file(path_ / name, std::ios::binary);
+    file.write(text.data(), static_cast<std::streamsize>(text.size()));
+    file.flush();
+    if (!file) {
+      throw ReportError(fmt::format("cannot write {}: is the disk full?", name));
+    }
+  }
+
+  [[nodiscard]] const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+/// Says what is there in place of the frames.
+std::string withoutFrames(const fs::path& log, const RunRecord& record) {
+  std::string found;
+  for (const StreamLoss& stream : record.log.streams) {
+    found += fmt::format("{}{} {} from {}", found.empty() ? "" : ", ", stream.received,
+                         stream.channel, stream.sender);
+  }
+  return fmt::format("{}: no TRACKED_FRAME in this log, so there is no motion to analyze; found {}",
+                     log.string(), found.empty() ? "nothing of the lab" : found);
+}
+
+fs::path outputFolder(const fs::path& run_or_log, const fs::path& wanted) {
+  if (!wanted.empty()) return wanted;
+  if (fs::is_directory(run_or_log)) return run_or_log;
+  return run_or_log.has_parent_path() ? run_or_log.parent_path() : fs::path(".");
+}
+
+}  // namespace
+
+AnalyzedRun analyzeRun(const fs::path& run_or_log, const fs::path& out_directory,
+                       const AnalyzeOptions& options) {
+  const std::vector<fs::path> files = logFiles(run_or_log);
+  const RunRecord record = readRun(files);
+  if (record.log.frames == 0 && options.needs_frames) {
+    throw ReportError(withoutFrames(files.front(), record));
+  }
+  const fs::path out = outputFolder(run_or_log, out_directory);
+  const Scratch scratch(out);
+  const std::vector<Figure> figures = drawFigures(record, scratch.path());
+
+  std::vector<std::string> names{"summary.json", "trajectories.csv"};
+  scratch.write("summary.json", summaryJson(record));
+  scratch.write("trajectories.csv", trajectoriesCsv(record));
+  for (const Figure& figure : figures) {
+    if (figure.svg.empty()) continue;
+    names.push_back(figure.name + ".svg");
+    scratch.write(names.back(), figure.svg);
+  }
+  names.emplace_back("report.html");
+  scratch.write("report.html", reportHtml(record, figures));
+
+  AnalyzedRun analyzed;
+  for (const std::string& name : names) {
+    fs::rename(scratch.path() / name, out / name);
+    analyzed.files.push_back(out / name);
+  }
+  analyzed.report = out / "report.html";
+  analyzed.headline = headlines(record);
+  return analyzed;
+}
+
+}  // namespace lab::report

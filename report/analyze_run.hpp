@@ -1,0 +1,33 @@
+/// What `lab analyze` does, and every run at its end.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace lab::report {
+
+struct AnalyzeOptions {
+  /// A log without camera frames is an error, unless what else it tells shall be reported: losses,
+  /// faults, latencies.
+  bool needs_frames = true;
+};
+
+/// What came of it.
+struct AnalyzedRun {
+  std::filesystem::path report;              ///< report.html
+  std::vector<std::filesystem::path> files;  ///< everything written
+  std::vector<std::string> headline;         ///< for the terminal, a line a program and more
+};
+
+/// Reads RUN (a run's folder) or LOG (a log file) and writes summary.json, report.html,
+/// trajectories.csv and the figures, each whole or not at all, and to the same bytes every time.
+/// Files of the same names are replaced.
+/// @param out_directory where to; empty: RUN, or the folder of LOG. It is made where it is missing.
+/// @throws ReportError saying what is wrong with the log, gnuplot or the folder; then nothing was
+/// written.
+[[nodiscard]] AnalyzedRun analyzeRun(const std::filesystem::path& run_or_log,
+                                     const std::filesystem::path& out_directory = {},
+                                     const AnalyzeOptions& options = {});
+
+}  // namespace lab::report

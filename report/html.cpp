@@ -1,0 +1,49 @@
+#include "report/html.hpp"
+
+#include <fmt/format.h>
+
+#include "report/findings.hpp"
+#include "report/html_sections.hpp"
+#include "report/html_style.hpp"
+#include "report/people.hpp"
+
+namespace lab::report {
+namespace {
+
+std::string lead(const RunRecord& record) {
+  std::vector<std::string> parts;
+  parts.push_back(countText(static_cast<std::int64_t>(record.robots.size()), "robot"));
+  parts.push_back(durationText(record.duration()));
+  if (record.frame_period > 0) {
+    parts.push_back(fmt::format("{} frames a second", shortText(1 / record.frame_period)));
+  }
+  if (record.experiment) parts.push_back(fmt::format("seed {}", record.experiment->seed));
+  parts.push_back(record.log.virtual_time ? "virtual time" : utcText(record.start_utime));
+  return fmt::format("{}", fmt::join(parts, " · "));
+}
+
+}  // namespace
+
+std::string reportHtml(const RunRecord& record, const std::vector<Figure>& figures) {
+  const std::string name =
+      escapeHtml(record.experiment ? record.experiment->name : "Log without an experiment");
+  const std::string description = record.experiment ? record.experiment->description : "";
+  const std::vector<Finding> findings = findingsOf(record);
+  std::string page = fmt::format(
+      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
+      "<title>{0}</title>\n<style>{1}</style>\n</head>\n<body>\n<h1>{0}</h1>\n"
+      "<p class=\"lead\">{2}</p>\n{3}",
+      name, html::kStyle, escapeHtml(lead(record)),
+      description.empty() ? "" : fmt::format("<p>{}</p>\n", escapeHtml(description)));
+  page += html::warnings(record);
+  page += html::verdicts(findings);
+  page += html::figureSection(figures);
+  page += html::lightSteps(record);
+  page += html::robots(record);
+  page += html::losses(record);
+  page += html::provenance(record);
+  return page + "</body>\n</html>\n";
+}
+
+}  // namespace lab::report

@@ -1,0 +1,36 @@
+/// The parts of report.html.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "report/figures.hpp"
+#include "report/findings.hpp"
+#include "report/run_record.hpp"
+
+namespace lab::report::html {
+
+/// What the reader must know before anything else: faults, marks, a run cut short. Empty: nothing.
+[[nodiscard]] std::string warnings(const RunRecord& record);
+
+[[nodiscard]] std::string verdicts(const std::vector<Finding>& findings);
+[[nodiscard]] std::string figureSection(const std::vector<Figure>& figures);
+[[nodiscard]] std::string lightSteps(const RunRecord& record);
+[[nodiscard]] std::string robots(const RunRecord& record);
+[[nodiscard]] std::string losses(const RunRecord& record);
+[[nodiscard]] std::string provenance(const RunRecord& record);
+
+/// A table; cells are HTML already.
+class Table {
+ public:
+  /// A column whose name begins with '>' is aligned to the right, as numbers are.
+  explicit Table(const std::vector<std::string>& columns);
+  void row(const std::vector<std::string>& cells);
+  [[nodiscard]] std::string text() const { return text_ + "</tbody></table></div>\n"; }
+
+ private:
+  std::vector<bool> right_;
+  std::string text_;
+};
+
+}  // namespace lab::report::html
