@@ -40,7 +40,10 @@ void Analysis::addTelemetry(int robot, const ProgramLaw& law, RobotTelemetry tel
 }
 
 void Analysis::noteStay(Robot& robot, const RobotTelemetry& telemetry) {
-  if (telemetry.program_epoch <= robot.epoch && telemetry.program_start <= robot.program_start) {
+  // The start of an epoch, converted from the robot's clock, may jitter; its number does not.
+  const bool old =
+      telemetry.program_epoch < robot.epoch && telemetry.program_start <= robot.program_start;
+  if (telemetry.program_epoch == robot.epoch || old || !std::isfinite(telemetry.program_start)) {
     return;
   }
   if (robot.program >= 0) {
@@ -160,7 +163,10 @@ std::vector<ProgramResult> Analysis::results() const {
       each.back().robot = id;
     }
     if (!each.empty()) {
-      results.push_back(analyse(programs_[key], pool, sum, options));
+      // The pool of one robot is that robot.
+      results.push_back(each.size() == 1 ? each.front()
+                                         : analyse(programs_[key], pool, sum, options));
+      results.back().robot = kPool;
       results.insert(results.end(), each.begin(), each.end());
     }
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "analyzer/lags.hpp"
 #include "analyzer/statistics.hpp"
@@ -50,7 +51,8 @@ double modelError(const ProgramLaw& law, Quantity quantity, double observed) {
                  ? law.V / std::abs(law.va) / std::sqrt(6 * draws)
                  : 0;
     case kSlopeDiffusivity:
-      return 2 * std::sqrt(20 * persistenceTime(law) / observed);
+      return (law.kind == ProgramKind::kBp ? 1.15 : 0.8) *
+             std::sqrt(20 * persistenceTime(law) / observed);
     case kPositionOffset:
     case kHeadingOffset:
     case kTumbleRate:
@@ -162,7 +164,11 @@ Quantities Estimator::operator()(const BlockSums& sums) const {
   measureNoise(sums, q);
   if (law_.kind == ProgramKind::kRtp) {
     q[kTumbleRate] = sums.run_time > 0 ? sums.tumbles / sums.run_time : kNan;
-    q[kSpeed] = sums.run_time > 0 ? q[kSpeed] * sums.run_span / sums.run_time : kNan;
+    // Frames in which a tumble begins or ends see a part of a run at a heading half turned away:
+    // to lowest order a loss of <omega^2> dt^3 / 48 per tumble.
+    const double omega2 = std::numbers::pi * std::numbers::pi / (3 * law_.tau_t * law_.tau_t);
+    const double smeared = q[kTumbleRate] * omega2 * std::pow(first_lag_, 3) / 48;
+    q[kSpeed] *= sums.run_time > 0 ? sums.run_span / sums.run_time * (1 + smeared) : kNan;
   }
   if (law_.kind == ProgramKind::kNoisyAbp || law_.kind == ProgramKind::kBp) {
     const double va = law_.kind == ProgramKind::kBp ? 0 : q[kSpeed];

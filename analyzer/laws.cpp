@@ -3,6 +3,8 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
+#include <vector>
 
 namespace lab::analysis {
 namespace {
@@ -43,6 +45,29 @@ double rtpAngularMsd(const ProgramLaw& law, double tau) {
   return turning2 * share * shape;
 }
 
+/// A HeldNoise is a table that costs thousands of sines; a live analysis asks for the same few laws
+/// again and again.
+std::shared_ptr<const HeldNoise> heldNoise(const ProgramLaw& law) {
+  constexpr std::size_t kKept = 16;
+  thread_local std::vector<std::pair<ProgramLaw, std::shared_ptr<const HeldNoise>>> kept;
+  thread_local std::size_t oldest = 0;
+  for (const auto& [known, noise] : kept) {
+    if (known == law) return noise;
+  }
+  const double va = law.kind == ProgramKind::kBp ? 0.0 : law.va;
+  auto noise = std::make_shared<const HeldNoise>(
+      law.kind == ProgramKind::kAbp
+          ? HeldNoise::uniformTurning(law.v, law.eta, law.epsilon)
+          : HeldNoise::uniformWheels(va, law.V, law.wheel_base, law.epsilon));
+  if (kept.size() < kKept) {
+    kept.emplace_back(law, noise);
+  } else {
+    kept[oldest] = {law, noise};
+    oldest = (oldest + 1) % kKept;
+  }
+  return noise;
+}
+
 }  // namespace
 
 bool isHeldNoise(ProgramKind kind) {
@@ -81,12 +106,7 @@ double meanSpeed(const ProgramLaw& law) {
 }
 
 ExactLaw::ExactLaw(const ProgramLaw& law) : law_(law), exists_(definesLaw(law)) {
-  if (exists_ && law.kind == ProgramKind::kAbp) {
-    held_ = HeldNoise::uniformTurning(law.v, law.eta, law.epsilon);
-  } else if (exists_ && law.kind != ProgramKind::kRtp) {
-    const double va = law.kind == ProgramKind::kBp ? 0.0 : law.va;
-    held_ = HeldNoise::uniformWheels(va, law.V, law.wheel_base, law.epsilon);
-  }
+  if (exists_ && isHeldNoise(law.kind)) held_ = heldNoise(law);
 }
 
 double ExactLaw::msd(double tau) const {

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
+#include <memory>
 
 #include "analyzer/held_noise.hpp"
 
@@ -65,7 +65,7 @@ class ExactLaw {
  private:
   ProgramLaw law_;
   bool exists_ = false;
-  std::optional<HeldNoise> held_;
+  std::shared_ptr<const HeldNoise> held_;
 };
 
 /// The paper's formulas, for comparison: eq. 4 (ABP), eq. 5 (noisy ABP and, with va = 0, BP), eq. 6

@@ -253,7 +253,7 @@ void visitLayer(KeyVisitor& v, LayerEntry& entry) {
   v.number(kind.only({kHalfPlane, kLinearGradient, kStripes, kChecker, kImage},
                      {"angle_deg",
                       "direction, counter-clockwise from x: towards the lit side, up "
-                      "the gradient, along the stripes, of the image's lower edge"}),
+                      "the gradient, across the stripes, of the image's lower edge"}),
            kAngle, layer.angle);
   v.number(
       kind.only({kDisk, kRing, kRadialGradient}, {"radius_cm", "outer radius", Need::kRequired}),

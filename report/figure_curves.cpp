@@ -179,12 +179,6 @@ FigureScript curveFigure(const Finding& finding, const Quantity& quantity) {
     return script;
   }
   script.script = curveScript(finding, quantity, script.figure.name);
-  script.figure.caption =
-      "Points: measured, with one standard error. Solid: the exact law of what the robot executes, "
-      "tracker noise included. Dashed: the paper’s formula. Below: the deviation from the exact "
-      "law "
-      "in standard errors; beyond the dashed lines it is a disagreement. Neighbouring lags share "
-      "their data and wander together.";
   return script;
 }
 

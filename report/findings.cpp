@@ -17,6 +17,7 @@ using analysis::ProgramResult;
 using analysis::VerdictKind;
 
 constexpr double kPercent = 100;
+constexpr double kCm = 100;
 
 /// The formula of the paper for this model.
 std::string paperFormula(analysis::ProgramKind kind) {
@@ -30,6 +31,18 @@ std::string paperFormula(analysis::ProgramKind kind) {
       return "eq. 6";
     default:
       return "";
+  }
+}
+
+/// The estimate that says most about a model.
+std::string_view telling(analysis::ProgramKind kind) {
+  switch (kind) {
+    case analysis::ProgramKind::kBp:
+      return "D_t";
+    case analysis::ProgramKind::kRtp:
+      return "gamma";
+    default:
+      return "D_r";
   }
 }
 
@@ -135,7 +148,7 @@ std::vector<std::string> reservations(const ProgramResult& result) {
   if (std::isfinite(noise) && noise > 0) {
     remarks.push_back(fmt::format(
         "Tracker noise of {} cm in each coordinate was measured and taken into account.",
-        shortText(std::sqrt(noise) / 2 * kPercent)));
+        fmt::format("{:.2g}", std::sqrt(noise) / 2 * kCm)));
   }
   return remarks;
 }
@@ -161,9 +174,10 @@ std::string paperComparison(const ProgramResult& result) {
                : fmt::format("The paper's {} is the exact law here.", formula);
   }
   return fmt::format(
-      "The paper's {} differs from the exact law by up to {:+.2g} % (at {} s); in this run that is "
+      "The paper's {} differs from the exact law by up to {:+.{}f} % (at {} s); in this run that "
+      "is "
       "{} standard errors at most.",
-      formula, most * kPercent, shortText(furthest->tau),
+      formula, most * kPercent, std::abs(most) < 0.1 ? 1 : 0, shortText(furthest->tau),
       most_z < 10 ? fmt::format("{:.1f}", most_z) : fmt::format("{:.0f}", most_z));
 }
 
@@ -172,7 +186,6 @@ std::string parametersText(const program_t& program) {
   const auto add = [&parts](const char* symbol, double value, double factor, const char* unit) {
     parts.push_back(fmt::format("{} = {} {}", symbol, shortText(value * factor), unit));
   };
-  constexpr double kCm = 100;
   switch (program.kind) {
     case program_t::ABP:
       add("v", program.v, kCm, "cm/s");
@@ -213,9 +226,8 @@ std::vector<std::string> headlines(const RunRecord& record) {
                           std::abs(result.verdict.max_z), countText(result.verdict.judged, "lag"));
     }
     for (const Estimate& estimate : result.estimates) {
-      if (!std::isfinite(estimate.value) || !std::isfinite(estimate.theory)) continue;
+      if (estimate.name != telling(result.law.kind) || !std::isfinite(estimate.value)) continue;
       line += "; " + estimateText(estimate);
-      break;
     }
     lines.push_back(line);
   }

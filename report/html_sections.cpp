@@ -82,7 +82,15 @@ std::string warnings(const RunRecord& record) {
 }
 
 std::string figureSection(const std::vector<Figure>& figures) {
-  std::string html = "<h2>Figures</h2>\n<div class=\"figures\">\n";
+  std::string html =
+      "<h2>Figures</h2>\n<p>In the curves, points are measured and bars are one standard error. "
+      "The "
+      "solid line is the exact law of what the robot executes, with the tracker’s noise; dashed is "
+      "the paper’s formula. Below each, deviations from the exact law in standard errors: a "
+      "measured "
+      "point beyond 4 is a disagreement. Neighbouring lags share their data and wander together. "
+      "Hollow points are not judged: too few independent windows, or selected by the light.</p>\n"
+      "<div class=\"figures\">\n";
   std::string sentences;
   int number = 0;
   for (const Figure& figure : figures) {

@@ -30,7 +30,7 @@ table { border-collapse: collapse; font-size: .92rem; font-variant-numeric: tabu
   margin: .5rem 0; }
 th { text-align: left; font-weight: 600; vertical-align: bottom; }
 th, td { padding: .28rem 1.1rem .28rem 0; border-bottom: 1px solid var(--line); }
-td { vertical-align: top; } .r { text-align: right; }
+td { vertical-align: top; } .r { text-align: right; white-space: nowrap; }
 .figures { display: grid; grid-template-columns: repeat(auto-fit, minmax(27rem, 1fr)); gap: 1.6rem; }
 figure { margin: 0; min-width: 0; }
 figure svg { width: 100%; height: auto; display: block; background: #fff; border-radius: .4rem;

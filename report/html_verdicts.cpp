@@ -92,7 +92,7 @@ std::string card(const Finding& finding) {
       escapeHtml(parametersText(finding.pool->program)), verdictClass(result.verdict.kind),
       static_cast<char>(std::toupper(static_cast<unsigned char>(verdictText(result).front()))),
       verdictText(result).substr(1), escapeHtml(verdictReason(result)), pooled,
-      durationText(result.observed), countText(result.segments, "stretch"));
+      durationText(result.observed), countText(result.segments, "segment"));
   html += "<ul>\n";
   const std::string paper = paperComparison(result);
   if (!paper.empty()) html += fmt::format("<li>{}</li>\n", escapeHtml(paper));

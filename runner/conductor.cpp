@@ -139,7 +139,8 @@ void Conductor::showStep(int number) {
     event.step = step.number;
     event.label = wanted.label;
     event.commanded_utime = light_.from_utime;
-    watch_.emplace(event, node_.identity().instance, light_.seq, expectedProgram(wanted));
+    watch_.emplace(event, node_.identity().instance, light_.seq, expectedProgram(wanted),
+                   experiment_.robots.size());
     loop_.at(loop_.now() + kDeliveryPatience_us, [this, seq = light_.seq] {
       if (watch_ && light_.seq == seq) {
         record(watch_->event());

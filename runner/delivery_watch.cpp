@@ -20,6 +20,7 @@ void DeliveryWatch::take(const robot_status_t& status) {
     // What a robot ran before the light was shown decides whether it has to change.
     const bool before = presented_utime_ == 0 || robot.utime < presented_utime_;
     if (is_new || before) entry->second.must_change = !runs_it;
+    if (!before) entry->second.heard_since = true;
     const bool acted = runs_it && presented_utime_ != 0 && !before &&
                        robot.program_start_utime >= presented_utime_;
     if (acted && entry->second.acted_utime == 0) {
@@ -30,8 +31,12 @@ void DeliveryWatch::take(const robot_status_t& status) {
 }
 
 bool DeliveryWatch::complete() const {
-  return presented_utime_ != 0 && std::all_of(robots_.begin(), robots_.end(), [](const auto& entry) {
-           return !entry.second.must_change || entry.second.acted_utime != 0;
+  if (presented_utime_ == 0) return false;
+  if (!expected_) return true;
+  return robots_.size() >= robots_expected_ &&
+         std::all_of(robots_.begin(), robots_.end(), [](const auto& entry) {
+           const RobotWatch& robot = entry.second;
+           return robot.heard_since && (!robot.must_change || robot.acted_utime != 0);
          });
 }
 

@@ -18,9 +18,15 @@ class DeliveryWatch {
   /// @param command_instance, command_seq of the LIGHT_COMMAND that asks for the step.
   /// @param expected program of every robot under the new light, where the step is one and the light
   ///   is the same everywhere; otherwise nothing, and no robot is expected to act.
+  /// @param robots how many the experiment has: each must have been heard after the presentation.
   DeliveryWatch(const experiment_event_t& step, std::int64_t command_instance,
-                std::int64_t command_seq, const std::optional<program_t>& expected)
-      : step_(step), instance_(command_instance), seq_(command_seq), expected_(expected) {}
+                std::int64_t command_seq, const std::optional<program_t>& expected,
+                std::size_t robots)
+      : step_(step),
+        instance_(command_instance),
+        seq_(command_seq),
+        expected_(expected),
+        robots_expected_(robots) {}
 
   void take(const light_status_t& status);
   void take(const robot_status_t& status);
@@ -34,6 +40,7 @@ class DeliveryWatch {
  private:
   struct RobotWatch {
     bool must_change = false;
+    bool heard_since = false;  ///< sampled after the presentation
     std::int64_t acted_utime = 0;
   };
 
@@ -41,6 +48,7 @@ class DeliveryWatch {
   std::int64_t instance_;
   std::int64_t seq_;
   std::optional<program_t> expected_;
+  std::size_t robots_expected_;
   std::int64_t presented_utime_ = 0;
   std::map<std::int32_t, RobotWatch> robots_;
 };

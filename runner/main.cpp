@@ -5,6 +5,7 @@
 
 #include "common/bus_error.hpp"
 #include "common/experiment_file.hpp"
+#include "report/report_error.hpp"
 #include "runner/command_line.hpp"
 #include "runner/exit_code.hpp"
 
@@ -18,6 +19,9 @@ int main(int argc, char** argv) {
     std::cerr << error.what() << "\n";
     return kBadInput;
   } catch (const UserError& error) {
+    std::cerr << "lab: " << error.what() << "\n";
+    return kBadInput;
+  } catch (const lab::report::ReportError& error) {
     std::cerr << "lab: " << error.what() << "\n";
     return kBadInput;
   } catch (const lab::BusError& error) {

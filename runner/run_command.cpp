@@ -12,6 +12,7 @@
 #include "common/units.hpp"
 #include "common/version.hpp"
 #include "report/analyze_run.hpp"
+#include "report/report_error.hpp"
 #include "runner/commands.hpp"
 #include "runner/disk_need.hpp"
 #include "runner/doctor.hpp"
@@ -78,6 +79,11 @@ void writeProvenance(const RunOptions& options, const PreparedRun& run, const st
   writeNewFile(run.directory / files::kProvenance, json.dump(2) + "\n");
 }
 
+void tell(const report::AnalyzedRun& analyzed) {
+  for (const std::string& line : analyzed.headline) fmt::print("{}\n", line);
+  fmt::print("report   {}\n", fs::absolute(analyzed.report).string());
+}
+
 }  // namespace
 
 ExitCode run(const RunOptions& options) {
@@ -114,9 +120,13 @@ ExitCode run(const RunOptions& options) {
 
   for (const std::string& fault : outcome.faults) fmt::print("marked   {}\n", fault);
   if (options.report) {
-    const report::AnalyzedRun analyzed = report::analyzeRun(prepared.directory, prepared.directory);
-    for (const std::string& line : analyzed.headline) fmt::print("{}\n", line);
-    fmt::print("report   {}\n", fs::absolute(analyzed.report).string());
+    try {
+      tell(report::analyzeRun(prepared.directory, prepared.directory, {.needs_frames = false}));
+    } catch (const report::ReportError& error) {
+      // The run itself is done: its log is kept, and only the report is missing.
+      fmt::print(stderr, "lab: no report: {}\n", error.what());
+      return outcome.closed_early ? kMarked : kFailed;
+    }
   }
   return outcome.closed_early ? kMarked : kDone;
 }
@@ -127,11 +137,7 @@ ExitCode check(const fs::path& file, const std::vector<std::string>& set) {
 }
 
 ExitCode analyze(const fs::path& run_or_log, const std::optional<fs::path>& out) {
-  const bool is_run = fs::is_directory(run_or_log);
-  const fs::path folder = out.value_or(is_run ? run_or_log : run_or_log.parent_path());
-  const report::AnalyzedRun analyzed = report::analyzeRun(run_or_log, folder);
-  for (const std::string& line : analyzed.headline) fmt::print("{}\n", line);
-  fmt::print("report   {}\n", fs::absolute(analyzed.report).string());
+  tell(report::analyzeRun(run_or_log, out.value_or(fs::path())));
   return kDone;
 }
 

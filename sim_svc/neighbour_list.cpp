@@ -6,11 +6,14 @@
 namespace lab::sim {
 namespace {
 
-// More cells than this cost more than they save.
+// Many more cells than points cost more than they save: a few robots in a hall. But robots may also
+// crowd in a part of it.
+constexpr std::size_t kCellsPerSide = 16;
 constexpr std::size_t kMostCellsPerSide = 512;
 
-std::size_t cellsAlong(double size, double cutoff) {
-  return std::clamp(static_cast<std::size_t>(size / cutoff), std::size_t{1}, kMostCellsPerSide);
+std::size_t cellsAlong(double size, double cutoff, std::size_t points) {
+  const std::size_t most = std::min(kCellsPerSide + points, kMostCellsPerSide);
+  return std::clamp(static_cast<std::size_t>(size / cutoff), std::size_t{1}, most);
 }
 
 std::size_t cellAlong(double x, double size, std::size_t cells) {
@@ -46,8 +49,8 @@ void NeighbourList::build(std::span<const Vec> points, const Arena& arena, doubl
 }
 
 void NeighbourList::sortIntoCells(std::span<const Vec> points, const Arena& arena, double cutoff) {
-  columns_ = cellsAlong(arena.width, cutoff);
-  rows_ = cellsAlong(arena.height, cutoff);
+  columns_ = cellsAlong(arena.width, cutoff, points.size());
+  rows_ = cellsAlong(arena.height, cutoff, points.size());
   cell_of_.resize(points.size());
   cell_first_.assign(columns_ * rows_ + 1, 0);
   for (std::size_t i = 0; i < points.size(); ++i) {

@@ -167,7 +167,7 @@ void feedSwitches(Analysis& dut) {
     const int stay = static_cast<int>(t / 10);
     telemetry.time = t;
     telemetry.program_epoch = stay + 1;
-    telemetry.program_start = 10.0 * stay;
+    telemetry.program_start = 10.0 * stay + 0.001 * (i % 3);  // as converted from another clock
     dut.addTelemetry(1, laws[stay % 2], telemetry);
     theta += 0.02 * std::sin(0.7 * t);
     dut.addFrame(
@@ -184,7 +184,7 @@ TEST(Analysis, CutsAtSwitchesAndKeepsTheProgramsApart) {
   EXPECT_EQ(results[0].segments, 20);
   EXPECT_EQ(results[2].segments, 20);
   EXPECT_NEAR(results[0].observed, 200, 1);
-  EXPECT_NEAR(dut.medianStay(0), 10, 1e-3);
+  EXPECT_NEAR(dut.medianStay(0), 10, 0.003);
 }
 
 TEST(Analysis, GivesNoVerdictOnLagsThatTheLightSelects) {
@@ -196,7 +196,7 @@ TEST(Analysis, GivesNoVerdictOnLagsThatTheLightSelects) {
   feedSwitches(dut);
   dut.setSpatialLight(false);  // what was selected stays selected
   const ProgramResult result = dut.results()[0];
-  EXPECT_NEAR(result.unbiased_lag, 1, 1e-3);
+  EXPECT_NEAR(result.unbiased_lag, 1, 0.001);
   int biased = 0;
   for (const CurvePoint& point : result.curves.msd) {
     EXPECT_EQ(point.selection_biased, point.tau > result.unbiased_lag);

@@ -15,10 +15,10 @@ program_t abp() {
   return program;
 }
 
-DeliveryWatch watching(const std::optional<program_t>& expected) {
+DeliveryWatch watching(const std::optional<program_t>& expected, std::size_t robots = 1) {
   experiment_event_t step{};
   step.commanded_utime = 1000;
-  return {step, kInstance, kSeq, expected};
+  return {step, kInstance, kSeq, expected, robots};
 }
 
 light_status_t shown(std::int64_t utime, std::int64_t seq = kSeq) {
@@ -62,9 +62,11 @@ TEST(DeliveryWatch, IsCompleteWhenTheLightIsShownAndEveryRobotActed) {
 }
 
 TEST(DeliveryWatch, WaitsForTheSlowestRobot) {
-  DeliveryWatch dut = watching(abp());
+  DeliveryWatch dut = watching(abp(), 2);
   dut.take(shown(2000));
+  EXPECT_FALSE(dut.complete()) << "no robot was heard yet";
   dut.take(running(1, abp(), 2010, 2020));
+  EXPECT_FALSE(dut.complete());
   dut.take(running(2, program_t{}, 0, 2020));
   EXPECT_FALSE(dut.complete());
   dut.take(running(2, abp(), 2040, 2060));
@@ -77,6 +79,7 @@ TEST(DeliveryWatch, ExpectsNothingOfARobotThatRanTheProgramAlready) {
   DeliveryWatch dut = watching(abp());
   dut.take(running(1, abp(), 500, 1500));
   dut.take(shown(2000));
+  dut.take(running(1, abp(), 500, 2010));
   EXPECT_TRUE(dut.complete());
   EXPECT_EQ(dut.event().robots_expected, 0);
 }

@@ -1,0 +1,109 @@
+#include "report/figures.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "report/gnuplot.hpp"
+#include "report/report_error.hpp"
+#include "report/thinning.hpp"
+#include "synthetic_lab.hpp"
+
+namespace lab::report {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+RunRecord recordOf(const Experiment& experiment) {
+  const TemporaryFolder folder;
+  SyntheticLab(folder.path() / "log.lcmlog", experiment).run();
+  return readRun(logFiles(folder.path()));
+}
+
+std::size_t pointsOf(const PlotTracks& plot) {
+  std::size_t points = 0;
+  for (const PlotLine& line : plot.lines) points += line.points.size();
+  return points;
+}
+
+TEST(Figures, GiveASentenceWhereThereIsNothingToDraw) {
+  const TemporaryFolder scratch;
+
+  for (const Figure& figure : drawFigures({}, scratch.path())) {
+    EXPECT_FALSE(figure.sentence.empty()) << figure.name;
+    EXPECT_TRUE(figure.svg.empty()) << figure.name;
+  }
+}
+
+TEST(Figures, StayModestInSizeForALongRun) {
+  const TemporaryFolder scratch;
+  const RunRecord record = recordOf(syntheticExperiment(10, 300, 20, {paperAbp(), paperRtp()}, 30));
+
+  for (const Figure& figure : drawFigures(record, scratch.path())) {
+    EXPECT_THAT(figure.svg, HasSubstr("<svg")) << figure.name;
+    EXPECT_LT(figure.svg.size(), 160'000U) << figure.name;
+  }
+  EXPECT_TRUE(std::filesystem::is_empty(scratch.path()));
+}
+
+TEST(Figures, KeepMarkupInNamesOutOfThePicture) {
+  const TemporaryFolder scratch;
+  RunRecord record = recordOf(syntheticExperiment(1, 20, 20, {paperAbp()}, 30));
+  record.programs[0].name = "a_b <script> 'x' & \\n $y";
+
+  for (const Figure& figure : drawFigures(record, scratch.path())) {
+    EXPECT_THAT(figure.svg, Not(HasSubstr("<script"))) << figure.name;
+  }
+}
+
+TEST(Thinning, DrawsTheWholeOfAShortRun) {
+  const PlotTracks dut =
+      thinnedTracks(recordOf(syntheticExperiment(1, 30, 20, {paperAbp()}, 30)), 4000, false);
+
+  EXPECT_TRUE(dut.whole_run);
+  EXPECT_GE(pointsOf(dut), 600U);
+  EXPECT_NEAR(dut.end - dut.begin, 30, 0.1);
+}
+
+TEST(Thinning, DrawsTheLatestStretchOfALongRun) {
+  const PlotTracks dut =
+      thinnedTracks(recordOf(syntheticExperiment(4, 200, 10, {paperAbp()}, 30)), 300, false);
+
+  EXPECT_FALSE(dut.whole_run);
+  EXPECT_NEAR(dut.end, 200, 1);
+  EXPECT_GT(dut.begin, 100);
+  EXPECT_LE(pointsOf(dut), 340U);
+}
+
+TEST(Thinning, LeavesRoomForEveryProgram) {
+  const RunRecord record = recordOf(syntheticExperiment(1, 200, 10, {paperAbp(), paperRtp()}, 100));
+
+  const PlotTracks dut = thinnedTracks(record, 200, true);
+
+  std::size_t points[2] = {0, 0};
+  for (const PlotLine& line : dut.lines) {
+    if (line.program >= 0) points[line.program] += line.points.size();
+  }
+  EXPECT_GT(points[0], 90U);
+  EXPECT_GT(points[1], 90U);
+}
+
+TEST(Gnuplot, SaysWhatItDidNotUnderstand) {
+  const TemporaryFolder scratch;
+
+  EXPECT_THROW(runGnuplot(scratch.path(), "plot nonsense nonsense\n"), ReportError);
+}
+
+TEST(Gnuplot, QuotesTextOnOneLineWithoutMarkup) {
+  EXPECT_EQ(gnuplotText("a'b\n<c>&"), "'a’b ‹c›+'");
+}
+
+TEST(Gnuplot, MakesIdsOfSeveralFiguresDifferent) {
+  const std::string dut =
+      inlineSvg("<?xml?>\n<svg><g id=\"a\"/><use xlink:href='#a'/></svg>", "f1_");
+
+  EXPECT_EQ(dut, "<svg role=\"img\"><g id=\"f1_a\"/><use xlink:href='#f1_a'/></svg>");
+}
+
+}  // namespace
+}  // namespace lab::report

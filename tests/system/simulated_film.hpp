@@ -1,0 +1,114 @@
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+
+#include "analyzer/track_stitcher.hpp"
+#include "common/random.hpp"
+#include "dynamics/robot_core.hpp"
+#include "sim_svc/world.hpp"
+
+namespace lab::system_test {
+
+struct FilmSettings {
+  double fps = 50;
+  double status_rate = 50;        ///< Of the telemetry, 1/s.
+  double position_noise = 0;      ///< Of the tracker, per axis, m.
+  double heading_noise = 0;       ///< rad.
+  std::int64_t start_us = 0;      ///< World time of the first frame and the first telemetry.
+  std::uint64_t noise_seed = 0;
+};
+
+/// Films the first robot of a world and listens to it, with the content and the times that sim_svc
+/// gives its messages; only the messages themselves are left out. `on_frame` is called with each
+/// TrackPoint, `on_telemetry` with each RobotTelemetry, whose program is the slot of the robot's
+/// light table (-1: standing). Film time is world time.
+class SimulatedFilm {
+ public:
+  SimulatedFilm(sim::World& world, const FilmSettings& settings)
+      : world_(world), settings_(settings), noise_(settings.noise_seed) {}
+
+  /// Goes on until the given world time, which is still filmed.
+  template <class OnFrame, class OnTelemetry>
+  void filmUntil(std::int64_t end_us, OnFrame on_frame, OnTelemetry on_telemetry) {
+    for (;;) {
+      const std::int64_t frame_us = sampleTime(frames_, settings_.fps);
+      const std::int64_t status_us = sampleTime(reports_, settings_.status_rate);
+      const bool frame_first = frame_us <= status_us;
+      const std::int64_t next_us = frame_first ? frame_us : status_us;
+      if (next_us > end_us) {
+        world_.advanceTo(end_us);
+        return;
+      }
+      world_.advanceTo(next_us);
+      if (frame_first) {
+        on_frame(frame());
+        ++frames_;
+      } else {
+        on_telemetry(telemetry());
+        ++reports_;
+      }
+    }
+  }
+
+ private:
+  [[nodiscard]] std::int64_t sampleTime(std::int64_t number, double rate) const {
+    return settings_.start_us +
+           static_cast<std::int64_t>(std::llround(static_cast<double>(number) * 1e6 / rate));
+  }
+
+  /// Messages count whole microseconds.
+  static double whole(double seconds) { return std::round(seconds * 1e6) * 1e-6; }
+
+  analysis::TrackPoint frame() {
+    const dynamics::Pose pose = world_.pose(0);
+    analysis::TrackPoint point;
+    point.time = world_.time();
+    point.frame = frames_;
+    point.x = pose.x;
+    point.y = pose.y;
+    point.theta = pose.theta;
+    point.sigma = settings_.position_noise;
+    point.sigma_theta = settings_.heading_noise;
+    if (settings_.position_noise > 0) {
+      point.x += settings_.position_noise * noise_.normal();
+      point.y += settings_.position_noise * noise_.normal();
+      point.theta += settings_.heading_noise * noise_.normal();
+    }
+    point.theta = std::remainder(point.theta, 2 * std::numbers::pi);
+    return point;
+  }
+
+  analysis::RobotTelemetry telemetry() {
+    const sim::RobotState state = world_.state(0);
+    const auto has = [&state](dynamics::CoreFlag flag) { return (state.core.flags & flag) != 0; };
+    analysis::RobotTelemetry message;
+    message.time = world_.time();
+    message.program = state.core.slot < dynamics::kSlots ? state.core.slot : -1;
+    message.program_epoch = state.core.program_epoch;
+    message.program_start = whole(state.program_start);
+    message.reversal_count = state.core.reversal_count;
+    message.reversing = has(dynamics::kReversing);
+    message.reversal_start = whole(state.reversal_start);
+    message.reversal_end = message.reversing ? 0 : whole(state.reversal_end);
+    message.v_l = state.program_left;
+    message.v_r = state.program_right;
+    const std::int64_t contacts = state.robot_contacts + state.wall_contacts;
+    message.contact = state.contact_robot || state.contact_wall || contacts != contacts_;
+    contacts_ = contacts;
+    message.stopped = has(dynamics::kStopped) || has(dynamics::kLeaseExpired);
+    message.tumble_count = state.core.tumble_count;
+    message.run_time = state.run_time;
+    return message;
+  }
+
+  sim::World& world_;
+  FilmSettings settings_;
+  Random noise_;
+  std::int64_t frames_ = 0;
+  std::int64_t reports_ = 0;
+  std::int64_t contacts_ = 0;
+};
+
+}  // namespace lab::system_test
