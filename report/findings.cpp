@@ -73,6 +73,22 @@ std::string estimateText(const Estimate& estimate) {
                      unit.text, shortText(estimate.theory * unit.factor));
 }
 
+/// The curves are compared at the measured speed: a reader must know where that differs.
+std::vector<std::string> speedRemark(const ProgramResult& result) {
+  for (const Estimate& estimate : result.estimates) {
+    const bool is_speed = estimate.name == "v" || estimate.name == "v_a";
+    if (!is_speed || !(estimate.theory > 0)) continue;
+    const bool outside = estimate.theory < estimate.low95 || estimate.theory > estimate.high95;
+    const double off = estimate.value / estimate.theory - 1;
+    if (!outside || std::abs(off) > analysis::CurveOptions{}.speed_tolerance) continue;
+    return {fmt::format(
+        "The speed is {:+.2f} % off the programmed one, as wheels with finite steps or a clock may "
+        "be; deviations are those from the exact law at the measured speed.",
+        off * kPercent)};
+  }
+  return {};
+}
+
 }  // namespace
 
 std::vector<Finding> findingsOf(const RunRecord& record) {
@@ -119,7 +135,7 @@ std::string verdictReason(const ProgramResult& result) {
 }
 
 std::vector<std::string> reservations(const ProgramResult& result) {
-  std::vector<std::string> remarks;
+  std::vector<std::string> remarks = speedRemark(result);
   if (result.unbiased_lag > 0) {
     remarks.push_back(fmt::format(
         "The light depends on place, so a robot leaves this program by where it goes: windows "

@@ -22,7 +22,7 @@ std::string milliseconds(double value) {
 
 std::string share(std::int64_t count, std::int64_t of) {
   if (count == 0 || of == 0) return "0";
-  return shortText(kPercent * static_cast<double>(count) / static_cast<double>(of)) + " %";
+  return fmt::format("{:.2g} %", kPercent * static_cast<double>(count) / static_cast<double>(of));
 }
 
 std::string remarkList(const RunRecord& record, const std::vector<Remark>& remarks,

@@ -38,9 +38,12 @@ std::string estimateTable(const ProgramResult& result) {
             ? fmt::format("{} to {}", numberText(estimate.low95 * unit.factor, half),
                           numberText(estimate.high95 * unit.factor, half))
             : "–";
+    const double theory = estimate.theory;
+    const bool outside = theory < estimate.low95 || theory > estimate.high95;
     table.row({symbolHtml(estimate.name),
                withUnit(numberText(estimate.value * unit.factor, half), unit.text), interval,
-               withUnit(shortText(estimate.theory * unit.factor), unit.text),
+               fmt::format("<span{}>{}</span>", outside ? " class=\"disagrees\"" : "",
+                           withUnit(shortText(theory * unit.factor), unit.text)),
                "<span class=\"soft\">" + escapeHtml(estimate.note) + "</span>"});
   }
   return table.text();
@@ -107,7 +110,11 @@ std::string card(const Finding& finding) {
 }  // namespace
 
 std::string verdicts(const std::vector<Finding>& findings) {
-  std::string html = "<h2>Is it the motion that was programmed?</h2>\n";
+  std::string html =
+      "<h2>Is it the motion that was programmed?</h2>\n<p>Measured is free motion: reversals are "
+      "taken out, contacts and changes of program cut. Programmed values outside their 95 % "
+      "interval "
+      "are set in colour; by chance one of twenty is.</p>\n";
   if (findings.empty()) {
     return html +
            "<p>No robot was tracked while it ran a program that has a law, so there is nothing to "

@@ -3,7 +3,7 @@
 #include <fmt/compile.h>
 #include <fmt/format.h>
 
-#include <cstdlib>
+#include <cmath>
 #include <iterator>
 #include <string_view>
 #include <vector>
@@ -29,8 +29,15 @@ void appendFixed(fmt::memory_buffer& out, std::int64_t units, int decimals) {
   out.append(digits.data() + 1, digits.data() + digits.size());
 }
 
-std::int64_t rounded(double value) {
-  return static_cast<std::int64_t>(value < 0 ? value - 0.5 : value + 0.5);
+/// A number with a fixed count of decimals; nan where it is none that can be.
+void appendNumber(fmt::memory_buffer& out, double value, double scale, int decimals) {
+  constexpr double kLargest = 1e15;
+  const double units = value * scale;
+  if (!(std::abs(units) < kLargest)) {
+    out.append(std::string_view("nan"));
+    return;
+  }
+  appendFixed(out, std::llround(units), decimals);
 }
 
 /// A field of a CSV file, quoted where it must be (RFC 4180).
@@ -60,13 +67,13 @@ std::string trajectoriesCsv(const RunRecord& record) {
     for (std::size_t r = frame.first_row; r < record.tracks.endOf(i); ++r) {
       const TrackRow& row = record.tracks.rows[r];
       fmt::format_to(std::back_inserter(out), FMT_COMPILE("{},{},"), frame.frame, row.robot);
-      appendFixed(out, rounded(static_cast<double>(row.x) * kPerMetre), 4);
+      appendNumber(out, static_cast<double>(row.x), kPerMetre, 4);
       out.push_back(',');
-      appendFixed(out, rounded(static_cast<double>(row.y) * kPerMetre), 4);
+      appendNumber(out, static_cast<double>(row.y), kPerMetre, 4);
       out.push_back(',');
       appendFixed(out, since_start, 6);
       out.push_back(',');
-      appendFixed(out, rounded(static_cast<double>(row.theta) * kPerRadian), 6);
+      appendNumber(out, static_cast<double>(row.theta), kPerRadian, 6);
       out.push_back(',');
       out.append(names[static_cast<std::size_t>(row.program + 1)]);
       fmt::format_to(std::back_inserter(out), FMT_COMPILE(",{}\n"), row.segment);

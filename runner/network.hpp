@@ -11,8 +11,9 @@ inline constexpr int kLastPort = 59999;
 /// Whether nobody on this machine holds the UDP port.
 [[nodiscard]] bool portIsFree(int port);
 
-/// A port for a new lab: `wanted`, or a free one when that is 0.
-/// @throws UserError when `wanted` is taken, with the way out.
+/// A port for a new lab: `wanted`, or a free one when that is 0. A wanted port may have listeners (a
+/// logger started by hand, say); refuseForeignTraffic() finds speakers.
+/// @throws UserError when none is free.
 [[nodiscard]] int choosePort(int wanted);
 
 /// Listens for a moment and refuses a bus on which somebody already speaks.

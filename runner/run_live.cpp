@@ -20,7 +20,7 @@ namespace {
 constexpr std::int64_t kLookAfter_us = 100'000;
 constexpr std::int64_t kShowEvery_us = 500'000;
 constexpr std::int64_t kDiskEvery_us = 1'000'000;
-constexpr int kReadyPatience_ms = 10'000;
+constexpr std::int64_t kReadyPatience_us = 10'000'000;
 constexpr int kTick_ms = 20;
 constexpr int kRobotsStandPatience_ms = 500;
 constexpr int kBusSettles_ms = 500;
@@ -77,17 +77,20 @@ class LiveRun {
     return "; see " + supervisor_.logFolder().string() + ". Nothing is left running.";
   }
 
+  /// Calls `meanwhile` at kTick_ms until `done`; ends everything and throws when it takes too long.
   void waitUntil(const std::function<bool()>& done, const std::function<void()>& meanwhile,
                  const std::function<std::string()>& complaint) {
-    for (int waited = 0; !done(); waited += kTick_ms) {
-      if (waited >= kReadyPatience_ms) {
+    const std::int64_t deadline = loop_.now() + kReadyPatience_us;
+    while (!done()) {
+      if (loop_.now() > deadline) {
         const std::string text = complaint();
         supervisor_.endServices();
         supervisor_.endLogger();
         throw UserError(text);
       }
       meanwhile();
-      bus_.drainFor(kTick_ms);
+      bus_.drain();
+      std::this_thread::sleep_for(std::chrono::milliseconds(kTick_ms));
     }
   }
 

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -55,6 +56,15 @@ TEST(Trajectories, WritesPlacesInCentimetresToTheMicrometre) {
   EXPECT_EQ(trajectoriesCsv(record),
             "frame,particle,x,y,t,theta,program,segment\n"
             "7,3,50.0000,-0.0004,-0.250000,-3.000000,standing,-1\n");
+}
+
+TEST(Trajectories, WritesNanForWhatIsNoNumber) {
+  RunRecord record;
+  record.tracks.frames.push_back({0, 1, 0});
+  record.tracks.rows.push_back({1, std::numeric_limits<float>::quiet_NaN(),
+                                std::numeric_limits<float>::infinity(), 1e30F, -1, -1});
+
+  EXPECT_THAT(trajectoriesCsv(record), HasSubstr("\n1,1,nan,nan,0.000000,nan,standing,-1\n"));
 }
 
 TEST(Trajectories, QuotesProgramNamesThatNeedIt) {

@@ -34,6 +34,8 @@ void SyntheticRobot::setProgram(const ProgramSpec& program, std::int64_t utime) 
   state_.program_start_utime = utime;
   tumbling_ = program.model == Model::kRtp;  // draw() toggles: a program begins with a run
   draw();
+  // The first hold is cut short, so that camera and robot are out of step.
+  if (program.model != Model::kRtp) hold_left_ *= random_.uniform();
 }
 
 void SyntheticRobot::draw() {

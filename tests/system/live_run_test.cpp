@@ -19,7 +19,7 @@ class LiveRun : public testing::Test {
   }
 
   [[nodiscard]] std::string labRun(double duration_s, const std::string& more = "") const {
-    return "lab run " + experiment("light_switching").string() + " --out " + runs().string() +
+    return "exec lab run " + experiment("light_switching").string() + " --out " + runs().string() +
            " --set duration_s=" + std::to_string(duration_s) +
            " --set light.steps[0].hold_s=1.5 --set light.steps[1].hold_s=1.5"
            " --set light.steps[2].hold_s=1.5 " +
@@ -108,11 +108,21 @@ TEST_F(LiveRun, ARunEndedByTheUserKeepsItsData) {
   EXPECT_THAT(processesWith(runs().string()), testing::IsEmpty());
 }
 
+TEST_F(LiveRun, ADiskThatFillsStopsTheRobotsAndClosesTheRun) {
+  fs::create_directories(runs());
+  const std::string disk = runs().string();
+  const Finished lab = run("exec unshare -Urm bash -c 'mount -t tmpfs -o size=200m none " + disk +
+                           " && { sleep 4; head -c 160M /dev/zero >" + disk + "/ballast; } & " +
+                           "sleep 1; " + labRun(30) + "'");
+  EXPECT_EQ(lab.exit_code, 3) << lab.output;
+  EXPECT_THAT(lab.output, HasSubstr("the disk is full"));
+}
+
 TEST_F(LiveRun, KillingTheRunnerLeavesNoOrphans) {
   Background lab(labRun(60));
   ASSERT_TRUE(waitUntilRunning(lab)) << lab.output();
   ASSERT_GE(processesWith(runs().string()).size(), 4U);
-  for (const pid_t pid : processesWith("lab run")) kill(pid, SIGKILL);
+  lab.signal(SIGKILL);
   EXPECT_TRUE(waitFor([&] { return processesWith(runs().string()).empty(); }, seconds(10)));
 }
 
@@ -136,8 +146,8 @@ TEST_P(KilledService, IsRestartedAndTheRunIsMarked) {
 
 INSTANTIATE_TEST_SUITE_P(Each, KilledService,
                          testing::Values("sim_svc", "projector_ctl", "analyzer", "lcm-logger"),
-                         [](const auto& info) {
-                           std::string name = info.param;
+                         [](const auto& parameter) {
+                           std::string name = parameter.param;
                            std::erase_if(name, [](char c) { return c == '_' || c == '-'; });
                            return name;
                          });
@@ -181,7 +191,9 @@ TEST_F(Refusal, WithForeignTrafficOnThePort) {
 }
 
 TEST_F(Refusal, WithTooLittleDisk) {
-  expectRefused(run(labRun(860000)), "too little disk");
+  expectRefused(run("lab run " + experiment("swarm").string() + " --out " + runs().string() +
+                    " --set robots[0].count=100 --set duration_s=860000"),
+                "too little disk");
 }
 
 }  // namespace

@@ -132,13 +132,26 @@ TEST_F(VirtualRun, FiveLostInAHundredAreCountedToTheMessage) {
   EXPECT_EQ(compared, 1);
 }
 
+TEST_F(VirtualRun, LostMessagesBiasNoEstimate) {
+  const fs::path directory = labRun("abp", "--set faults.message_loss=0.05");
+  const auto summary = readJson(directory / "summary.json");
+  const auto& pool = summary.at("programs").at(0).at("pool");
+  EXPECT_EQ(pool.at("verdict"), "agrees") << pool.at("max_z");
+  EXPECT_GT(pool.at("judged_lags"), 50);
+  for (const auto& [name, estimate] : pool.at("estimates").items()) {
+    if (estimate.at("theory").is_null() || estimate.at("value").is_null()) continue;
+    const double deviation = estimate.at("value").get<double>() - estimate.at("theory").get<double>();
+    EXPECT_LT(std::abs(deviation), 4 * estimate.at("standard_error").get<double>()) << name;
+  }
+}
+
 TEST_F(VirtualRun, SaysWhatIsWrongWithAnExperimentAndStartsNothing) {
   const TemporaryFolder folder;
   const fs::path out = folder.path() / "runs";
   const Finished lab = run("lab run " + experiment("abp").string() + " --virtual-time --out " +
                            out.string() + " --set programs.abp.eta_rad_s=9");
   EXPECT_EQ(lab.exit_code, 2);
-  EXPECT_THAT(lab.output, HasSubstr("--set programs.abp.eta_rad_s=9"));
+  EXPECT_THAT(lab.output, HasSubstr("needs a wheel speed of 36.75 cm/s"));
   EXPECT_FALSE(fs::exists(out));
 }
 
