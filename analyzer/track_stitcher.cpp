@@ -30,6 +30,24 @@ double endOf(const RobotTelemetry& t) {
   return t.reversing ? std::numeric_limits<double>::infinity() : t.reversal_end;
 }
 
+/// The run time at a frame between two messages. A message's age would be one of 20 ms at the end
+/// of every stay in the program and not at its beginning, 0.1 % of the speed of a film of 30 s.
+double runTimeAt(double time, const RobotTelemetry& before, const RobotTelemetry& next) {
+  // Where a program begins in between, run time grows on one side of the beginning only.
+  double begin = before.time;
+  double end = next.time;
+  if (next.program_epoch != before.program_epoch && next.program_start > before.time) {
+    (time < next.program_start ? end : begin) = next.program_start;
+  }
+  const double grown = next.run_time - before.run_time;
+  if (!(grown >= 0) || !(end > begin)) {
+    return next.run_time;  // the robot has booted
+  }
+  // Not more than has grown; that it may seem to outrun the frames by the robot's last millisecond
+  // averages out, and cutting it off would not.
+  return before.run_time + grown * std::clamp((time - begin) / (end - begin), 0.0, 1.0);
+}
+
 }  // namespace
 
 void TrackStitcher::addFrame(const TrackPoint& point, std::vector<Sample>& out) {
@@ -163,8 +181,11 @@ TrackStitcher::Fate TrackStitcher::judge(const TrackPoint& point, Context& conte
   }
   context.program = state->program;
   context.epoch = state->program_epoch;
-  context.counts = before != nullptr && before->program_epoch == context.epoch ? before : state;
-  if (state->program < 0 || state->stopped || context.counts->stopped) {
+  const bool since_before = before != nullptr && before->program_epoch == context.epoch;
+  const RobotTelemetry* last = since_before && next->time > point.time ? before : state;
+  context.tumble_count = last->tumble_count;
+  context.run_time = before != nullptr ? runTimeAt(point.time, *before, *next) : next->run_time;
+  if (state->program < 0 || state->stopped || (since_before && before->stopped)) {
     return Fate::kStanding;
   }
   if (nearContact(point.time, next)) {
@@ -339,10 +360,10 @@ void TrackStitcher::append(const TrackPoint& point, const Context& context, doub
   sample_.x = point.x + offset_x_;
   sample_.y = point.y + offset_y_;
   sample_.program = context.program;
-  sample_.tumble_count = context.counts->tumble_count;
-  sample_.run_time = context.counts->run_time;
+  sample_.tumble_count = context.tumble_count;
+  sample_.run_time = context.run_time;
   last_ = point;
-  last_context_ = {context.program, context.epoch, context.reversals, nullptr, nullptr};
+  last_context_ = {context.program, context.epoch, context.reversals, nullptr, 0, 0};
   ++counters_.samples;
   ++tallyOf(context.program).samples;
   out.push_back(sample_);

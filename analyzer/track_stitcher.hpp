@@ -125,9 +125,10 @@ class TrackStitcher {
   struct Context {
     int program = -1;
     std::int64_t epoch = 0;
-    std::int64_t reversals = 0;              ///< Finished before the frame.
-    const RobotTelemetry* after = nullptr;   ///< Says when the last of them was.
-    const RobotTelemetry* counts = nullptr;  ///< Tumbles and run time.
+    std::int64_t reversals = 0;             ///< Finished before the frame.
+    const RobotTelemetry* after = nullptr;  ///< Says when the last of them was.
+    std::int64_t tumble_count = 0;          ///< Begun before the frame.
+    double run_time = 0;                    ///< At the frame, s.
   };
   enum class Fate { kFree, kUncovered, kStanding, kReversal, kContact, kLostReversal };
   enum class Link { kFirst, kSamePiece, kJoin, kCut, kLostReversal };

@@ -196,7 +196,8 @@ robot_state_t SimService::stateOf(std::size_t i) {
     message.reversal_end_utime = reversing ? 0 : utimeOf(state.reversal_end);
   }
   message.tumble_count = static_cast<std::int32_t>(state.core.tumble_count);
-  message.run_time = state.run_time;
+  // As the bridge of a real robot would: in the host's seconds, not in those of the robot's clock.
+  message.run_time = state.run_time / world_.clock(i).rate();
   message.battery = static_cast<float>(state.battery);
   message.link_sent = link.messages_to;
   message.link_received = ++link.messages_from;

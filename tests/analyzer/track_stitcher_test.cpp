@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -344,6 +345,28 @@ TEST_F(TrackStitcherTest, CutsWhenTheRobotRebooted) {
   drive(1, 2, 0.03);
   dut.flush(out);
   EXPECT_EQ(segments(), 2U);
+}
+
+TEST_F(TrackStitcherTest, KnowsTheRunTimeAtAFrameBetweenTwoMessages) {
+  // Straight runs from 1.01 s to 2.03 s, in a program of its own; telemetry every 40 ms.
+  for (int i = 0; i < 150; ++i) {
+    const double t = 0.02 * i;
+    if (i % 2 == 0) {
+      const int epoch = t < 1.01 ? 1 : t < 2.03 ? 2 : 3;
+      state.program = epoch;
+      state.program_epoch = epoch;
+      state.program_start = epoch == 1 ? 0 : epoch == 2 ? 1.01 : 2.03;
+      state.run_time = std::clamp(t - 1.01, 0.0, 2.03 - 1.01);
+      telemetry(t);
+    }
+    frame(t, kSpeed * t);
+  }
+  dut.flush(out);
+  EXPECT_EQ(segments(), 3U);
+  for (const Sample& sample : out) {
+    EXPECT_NEAR(sample.run_time, std::clamp(sample.time - 1.01, 0.0, 2.03 - 1.01), 1e-9)
+        << sample.time;
+  }
 }
 
 }  // namespace

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cstdlib>
 #include <fstream>
-#include <regex>
 
 #include "common/channels.hpp"
 #include "report/report_error.hpp"
@@ -26,6 +25,15 @@ std::string problemOf(const fs::path& path) {
     return error.what();
   }
   return "none";
+}
+
+/// Whether something like 2026-01-31 stands in the text.
+bool holdsDate(const std::string& text) {
+  const std::string pattern = "dddd-dd-dd";
+  const auto fits = [](char letter, char wanted) {
+    return wanted == 'd' ? letter >= '0' && letter <= '9' : letter == wanted;
+  };
+  return std::search(text.begin(), text.end(), pattern.begin(), pattern.end(), fits) != text.end();
 }
 
 std::vector<std::string> namesIn(const fs::path& folder) {
@@ -78,8 +86,7 @@ TEST(AnalyzeRun, TellsNeitherWhereNorWhenItWasMade) {
   for (const fs::path& file : analyzeRun(run.path()).files) {
     const std::string text = readFile(file);
     EXPECT_EQ(text.find(run.path().filename().string()), std::string::npos) << file;
-    EXPECT_FALSE(std::regex_search(text, std::regex("20[0-9][0-9]-[01][0-9]-[0-3][0-9]")))
-        << file << " holds a date";
+    EXPECT_FALSE(holdsDate(text)) << file;
   }
 }
 

@@ -50,8 +50,8 @@ inline ReferenceSet readReferenceSet(const std::string& name) {
   set.law.eta = numberIn(header, "eta");
   set.law.gamma = numberIn(header, "gam");
   set.law.tau_t = numberIn(header, "tt");
-  set.law.kind = kind("ABP")    ? analysis::ProgramKind::kAbp
-                 : kind("RTP")  ? analysis::ProgramKind::kRtp
+  set.law.kind = kind("ABP")       ? analysis::ProgramKind::kAbp
+                 : kind("RTP")     ? analysis::ProgramKind::kRtp
                  : set.law.va == 0 ? analysis::ProgramKind::kBp
                                    : analysis::ProgramKind::kNoisyAbp;
   for (const std::vector<std::string>& row : analysis::readTable(name + ".csv")) {

@@ -13,10 +13,10 @@ namespace lab::system_test {
 
 struct FilmSettings {
   double fps = 50;
-  double status_rate = 50;        ///< Of the telemetry, 1/s.
-  double position_noise = 0;      ///< Of the tracker, per axis, m.
-  double heading_noise = 0;       ///< rad.
-  std::int64_t start_us = 0;      ///< World time of the first frame and the first telemetry.
+  double status_rate = 50;    ///< Of the telemetry, 1/s.
+  double position_noise = 0;  ///< Of the tracker, per axis, m.
+  double heading_noise = 0;   ///< rad.
+  std::int64_t start_us = 0;  ///< World time of the first frame and the first telemetry.
   std::uint64_t noise_seed = 0;
 };
 
@@ -99,7 +99,7 @@ class SimulatedFilm {
     contacts_ = contacts;
     message.stopped = has(dynamics::kStopped) || has(dynamics::kLeaseExpired);
     message.tumble_count = state.core.tumble_count;
-    message.run_time = state.run_time;
+    message.run_time = state.run_time / world_.clock(0).rate();
     return message;
   }
 
