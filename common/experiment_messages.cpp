@@ -2,6 +2,9 @@
 
 #include <tuple>
 
+#include "common/experiment_cores.hpp"
+#include "common/light_messages.hpp"
+
 namespace lab {
 namespace {
 
@@ -63,17 +66,7 @@ robot_command_t standCommand(const Experiment& experiment) {
 }
 
 light_layer_t toMessage(const LayerSpec& layer) {
-  light_layer_t message{};
-  message.kind = layer.kind;
-  message.blend = layer.blend;
-  message.x = layer.x;
-  message.y = layer.y;
-  message.angle = layer.angle;
-  message.size = layer.size;
-  message.inner = layer.inner;
-  message.softness = layer.softness;
-  message.intensity = layer.intensity;
-  message.intensity2 = layer.intensity2;
+  light_layer_t message = toMessage(toLightLayer(layer));
   message.image = layer.image;
   return message;
 }

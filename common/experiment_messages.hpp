@@ -21,6 +21,8 @@ namespace lab {
 /// One command that makes every robot of the experiment stand (header left empty).
 [[nodiscard]] robot_command_t standCommand(const Experiment& experiment);
 
+/// The image of a layer is its path as written in the file; on the bus it travels as its SHA-256
+/// (ExperimentImages::digests).
 [[nodiscard]] light_layer_t toMessage(const LayerSpec& layer);
 [[nodiscard]] std::vector<light_layer_t> toMessages(const std::vector<LayerSpec>& layers);
 
