@@ -64,13 +64,15 @@ std::string nameOf(const RunRecord& record, const program_t& program) {
   return modelName(program.kind);
 }
 
-/// "D_r = 0.748 ± 0.012 rad²/s, programmed 0.75"
+/// "D_r = 0.748 rad²/s (95 %: 0.736 to 0.760; programmed 0.75)"
 std::string estimateText(const Estimate& estimate) {
   const PeopleUnit unit = peopleUnit(estimate.unit);
   const double error = (estimate.high95 - estimate.low95) / 2 * unit.factor;
-  return fmt::format("{} = {} ± {} {} (programmed {})", estimate.name,
-                     numberText(estimate.value * unit.factor, error), numberText(error, error),
-                     unit.text, shortText(estimate.theory * unit.factor));
+  return fmt::format("{} = {} {} (95 %: {} to {}; programmed {})", estimate.name,
+                     numberText(estimate.value * unit.factor, error), unit.text,
+                     numberText(estimate.low95 * unit.factor, error),
+                     numberText(estimate.high95 * unit.factor, error),
+                     shortText(estimate.theory * unit.factor));
 }
 
 /// The curves are compared at the measured speed: a reader must know where that differs.
@@ -123,9 +125,9 @@ std::string verdictReason(const ProgramResult& result) {
   const analysis::Verdict& verdict = result.verdict;
   if (verdict.kind == VerdictKind::kUndecided) {
     return fmt::format(
-        "{} of free motion, {} that can be judged: not enough to tell. A verdict needs five lags "
-        "with at least a hundred draws behind them.",
-        durationText(result.observed), countText(verdict.judged, "lag"));
+        "Not enough to tell: {} can be judged. A verdict needs five, with at least a hundred draws "
+        "behind each.",
+        countText(verdict.judged, "lag"));
   }
   return fmt::format(
       "Over {} the largest deviation from the exact law is {:.1f} standard errors ({} at {} s); "

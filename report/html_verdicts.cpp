@@ -70,10 +70,12 @@ std::string robotTable(const Finding& finding) {
     for (const Estimate& estimate : result.estimates) {
       const double factor = peopleUnit(estimate.unit).factor;
       const double half = (estimate.high95 - estimate.low95) / 2 * factor;
+      const std::string value = numberText(estimate.value * factor, half);
       cells.push_back(std::isfinite(half)
-                          ? fmt::format("{} ± {}", numberText(estimate.value * factor, half),
-                                        numberText(half, half))
-                          : shortText(estimate.value * factor));
+                          ? fmt::format("{} <span class=\"soft\">({} to {})</span>", value,
+                                        numberText(estimate.low95 * factor, half),
+                                        numberText(estimate.high95 * factor, half))
+                          : value);
     }
     cells.resize(columns.size());
     table.row(cells);
