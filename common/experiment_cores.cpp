@@ -36,4 +36,9 @@ light::Layer toLightLayer(const LayerSpec& layer) {
   return result;
 }
 
+bool contains(const LightBand& band, double light, double widened) {
+  const bool full = light >= 1 && band.high >= 1;
+  return light >= band.low - widened && (light < band.high + widened || full);
+}
+
 }  // namespace lab

@@ -11,6 +11,10 @@ namespace lab {
 
 [[nodiscard]] dynamics::WheelLimits wheelLimits(const RobotHardware& hardware);
 
+/// Whether the light lies in the band: half open, except that full light belongs to a band up to 1.
+/// @param widened by this much on both sides, as a running program's band is by the hysteresis
+[[nodiscard]] bool contains(const LightBand& band, double light, double widened = 0);
+
 /// An image layer comes without its pixels and its SHA-256: who knows where the file lies adds them
 /// (light/image.hpp).
 [[nodiscard]] light::Layer toLightLayer(const LayerSpec& layer);

@@ -158,8 +158,7 @@ std::string describeTable(const LightTable& table) {
 /// The program for this light, seen for the first time.
 std::string programIn(const LightTable& table, double light) {
   for (const LightBand& band : table.bands) {
-    const bool full = light >= 1 && band.high >= 1;
-    if (light >= band.low && (light < band.high || full)) return band.program;
+    if (contains(band, light)) return band.program;
   }
   return "no band (robots stand)";
 }

@@ -96,7 +96,7 @@ void LogWriter::flush() {
 }
 
 void LogWriter::fail() const {
-  throw std::runtime_error("cannot write on to " + path_.string() +
+  throw std::runtime_error("cannot go on writing " + path_.string() +
                            ": the disk is full or gone; free some space");
 }
 

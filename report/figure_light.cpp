@@ -8,7 +8,9 @@
 namespace lab::report {
 namespace {
 
-constexpr std::size_t kMostStrips = 24;     // robots with a strip of their own
+constexpr std::size_t kMostStrips = 100;    // robots with a strip of their own
+constexpr std::size_t kMostSpans = 3000;    // in all strips together
+constexpr std::size_t kMostTics = 24;       // robots that are named
 constexpr std::size_t kMostChanges = 1500;  // of the light that are drawn
 
 /// Darkest and brightest place over time, as steps.
@@ -110,12 +112,19 @@ std::string counts(const RunRecord& record, const style::TimeAxis& axis, std::st
 }
 
 std::string robotTics(const RunRecord& record) {
+  const std::size_t every = (record.robots.size() + kMostTics - 1) / kMostTics;
   std::string tics;
-  int row = 0;
+  std::size_t row = 0;
   for (const auto& [id, robot] : record.robots) {
-    tics += fmt::format("{}'{}' {}", tics.empty() ? "" : ", ", id, ++row);
+    if (row++ % every == 0) tics += fmt::format("{}'{}' {}", tics.empty() ? "" : ", ", id, row);
   }
   return tics;
+}
+
+bool fitsStrips(const RunRecord& record) {
+  std::size_t spans = 0;
+  for (const auto& [id, robot] : record.robots) spans += robot.programs.size();
+  return record.robots.size() <= kMostStrips && spans <= kMostSpans;
 }
 
 }  // namespace
@@ -130,7 +139,7 @@ FigureScript lightAndPrograms(const RunRecord& record) {
   }
   const double duration = std::max(record.duration(), 1e-3);
   const style::TimeAxis axis = style::timeAxis(duration);
-  const bool as_strips = record.robots.size() <= kMostStrips;
+  const bool as_strips = fitsStrips(record);
   script.script = lightData(record, axis).text();
   const std::string programs =
       as_strips ? strips(record, axis, script.script) : counts(record, axis, script.script);
@@ -165,13 +174,14 @@ FigureScript lightAndPrograms(const RunRecord& record) {
                     static_cast<double>(record.robots.size()) + 0.6, robotTics(record), programs);
   } else {
     script.script += fmt::format(
-        "set ylabel 'robots' offset 0.5\nset yrange [0:*]\nset ytics auto\nplot {}\n", programs);
+        "set ylabel 'robots' offset 0.5\nset yrange [0:{:.4g}]\nset ytics auto\nplot {}\n",
+        1.06 * static_cast<double>(record.robots.size()), programs);
   }
   script.script += "unset multiplot\n";
   script.figure.caption =
       "Above: the light shown (0 dark, 1 projector white), from its darkest to its brightest place "
       "where it differs; dotted, "
-      "the edges of the robots’ light bands. Below: the program that each robot reported.";
+      "the edges of the robots’ light bands. Below: the programs that the robots reported.";
   return script;
 }
 

@@ -234,6 +234,18 @@ std::string parametersText(const program_t& program) {
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 
+std::string lossText(const RunRecord& record) {
+  const LossTotal total = totalOf(record.log.streams);
+  if (total.lost == 0 && !total.at_least) return {};
+  if (total.lost == 0) {
+    return "no message is known to be lost, but a service ended without its last count";
+  }
+  const std::int64_t sent = total.lost + total.received;
+  return fmt::format("{}{} of {} ({:.2g} %) missing in the log", total.at_least ? "at least " : "",
+                     groupedText(total.lost), countText(sent, "message"),
+                     kPercent * static_cast<double>(total.lost) / static_cast<double>(sent));
+}
+
 std::vector<std::string> headlines(const RunRecord& record) {
   std::vector<std::string> lines;
   for (const Finding& finding : findingsOf(record)) {
@@ -251,16 +263,8 @@ std::vector<std::string> headlines(const RunRecord& record) {
   }
   if (lines.empty())
     lines.emplace_back("no robot ran a program that has a law: nothing to compare");
-  std::int64_t lost = 0;
-  bool at_least = false;
-  for (const StreamLoss& stream : record.log.streams) {
-    lost += stream.lost;
-    at_least = at_least || stream.at_least;
-  }
-  lines.push_back(lost == 0 && !at_least
-                      ? "no message was lost on the way to the log"
-                      : fmt::format("messages missing in the log: {}{}",
-                                    at_least ? "at least " : "", groupedText(lost)));
+  const std::string lost = lossText(record);
+  lines.push_back(lost.empty() ? "no message was lost on the way to the log" : lost);
   for (const Remark& fault : record.faults) {
     lines.push_back(fmt::format("fault at {:.1f} s: {}", record.seconds(fault.utime), fault.text));
   }

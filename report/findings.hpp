@@ -36,6 +36,10 @@ struct Finding {
 /// "v = 3 cm/s, ε = 0.5 s, η = 3 rad/s"
 [[nodiscard]] std::string parametersText(const program_t& program);
 
+/// "244 of 12 609 messages (1.9 %) are missing in the log", "at least" where a sender was killed;
+/// an empty text when all are there.
+[[nodiscard]] std::string lossText(const RunRecord& record);
+
 /// One line per program for the terminal, then losses and faults.
 [[nodiscard]] std::vector<std::string> headlines(const RunRecord& record);
 

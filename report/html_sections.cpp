@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 
 #include "common/version.hpp"
@@ -33,6 +34,11 @@ std::string remarkList(const RunRecord& record, const std::vector<Remark>& remar
                         durationText(record.seconds(remark.utime)), escapeHtml(remark.text));
   }
   return html;
+}
+
+std::string sentence(std::string text) {
+  text.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(text.front())));
+  return text;
 }
 
 void latencyRow(Table& table, const char* name, const Percentiles& percentiles) {
@@ -73,6 +79,9 @@ std::string warnings(const RunRecord& record) {
   if (record.log.damaged_places > 0) {
     html += fmt::format("<p><b>The log is damaged</b> in {}; what could be read is reported.</p>\n",
                         countText(record.log.damaged_places, "place"));
+  }
+  if (totalOf(record.log.streams).lost > 0) {
+    html += fmt::format("<p><b>Lost:</b> {}.</p>\n", lossText(record));
   }
   if (!record.experiment_problem.empty()) {
     html += fmt::format("<p><b>Experiment:</b> {}.</p>\n", escapeHtml(record.experiment_problem));
@@ -155,17 +164,9 @@ std::string robots(const RunRecord& record) {
 
 std::string losses(const RunRecord& record) {
   std::string html = "<h2>What was lost</h2>\n";
-  std::int64_t lost = 0;
-  bool certain = true;
-  for (const StreamLoss& stream : record.log.streams) {
-    lost += stream.lost;
-    certain = certain && !stream.at_least;
-  }
-  html += fmt::format("<p>{} {}</p>\n",
-                      lost == 0 && certain
-                          ? "Every message that was sent is in the log."
-                          : fmt::format("{}{} sent and not in the log.", certain ? "" : "At least ",
-                                        countText(lost, "message")),
+  const std::string lost = lossText(record);
+  html += fmt::format("<p>{}. {}</p>\n",
+                      lost.empty() ? "Every message that was sent is in the log" : sentence(lost),
                       record.missing_frames == 0
                           ? "The camera’s frame numbers have no gap."
                           : fmt::format("The camera’s frame numbers have gaps: {} missing of {}.",

@@ -1,6 +1,6 @@
 #include <fmt/format.h>
 
-#include <array>
+#include <cctype>
 #include <cmath>
 
 #include "report/html_sections.hpp"

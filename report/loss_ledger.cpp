@@ -8,6 +8,16 @@
 
 namespace lab::report {
 
+LossTotal totalOf(const std::vector<StreamLoss>& streams) {
+  LossTotal total;
+  for (const StreamLoss& stream : streams) {
+    total.received += stream.received;
+    total.lost += stream.lost;
+    total.at_least = total.at_least || stream.at_least;
+  }
+  return total;
+}
+
 LossLedger::Sender& LossLedger::sender(std::string_view name, std::int64_t instance) {
   const auto found = std::find_if(senders_.begin(), senders_.end(), [&](const Sender& one) {
     return one.instance == instance && one.name == name;

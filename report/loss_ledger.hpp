@@ -22,6 +22,14 @@ struct StreamLoss {
   double largest_age = 0;     ///< [s] from the message's utime to its arrival at the logger
 };
 
+/// Over all streams.
+struct LossTotal {
+  std::int64_t received = 0;
+  std::int64_t lost = 0;
+  bool at_least = false;
+};
+[[nodiscard]] LossTotal totalOf(const std::vector<StreamLoss>& streams);
+
 /// Compares what senders say they sent with what is in the log.
 ///
 /// A sender that started after the log began must have all of its messages in it. One that was

@@ -20,6 +20,7 @@ namespace {
   setpgid(0, 0);
   prctl(PR_SET_PDEATHSIG, SIGTERM);
   if (getppid() != parent) _exit(1);  // the runner died before the line above
+  signal(SIGPIPE, SIG_DFL);           // the runner ignores it
   sigset_t none;
   sigemptyset(&none);
   sigprocmask(SIG_SETMASK, &none, nullptr);

@@ -1,5 +1,7 @@
 #include "runner/command_line.hpp"
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <functional>
 #include <iostream>
@@ -15,6 +17,17 @@ namespace {
 namespace fs = std::filesystem;
 using Chosen = std::function<int()>;
 
+/// A number that is one: CLI11's own ranges let nan pass.
+CLI::Validator between(double low, double high) {
+  return {[low, high](const std::string& text) -> std::string {
+            double value = 0;
+            const bool number = CLI::detail::lexical_cast(text, value);
+            if (number && value >= low && value <= high) return {};
+            return fmt::format("found {}, allowed {:g} to {:g}", text, low, high);
+          },
+          "NUMBER"};
+}
+
 /// Each adds one subcommand. CLI11 fills the options in while parsing; `chosen` is called after it.
 void addRun(CLI::App& app, Chosen& chosen, const fs::path& programs) {
   auto options = std::make_shared<RunOptions>();
@@ -25,7 +38,8 @@ void addRun(CLI::App& app, Chosen& chosen, const fs::path& programs) {
                     "One process, as fast as the machine allows, the same to the bit");
   command->add_option("--seed", options->seed, "Instead of the file's seed");
   command->add_option("--out", options->out, "Where run folders are made")->capture_default_str();
-  command->add_option("--set", options->set, "key=value: instead of the file's (repeatable)");
+  command->add_option("--set", options->set, "key=value: instead of the file's (repeatable)")
+      ->allow_extra_args(false);
   command->add_flag("!--no-report", options->report, "Keep the log, analyse later");
   command->callback([&chosen, options] { chosen = [options] { return run(*options); }; });
 }
@@ -35,7 +49,8 @@ void addCheck(CLI::App& app, Chosen& chosen) {
   auto set = std::make_shared<std::vector<std::string>>();
   CLI::App* command = app.add_subcommand("check", "Validate an experiment; say what would start");
   command->add_option("FILE", *file, "Experiment file (TOML)")->required();
-  command->add_option("--set", *set, "key=value: instead of the file's (repeatable)");
+  command->add_option("--set", *set, "key=value: instead of the file's (repeatable)")
+      ->allow_extra_args(false);
   command->callback([&chosen, file, set] { chosen = [=] { return check(*file, *set); }; });
 }
 
@@ -54,13 +69,14 @@ void addReplay(CLI::App& app, Chosen& chosen) {
   CLI::App* command =
       app.add_subcommand("replay", "Play a log onto a bus of its own; space pauses");
   command->add_option("LOG", options->log, "Log, or folder of a run")->required();
-  command->add_option("--from", options->from, "s since the log began")->check(CLI::NonNegativeNumber);
-  command->add_option("--to", options->to, "s since the log began")->check(CLI::PositiveNumber);
+  command->add_option("--from", options->from, "s since the log began")->check(between(0, 1e9));
+  command->add_option("--to", options->to, "s since the log began")->check(between(1e-3, 1e9));
   command->add_option("--speed", options->speed, "Log seconds a second")
-      ->check(CLI::Range(1e-3, 1e4))
+      ->check(between(1e-3, 1e4))
       ->capture_default_str();
   command->add_flag("--loop", options->loop, "Begin again at the end");
-  command->add_option("--channel", options->channels, "Only these (repeatable)");
+  command->add_option("--channel", options->channels, "Only these (repeatable)")
+      ->allow_extra_args(false);
   command->add_option("--port", options->port, "UDP port of the bus (default: a free one)")
       ->check(CLI::Range(1024, 65535));
   command->callback([&chosen, options] { chosen = [options] { return replay(*options); }; });
@@ -69,13 +85,15 @@ void addReplay(CLI::App& app, Chosen& chosen) {
 void addLight(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<LightOptions>();
   CLI::App* command = app.add_subcommand("light", "Set the light of a running lab by hand");
-  command->add_option("LAYER", options->layers,
-                      "An intensity 0..1, or layers as in experiment files: "
-                      "'{kind = \"disk\", x_cm = 60, y_cm = 45, radius_cm = 20, intensity = 1}'");
-  command->add_flag("--release", options->release, "Give the light back to the script");
-  command->add_option("--ramp", options->ramp, "s of cross-fade")->check(CLI::Range(0.0, 3600.0));
+  CLI::Option* layers = command->add_option(
+      "LAYER", options->layers,
+      "An intensity 0..1, or layers as in experiment files: "
+      "'{kind = \"disk\", x_cm = 60, y_cm = 45, radius_cm = 20, intensity = 1}'");
+  command->add_flag("--release", options->release, "Give the light back to the script")
+      ->excludes(layers);
+  command->add_option("--ramp", options->ramp, "s of cross-fade")->check(between(0, 3600));
   command->add_option("--for", options->hold, "s, then the script's light returns")
-      ->check(CLI::PositiveNumber);
+      ->check(between(1e-3, 1e9));
   command->add_option("--lab", options->lab, "Which lab, when several run");
   command->callback([&chosen, options] { chosen = [options] { return light(*options); }; });
 }
@@ -94,7 +112,7 @@ void addSpy(CLI::App& app, Chosen& chosen) {
   command->add_option("--lab", options->lab, "Which lab, when several run");
   command->add_option("--lcm-url", options->url, "Any bus, instead of a lab's");
   command->add_option("--seconds", options->seconds, "End after this long")
-      ->check(CLI::PositiveNumber);
+      ->check(between(1e-3, 1e9));
   command->callback([&chosen, options] { chosen = [options] { return spy(*options); }; });
 }
 

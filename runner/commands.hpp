@@ -14,9 +14,9 @@ namespace lab::runner {
 
 struct RunOptions {
   std::filesystem::path file;
-  std::filesystem::path out = "runs";     ///< where run folders are made
-  std::filesystem::path programs;         ///< folder of the services' programs
-  std::vector<std::string> set;           ///< key=value
+  std::filesystem::path out = "runs";  ///< where run folders are made
+  std::filesystem::path programs;      ///< folder of the services' programs
+  std::vector<std::string> set;        ///< key=value
   std::optional<std::uint64_t> seed;
   bool virtual_time = false;
   bool report = true;
@@ -29,22 +29,22 @@ ExitCode analyze(const std::filesystem::path& run_or_log,
                  const std::optional<std::filesystem::path>& out);
 
 struct ReplayOptions {
-  std::filesystem::path log;               ///< or the folder of a run
-  double from = 0;                         ///< [s] since the log's first event
-  std::optional<double> to;                ///< [s]
-  double speed = 1;                        ///< log seconds a second
+  std::filesystem::path log;  ///< or the folder of a run
+  double from = 0;            ///< [s] since the log's first event
+  std::optional<double> to;   ///< [s]
+  double speed = 1;           ///< log seconds a second
   bool loop = false;
-  std::vector<std::string> channels;       ///< empty: all
-  int port = 0;                            ///< 0: a free one
+  std::vector<std::string> channels;  ///< empty: all
+  int port = 0;                       ///< 0: a free one
 };
 ExitCode replay(const ReplayOptions& options);
 
 struct LightOptions {
-  std::string lab;                 ///< empty: the only one
-  std::vector<std::string> layers; ///< as in experiment files, or one number: uniform
+  std::string lab;                  ///< empty: the only one
+  std::vector<std::string> layers;  ///< as in experiment files, or one number: uniform
   bool release = false;
-  double ramp = 0;                 ///< [s]
-  std::optional<double> hold;      ///< [s], until released when not given
+  double ramp = 0;             ///< [s]
+  std::optional<double> hold;  ///< [s], until released when not given
 };
 ExitCode light(const LightOptions& options);
 
@@ -56,8 +56,8 @@ ExitCode stop(const StopOptions& options);
 
 struct SpyOptions {
   std::string lab;
-  std::string url;               ///< instead of a registered lab
-  std::optional<double> seconds; ///< then end; until Ctrl-C when not given
+  std::string url;                ///< instead of a registered lab
+  std::optional<double> seconds;  ///< then end; until Ctrl-C when not given
 };
 ExitCode spy(const SpyOptions& options);
 

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "common/channels.hpp"
+#include "common/experiment_cores.hpp"
 #include "common/experiment_messages.hpp"
 #include "common/fingerprints.hpp"
 #include "common/light_messages.hpp"
@@ -15,20 +16,24 @@
 namespace lab::runner {
 namespace {
 
-constexpr std::int64_t kRobotPeriod_us = 200'000;        // 5 Hz
-constexpr std::int64_t kLightPeriod_us = 500'000;        // 2 Hz
-constexpr std::int64_t kStopPeriod_us = 100'000;         // 10 Hz
-constexpr std::int64_t kEchoPatience_us = 3'000'000;     // then the script starts without
+constexpr std::int64_t kRobotPeriod_us = 200'000;     // 5 Hz
+constexpr std::int64_t kLightPeriod_us = 500'000;     // 2 Hz
+constexpr std::int64_t kStopPeriod_us = 100'000;      // 10 Hz
+constexpr std::int64_t kEchoPatience_us = 3'000'000;  // then the script starts without
 constexpr std::int64_t kDeliveryPatience_us = 2'000'000;
 constexpr std::int64_t kSecond_us = 1'000'000;
 // The network may lose one message; what happens once is said more than once.
 constexpr int kRepeatEvent = 3;
 constexpr std::int64_t kStartEvery_us = 60'000'000;
 
+std::string ownerName(const std::string& sender, std::int64_t instance) {
+  return sender + " (instance " + std::to_string(instance) + ")";
+}
+
 }  // namespace
 
 Conductor::Conductor(const ServiceContext& context, std::string effective,
-                     std::function<void()> over)
+                     std::function<void(const std::string&)> over)
     : node_(context.node),
       loop_(context.loop),
       experiment_(context.experiment),
@@ -40,6 +45,8 @@ Conductor::Conductor(const ServiceContext& context, std::string effective,
                                   [this](const robot_status_t& status) { take(status); });
   node_.subscribe<tracked_frame_t>(channels::kTrackedFrame,
                                    [this](const tracked_frame_t& frame) { take(frame); });
+  node_.subscribe<service_status_t>(channels::kServiceStatus,
+                                    [this](const service_status_t& status) { take(status); });
   node_.subscribe<robot_stop_t>(channels::kRobotStop,
                                 [this](const robot_stop_t& stop) { take(stop); });
   node_.subscribe<light_status_t>(channels::kLightStatus, [this](const light_status_t& status) {
@@ -58,9 +65,7 @@ void Conductor::begin() {
   });
   loop_.every(kRobotPeriod_us, asked_utime_, [this] { sendRobots(); });
   loop_.every(kLightPeriod_us, asked_utime_, [this] { sendLight(); });
-  loop_.every(kStopPeriod_us, asked_utime_, [this] {
-    if (stopping_) node_.publishCommand(channels::kRobotStop, stop_);
-  });
+  loop_.every(kStopPeriod_us, asked_utime_, [this] { repeatStops(); });
   loop_.at(asked_utime_ + kEchoPatience_us, [this] {
     if (phase_ != Phase::kAskingRobots) return;
     fault("not every robot took its light table within 3 s; the script starts without them");
@@ -96,6 +101,8 @@ void Conductor::fault(const std::string& what) {
 
 void Conductor::sendRobots() {
   if (phase_ == Phase::kIdle) return;
+  // A robot that has just booted hears of a stop before it hears of anything else.
+  repeatStops();
   robots_.utime = 0;
   node_.publishCommand(channels::kRobotCommand, robots_);
 }
@@ -110,7 +117,7 @@ void Conductor::startScript() {
   phase_ = Phase::kScript;
   script_start_ = loop_.now();
   loop_.at(script_start_ + units::microseconds(experiment_.duration), [this] {
-    if (phase_ == Phase::kScript) over_();
+    if (phase_ == Phase::kScript) over_("");
   });
   showStep(0);
 }
@@ -163,12 +170,15 @@ std::optional<program_t> Conductor::expectedProgram(const LightStep& step) const
   const light::Field field = toField(layersOf(step), images_.store);
   if (step.ramp > 0 || !light::isUniform(field)) return std::nullopt;
   const double intensity = light::evaluate(field, 0, 0);
-  for (const LightBand& band : experiment_.light_table.bands) {
-    if (intensity >= band.low && intensity < band.high) {
-      return toMessage(experiment_.programs.at(band.program));
-    }
+  const LightTable& table = experiment_.light_table;
+  std::optional<program_t> expected = program_t{};
+  for (const LightBand& band : table.bands) {
+    // Where the hysteresis reaches, a robot does right to keep what it runs.
+    if (!contains(band, intensity, table.hysteresis)) continue;
+    if (!contains(band, intensity) || expected->kind != program_t::NONE) return std::nullopt;
+    expected = toMessage(experiment_.programs.at(band.program));
   }
-  return program_t{};
+  return expected;
 }
 
 void Conductor::finishWatch() {
@@ -204,8 +214,12 @@ void Conductor::checkOwner(const robot_status_t& status) {
     const bool takes_over = owner.sender == status.sender && status.instance > owner.instance;
     if (!same && other_is_alive && !takes_over) {
       if (disputed_.insert(robot.robot_id).second) {
-        fault("robot " + std::to_string(robot.robot_id) + " has two owners, " + owner.sender +
-              " and " + status.sender + ": stop one of them or give its robot another id");
+        const std::string what = "robot " + std::to_string(robot.robot_id) + " has two owners, " +
+                                 ownerName(owner.sender, owner.instance) + " and " +
+                                 ownerName(status.sender, status.instance) +
+                                 ": stop one of them or give its robot another id";
+        fault(what);
+        over_(what);
       }
       continue;
     }
@@ -223,6 +237,7 @@ void Conductor::take(const tracked_frame_t& frame) {
 void Conductor::take(const robot_stop_t& stop) {
   const bool own = stop.sender == node_.identity().name;
   if (own || phase_ == Phase::kIdle || !stops_heard_.insert(stop.seq).second) return;
+  latch(stop);
   experiment_event_t event{};
   event.kind = experiment_event_t::MARK;
   event.text = std::string(stop.clear != 0 ? "stop released by " : "robots stopped by ") +
@@ -230,18 +245,55 @@ void Conductor::take(const robot_stop_t& stop) {
   record(std::move(event));
 }
 
+void Conductor::take(const service_status_t& status) {
+  const bool own = status.sender == node_.identity().name;
+  if (own || phase_ == Phase::kIdle || status.last_error.empty()) return;
+  if (!complaints_.insert(status.sender + ": " + status.last_error).second) return;
+  fault(status.sender + ": " + status.last_error);
+}
+
+void Conductor::latch(const robot_stop_t& stop) {
+  std::vector<std::int32_t> ids = stop.robot_ids;
+  if (ids.empty()) {
+    for (const RobotSpec& robot : experiment_.robots) ids.push_back(robot.id);
+  }
+  for (const std::int32_t id : ids) {
+    if (stop.clear != 0) {
+      latched_.erase(id);
+    } else {
+      latched_[id] = stop.seq;
+    }
+  }
+}
+
+void Conductor::repeatStops() {
+  std::map<std::int64_t, robot_stop_t> by_seq;
+  for (const auto& [id, seq] : latched_) {
+    robot_stop_t& stop = by_seq[seq];
+    stop.seq = seq;
+    stop.utime = loop_.now();
+    stop.clear = 0;
+    stop.reason = "stop in force";
+    stop.robot_ids.push_back(id);
+    stop.num_robots = static_cast<std::int32_t>(stop.robot_ids.size());
+  }
+  for (auto& [seq, stop] : by_seq) node_.publishCommand(channels::kRobotStop, stop);
+}
+
 void Conductor::stopRobots(const std::string& why) {
-  stopping_ = true;
-  stop_.seq = loop_.now();
-  stop_.utime = loop_.now();
-  stop_.reason = why;
-  node_.publishCommand(channels::kRobotStop, stop_);
+  robot_stop_t stop{};
+  stop.seq = loop_.now();
+  stop.utime = stop.seq;
+  stop.reason = why;
+  latch(stop);
+  node_.publishCommand(channels::kRobotStop, stop);
 }
 
 void Conductor::conclude(const std::string& why) {
   if (phase_ == Phase::kConcluded) return;
   if (watch_) record(watch_->event());
   watch_.reset();
+  if (phase_ == Phase::kScript) ended_ = units::seconds(loop_.now() - script_start_);
   phase_ = Phase::kConcluded;
   const std::int64_t seq = robots_.seq + 1;
   robots_ = standCommand(experiment_);
@@ -257,6 +309,7 @@ Progress Conductor::progress() const {
   Progress progress;
   const std::int64_t now = loop_.now();
   if (phase_ == Phase::kScript) progress.elapsed = units::seconds(now - script_start_);
+  if (phase_ == Phase::kConcluded) progress.elapsed = ended_;
   progress.left = std::max(0.0, experiment_.duration - progress.elapsed);
   progress.light = light_.label;
   progress.robots_seen = static_cast<std::size_t>(

@@ -1,4 +1,5 @@
-/// The runner's part on the bus: it commands the robots, plays the light script and keeps the record.
+/// The runner's part on the bus: it commands the robots, plays the light script and keeps the
+/// record.
 #pragma once
 
 #include <cstdint>
@@ -6,6 +7,7 @@
 #include <lab/light_command_t.hpp>
 #include <lab/robot_command_t.hpp>
 #include <lab/robot_stop_t.hpp>
+#include <lab/service_status_t.hpp>
 #include <lab/tracked_frame_t.hpp>
 #include <map>
 #include <memory>
@@ -35,8 +37,10 @@ struct Progress {
 class Conductor final : public Service {
  public:
   /// @param effective the experiment file with every default filled in, for the record.
-  /// @param over called once, when the script's time is up.
-  Conductor(const ServiceContext& context, std::string effective, std::function<void()> over);
+  /// @param over called when the script's time is up, with an empty text, or with what makes it
+  ///   senseless to go on.
+  Conductor(const ServiceContext& context, std::string effective,
+            std::function<void(const std::string&)> over);
 
   void begin();
 
@@ -46,7 +50,7 @@ class Conductor final : public Service {
   /// Ends the experiment: robots stand, the record says why.
   void conclude(const std::string& why);
 
-  /// Stops every robot until conclude(), at 10 Hz.
+  /// Stops every robot, for good: a stop is repeated at 10 Hz until somebody releases it.
   void stopRobots(const std::string& why);
 
   [[nodiscard]] Progress progress() const;
@@ -59,6 +63,9 @@ class Conductor final : public Service {
   void take(const robot_status_t& status);
   void take(const tracked_frame_t& frame);
   void take(const robot_stop_t& stop);
+  void take(const service_status_t& status);
+  void latch(const robot_stop_t& stop);
+  void repeatStops();
   void startScript();
   void showStep(int number);
   void finishWatch();
@@ -77,17 +84,18 @@ class Conductor final : public Service {
   Loop& loop_;
   const Experiment& experiment_;
   std::string effective_;
-  std::function<void()> over_;
+  std::function<void(const std::string&)> over_;
 
   ExperimentImages images_;
   Phase phase_ = Phase::kIdle;
   std::int64_t asked_utime_ = 0;
   std::int64_t script_start_ = 0;
+  double ended_ = 0;  ///< [s] of the script, once it is concluded
   robot_command_t robots_{};
   light_command_t light_{};
-  robot_stop_t stop_{};
-  bool stopping_ = false;
+  std::map<std::int32_t, std::int64_t> latched_;  ///< seq of the stop in force, by robot
   std::set<std::int64_t> stops_heard_;
+  std::set<std::string> complaints_;  ///< of services, already recorded
   std::optional<DeliveryWatch> watch_;
 
   struct Owner {

@@ -16,7 +16,8 @@ class DeliveryWatch {
  public:
   /// @param step number, label and commanded_utime are filled in by the caller.
   /// @param command_instance, command_seq of the LIGHT_COMMAND that asks for the step.
-  /// @param expected program of every robot under the new light, where the step is one and the light
+  /// @param expected program of every robot under the new light, where the step is one and the
+  /// light
   ///   is the same everywhere; otherwise nothing, and no robot is expected to act.
   /// @param robots how many the experiment has: each must have been heard after the presentation.
   DeliveryWatch(const experiment_event_t& step, std::int64_t command_instance,

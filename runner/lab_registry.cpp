@@ -1,6 +1,8 @@
 #include "runner/lab_registry.hpp"
 
+#include <fcntl.h>
 #include <signal.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -20,9 +22,12 @@ bool lives(int pid) { return pid > 0 && (kill(pid, 0) == 0 || errno == EPERM); }
 std::optional<RunningLab> read(const fs::path& file) {
   std::ifstream stream(file);
   const auto json = nlohmann::json::parse(stream, nullptr, false);
-  if (!json.is_object()) return std::nullopt;
-  return RunningLab{json.value("name", ""), json.value("url", ""), json.value("pid", 0),
-                    json.value("directory", "")};
+  try {
+    return RunningLab{json.at("name"), json.at("url"), json.at("pid"), json.at("directory"),
+                      json.at("replay")};
+  } catch (const nlohmann::json::exception&) {
+    return std::nullopt;  // no registration of ours
+  }
 }
 
 /// In /tmp anyone may have made the folder first: it must be ours and closed to others.
@@ -30,7 +35,8 @@ void claim(const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder.parent_path(), error);
   if (mkdir(folder.c_str(), 0700) != 0 && errno != EEXIST) {
-    throw UserError("cannot make " + folder.string() + ": set XDG_RUNTIME_DIR to a folder of yours");
+    throw UserError("cannot make " + folder.string() +
+                    ": set XDG_RUNTIME_DIR to a folder of yours");
   }
   struct stat status {};
   if (lstat(folder.c_str(), &status) != 0 || !S_ISDIR(status.st_mode) ||
@@ -52,6 +58,7 @@ std::vector<RunningLab> runningLabs() {
   std::vector<RunningLab> labs;
   std::error_code error;
   for (const fs::directory_entry& entry : fs::directory_iterator(registryDirectory(), error)) {
+    if (entry.path().extension() != ".json") continue;
     const auto lab = read(entry.path());
     if (lab && lives(lab->pid)) {
       labs.push_back(*lab);
@@ -74,6 +81,19 @@ RunningLab findLab(const std::string& name) {
                                : "no lab named " + name + " runs; these do: " + names);
 }
 
+PortLock::PortLock(int port) {
+  claim(registryDirectory());
+  const fs::path file = registryDirectory() / ("port-" + std::to_string(port) + ".lock");
+  descriptor_ = open(file.c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0600);
+  if (descriptor_ < 0) throw UserError("cannot write " + file.string());
+  if (flock(descriptor_, LOCK_EX | LOCK_NB) == 0) return;
+  close(descriptor_);
+  throw UserError("another lab of yours is on port " + std::to_string(port) +
+                  " (network.port): stop it, or set another port, or 0 for a free one");
+}
+
+PortLock::~PortLock() { close(descriptor_); }
+
 Registration::Registration(const RunningLab& lab)
     : file_(registryDirectory() / (std::to_string(lab.pid) + ".json")) {
   claim(registryDirectory());
@@ -81,7 +101,8 @@ Registration::Registration(const RunningLab& lab)
   stream << nlohmann::json{{"name", lab.name},
                            {"url", lab.url},
                            {"pid", lab.pid},
-                           {"directory", lab.directory}}
+                           {"directory", lab.directory},
+                           {"replay", lab.replay}}
                 .dump(2)
          << std::endl;
   if (!stream) throw UserError("cannot write " + file_.string());

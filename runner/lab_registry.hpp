@@ -13,6 +13,7 @@ struct RunningLab {
   std::string url;        ///< of its bus
   int pid = 0;            ///< of its runner
   std::string directory;  ///< of the run
+  bool replay = false;    ///< a log being played: no robot obeys
 };
 
 /// The folder of the registrations: $XDG_RUNTIME_DIR/active-lab, or one in /tmp that belongs to the
@@ -25,6 +26,20 @@ struct RunningLab {
 /// The lab meant by `name`, or the only one that runs when `name` is empty.
 /// @throws UserError when there is none, or several and no name, with their names.
 [[nodiscard]] RunningLab findLab(const std::string& name);
+
+/// A bus that belongs to one lab for as long as the object lives: two labs that start at the same
+/// moment cannot hear each other yet.
+class PortLock {
+ public:
+  /// @throws UserError when another lab of this user holds the port.
+  explicit PortLock(int port);
+  ~PortLock();
+  PortLock(const PortLock&) = delete;
+  PortLock& operator=(const PortLock&) = delete;
+
+ private:
+  int descriptor_ = -1;
+};
 
 /// A registration that lasts as long as the object.
 class Registration {

@@ -1,6 +1,7 @@
+#include <fmt/format.h>
+
 #include <lab/light_command_t.hpp>
 #include <lab/light_status_t.hpp>
-#include <fmt/format.h>
 
 #include "common/asio_loop.hpp"
 #include "common/channels.hpp"
@@ -98,7 +99,8 @@ ExitCode light(const LightOptions& options) {
                refusal.empty() ? "" : ": " + refusal);
     return kFailed;
   }
-  fmt::print("{}: {}\n", lab.name, options.release ? "released, the script's light is back" : "shown");
+  fmt::print("{}: {}\n", lab.name,
+             options.release ? "released, the script's light is back" : "shown");
   return kDone;
 }
 

@@ -21,9 +21,8 @@ std::vector<LogEvent> selectEvents(const std::vector<std::filesystem::path>& fil
     if (time < selection.from || (selection.to && time > *selection.to)) return;
     std::string channel(packet.channel);
     if (!selection.channels.empty() && !selection.channels.contains(channel)) return;
-    events.push_back({std::move(channel),
-                      {packet.data.begin(), packet.data.end()},
-                      packet.received_utime});
+    events.push_back(
+        {std::move(channel), {packet.data.begin(), packet.data.end()}, packet.received_utime});
   });
   std::stable_sort(events.begin(), events.end(),
                    [](const LogEvent& a, const LogEvent& b) { return a.utime < b.utime; });
@@ -66,8 +65,7 @@ void ReplayClock::resume(std::int64_t now) {
 
 std::int64_t ReplayClock::logTime(std::int64_t now) const {
   if (paused_) return log_anchor_;
-  return log_anchor_ +
-         static_cast<std::int64_t>(static_cast<double>(now - wall_anchor_) * speed_);
+  return log_anchor_ + static_cast<std::int64_t>(static_cast<double>(now - wall_anchor_) * speed_);
 }
 
 }  // namespace lab::runner

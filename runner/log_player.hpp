@@ -22,9 +22,9 @@ struct LogEvent {
 
 /// What of a log is wanted.
 struct LogSelection {
-  double from = 0;                ///< [s] since the first event
-  std::optional<double> to;       ///< [s]
-  std::set<std::string> channels; ///< empty: all
+  double from = 0;                 ///< [s] since the first event
+  std::optional<double> to;        ///< [s]
+  std::set<std::string> channels;  ///< empty: all
 };
 
 /// The wanted events of a log series, in order of time.

@@ -1,6 +1,7 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include <csignal>
 #include <iostream>
 
 #include "common/bus_error.hpp"
@@ -12,6 +13,7 @@
 int main(int argc, char** argv) {
   using namespace lab::runner;
   spdlog::set_default_logger(spdlog::stderr_color_mt("lab"));
+  std::signal(SIGPIPE, SIG_IGN);  // whoever read our output may go; the run goes on
   spdlog::set_pattern("%^%l%$: %v");
   try {
     return runCommandLine(argc, argv);

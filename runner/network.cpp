@@ -8,15 +8,8 @@
 #include "common/header.hpp"
 #include "common/lcm_bus.hpp"
 #include "runner/exit_code.hpp"
-#include "runner/lab_registry.hpp"
 
 namespace lab::runner {
-namespace {
-
-constexpr int kListen_ms = 300;
-
-}  // namespace
-
 bool portIsFree(int port) {
   const int socket_fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   if (socket_fd < 0) return false;
@@ -42,7 +35,7 @@ int choosePort(int wanted) {
   throw UserError("no UDP port between 20000 and 59999 is free");
 }
 
-void refuseForeignTraffic(const std::string& url) {
+void refuseForeignTraffic(const std::string& url, int listen_ms) {
   LcmBus bus(url);
   std::string found;
   bus.subscribeAll([&found](const Packet& packet) {
@@ -51,7 +44,7 @@ void refuseForeignTraffic(const std::string& url) {
     found = std::string(packet.channel) + " from " +
             (header ? std::string(header->sender) : "a foreign program");
   });
-  bus.drainFor(kListen_ms);
+  bus.drainFor(listen_ms);
   if (!found.empty()) {
     throw UserError("somebody already speaks on " + url + " (" + found +
                     "): stop it, or set another network.port in the experiment file");

@@ -11,13 +11,13 @@ inline constexpr int kLastPort = 59999;
 /// Whether nobody on this machine holds the UDP port.
 [[nodiscard]] bool portIsFree(int port);
 
-/// A port for a new lab: `wanted`, or a free one when that is 0. A wanted port may have listeners (a
-/// logger started by hand, say); refuseForeignTraffic() finds speakers.
+/// A port for a new lab: `wanted`, or a free one when that is 0. A wanted port may have listeners
+/// (a logger started by hand, say); refuseForeignTraffic() finds speakers.
 /// @throws UserError when none is free.
 [[nodiscard]] int choosePort(int wanted);
 
-/// Listens for a moment and refuses a bus on which somebody already speaks.
+/// Listens this long and refuses a bus on which somebody already speaks.
 /// @throws UserError naming the channel and its sender.
-void refuseForeignTraffic(const std::string& url);
+void refuseForeignTraffic(const std::string& url, int listen_ms);
 
 }  // namespace lab::runner

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <system_error>
 
 namespace lab::runner {
 namespace {
@@ -33,10 +34,10 @@ std::string progressText(const Progress& progress) {
   for (const auto& [name, robots] : progress.robots_running) {
     programs += fmt::format("{}{} {}", programs.empty() ? "" : ", ", robots, name);
   }
-  return fmt::format("{} left | light {} | {} robot{} seen | {} | {} lost",
-                     leftText(progress.left), progress.light.empty() ? "-" : progress.light,
-                     progress.robots_seen, progress.robots_seen == 1 ? "" : "s",
-                     programs.empty() ? "no robot" : programs, progress.lost);
+  return fmt::format("{} left | light {} | {} robot{} seen | {} | {} lost", leftText(progress.left),
+                     progress.light.empty() ? "-" : progress.light, progress.robots_seen,
+                     progress.robots_seen == 1 ? "" : "s", programs.empty() ? "no robot" : programs,
+                     progress.lost);
 }
 
 ProgressLine::ProgressLine(double duration)
@@ -47,6 +48,15 @@ ProgressLine::~ProgressLine() {
 }
 
 void ProgressLine::show(const Progress& progress) {
+  try {
+    print(progress);
+  } catch (const std::system_error&) {
+    // Nobody reads any more (lab run ... | head): the run goes on without a line.
+    if (std::freopen("/dev/null", "w", stdout) == nullptr) return;
+  }
+}
+
+void ProgressLine::print(const Progress& progress) {
   if (!terminal_) {
     if (progress.elapsed < next_print_) return;
     next_print_ = progress.elapsed + duration_ / kPrints;

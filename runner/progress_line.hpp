@@ -16,6 +16,8 @@ class ProgressLine {
   void show(const Progress& progress);
 
  private:
+  void print(const Progress& progress);
+
   double duration_;
   bool terminal_;
   bool shown_ = false;

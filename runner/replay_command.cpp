@@ -6,14 +6,13 @@
 
 #include "common/asio_loop.hpp"
 #include "common/lcm_bus.hpp"
-#include "common/log_file.hpp"
 #include "common/units.hpp"
+#include "report/log_source.hpp"
 #include "runner/commands.hpp"
 #include "runner/lab_registry.hpp"
 #include "runner/log_player.hpp"
 #include "runner/network.hpp"
 #include "runner/raw_terminal.hpp"
-#include "runner/run_directory.hpp"
 
 namespace lab::runner {
 namespace fs = std::filesystem;
@@ -21,12 +20,6 @@ namespace {
 
 constexpr std::int64_t kTick_us = 2'000;
 constexpr std::int64_t kShow_us = 250'000;
-
-fs::path logOf(const fs::path& run_or_log) {
-  const fs::path log = fs::is_directory(run_or_log) ? run_or_log / files::kLog : run_or_log;
-  if (!fs::exists(log)) throw UserError("no log at " + log.string());
-  return log;
-}
 
 /// Sends a log's messages onto a bus of its own.
 class Player {
@@ -93,10 +86,10 @@ class Player {
 }  // namespace
 
 ExitCode replay(const ReplayOptions& options) {
-  const fs::path log = logOf(options.log);
+  const std::vector<fs::path> log_files = report::logFiles(options.log);
+  const fs::path& log = log_files.front();
   const std::vector<LogEvent> events = selectEvents(
-      logSeries(log),
-      {options.from, options.to, {options.channels.begin(), options.channels.end()}});
+      log_files, {options.from, options.to, {options.channels.begin(), options.channels.end()}});
   if (events.empty()) {
     throw UserError(log.string() +
                     " holds no message between --from and --to on the wanted channels");
@@ -104,7 +97,7 @@ ExitCode replay(const ReplayOptions& options) {
   const std::string url = lcmUrl(choosePort(options.port));
   const std::string name = "replay-" + fs::absolute(log).parent_path().filename().string();
   const Registration registration(
-      {name, url, getpid(), fs::absolute(log).parent_path().string()});
+      {name, url, getpid(), fs::absolute(log).parent_path().string(), true});
   fmt::print("lab      {}\nbus      {}\n", name, url);
   Player(events, options, url).execute();
   return kDone;

@@ -10,7 +10,8 @@ namespace lab::runner {
 namespace {
 
 constexpr int kRounds = 200;
-constexpr double kGap = 1e-4;  // [m] kept between robots, so that rounding in the file costs nothing
+constexpr double kGap =
+    1e-4;  // [m] kept between robots, so that rounding in the file costs nothing
 
 void keepInside(StartPose& pose, const Experiment& experiment) {
   const double margin = experiment.hardware.diameter / 2 + kGap;
@@ -45,7 +46,8 @@ bool overlapsAny(const StartPose& pose, const std::vector<StartPose*>& others, d
 Experiment resumedExperiment(const Experiment& experiment,
                              const std::map<std::int32_t, tracked_pose_t>& seen, int restart) {
   Experiment resumed = experiment;
-  resumed.seed = deriveSeed(experiment.seed, restart, "restart") >> 1U;  // TOML integers have a sign
+  resumed.seed =
+      deriveSeed(experiment.seed, restart, "restart") >> 1U;  // TOML integers have a sign
   std::vector<StartPose*> poses;
   for (RobotSpec& robot : resumed.robots) {
     const auto pose = seen.find(robot.id);

@@ -42,10 +42,11 @@ void requireDisk(const Experiment& experiment, const fs::path& folder) {
   const std::int64_t need = diskNeed_bytes(experiment);
   const std::int64_t have = freeBytes(folder);
   if (have >= need) return;
-  throw UserError(fmt::format(
-      "too little disk in {}: this run needs about {} MB, {} MB are free; make room, choose another "
-      "folder with --out, or shorten duration_s",
-      folder.string(), need / 1'000'000, have / 1'000'000));
+  throw UserError(
+      fmt::format("too little disk in {}: this run needs about {} MB, {} MB are free; make room, "
+                  "choose another "
+                  "folder with --out, or shorten duration_s",
+                  folder.string(), need / 1'000'000, have / 1'000'000));
 }
 
 RunOutcome execute(const RunOptions& options, const PreparedRun& run, const std::string& url,
@@ -75,13 +76,14 @@ void writeProvenance(const RunOptions& options, const PreparedRun& run, const st
                                     {"host", host},
                                     {"bus", url},
                                     {"version", kVersion},
-                                    {"interrupted", outcome.interrupted}};
+                                    {"interrupted", outcome.interrupted},
+                                    {"faults", outcome.faults}};
   writeNewFile(run.directory / files::kProvenance, json.dump(2) + "\n");
 }
 
 void tell(const report::AnalyzedRun& analyzed) {
   for (const std::string& line : analyzed.headline) fmt::print("{}\n", line);
-  fmt::print("report   {}\n", fs::absolute(analyzed.report).string());
+  fmt::print("report   {}\n", fs::absolute(analyzed.report).lexically_normal().string());
 }
 
 }  // namespace
@@ -93,14 +95,18 @@ ExitCode run(const RunOptions& options) {
 
   fs::path logger;
   std::string url;
+  std::optional<PortLock> port_lock;
   if (options.report) requireProgram("gnuplot", "gnuplot-nox");
   requireDisk(experiment, options.out);
   if (!options.virtual_time) {
     logger = requireProgram("lcm-logger", "liblcm-bin");
     if (const auto problem = multicastProblem()) throw UserError(*problem);
+    const bool wanted = experiment.network.port != 0;
     experiment.network.port = choosePort(experiment.network.port);
+    port_lock.emplace(experiment.network.port);
     url = lcmUrl(experiment.network.port, experiment.network.ttl);
-    refuseForeignTraffic(url);
+    // A heartbeat comes once a second; a port that nobody had bound cannot have a speaker for long.
+    refuseForeignTraffic(url, wanted ? 1300 : 300);
   }
 
   const std::int64_t start = wallClock();
@@ -116,6 +122,8 @@ ExitCode run(const RunOptions& options) {
   std::fflush(stdout);
   const RunOutcome outcome = execute(options, prepared, url, logger);
   registration.reset();
+  // The run is kept whatever happens; a report takes seconds and is not left half-written.
+  std::signal(SIGINT, SIG_IGN);
   writeProvenance(options, prepared, url, start, outcome);
 
   for (const std::string& fault : outcome.faults) fmt::print("marked   {}\n", fault);
@@ -137,7 +145,13 @@ ExitCode check(const fs::path& file, const std::vector<std::string>& set) {
 }
 
 ExitCode analyze(const fs::path& run_or_log, const std::optional<fs::path>& out) {
-  tell(report::analyzeRun(run_or_log, out.value_or(fs::path())));
+  if (!fs::is_directory(run_or_log) && !fs::is_regular_file(run_or_log)) {
+    throw UserError(run_or_log.string() + " is neither the folder of a run nor a log");
+  }
+  // The results of two logs in one folder must not replace each other.
+  const fs::path beside =
+      fs::is_directory(run_or_log) ? run_or_log : fs::path(run_or_log.string() + "-report");
+  tell(report::analyzeRun(run_or_log, out.value_or(beside)));
   return kDone;
 }
 

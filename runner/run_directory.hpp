@@ -19,8 +19,7 @@ inline constexpr const char* kServiceLogs = "logs";
 /// Makes `parent`/<name>-<UTC time>, with a number behind it when that exists: nothing is ever
 /// overwritten. @throws UserError when it cannot be made.
 [[nodiscard]] std::filesystem::path makeRunDirectory(const std::filesystem::path& parent,
-                                                     const std::string& name,
-                                                     std::int64_t utime);
+                                                     const std::string& name, std::int64_t utime);
 
 /// Copies the images of the light script into the run, named by their SHA-256, and lets the
 /// experiment speak of them by that name. @param source folder that the script's paths are relative
@@ -37,7 +36,7 @@ void writeNewFile(const std::filesystem::path& path, const std::string& text);
 /// The experiment file as run, for the folder and the record.
 struct PreparedRun {
   Experiment experiment;
-  std::string effective;            ///< experiment.toml's text
+  std::string effective;  ///< experiment.toml's text
   std::filesystem::path directory;
 };
 

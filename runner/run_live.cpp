@@ -1,8 +1,10 @@
 #include "runner/run_live.hpp"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <csignal>
 #include <lab/service_status_t.hpp>
-#include <fmt/format.h>
 #include <thread>
 
 #include "common/asio_loop.hpp"
@@ -35,7 +37,9 @@ class LiveRun {
         bus_(options.url),
         node_(bus_, loop_, {"lab", 0, loop_.now()}),
         conductor_({node_, loop_, run.experiment, run.directory}, run.effective,
-                   [this] { finish("the script is over"); }),
+                   [this](const std::string& fault) {
+                     fault.empty() ? finish("the script is over") : closeEarly(fault);
+                   }),
         supervisor_(run, options) {
     node_.subscribe<service_status_t>(channels::kServiceStatus, [this](const auto& status) {
       if (status.state == service_status_t::READY) supervisor_.noteReady(status.pid);
@@ -49,17 +53,34 @@ class LiveRun {
 
   RunOutcome execute() {
     start();
+    guarded([this] { conduct(); });
+    guarded([this] { end(); });
+    supervisor_.endServices();
+    supervisor_.endLogger();
+    for (const std::string& fault : conductor_.faults()) outcome_.faults.push_back(fault);
+    return outcome_;
+  }
+
+ private:
+  void conduct() {
     conductor_.begin();
     loop_.every(kLookAfter_us, loop_.now(), [this] { lookAfter(); });
     loop_.every(kShowEvery_us, loop_.now(), [this] { show_(conductor_.progress()); });
     loop_.every(kDiskEvery_us, loop_.now(), [this] { watchDisk(); });
     loop_.run();
-    end();
-    outcome_.faults = conductor_.faults();
-    return outcome_;
   }
 
- private:
+  /// Once a run has begun, whatever breaks (the network goes down, a program cannot be started
+  /// again) ends it marked, with its data.
+  void guarded(const std::function<void()>& part) {
+    try {
+      part();
+    } catch (const std::exception& error) {
+      outcome_.closed_early = true;
+      outcome_.faults.emplace_back(error.what());
+    }
+  }
+
   void start() {
     supervisor_.startLogger();
     // The heartbeat is what the logger's first words are made of.
@@ -67,9 +88,7 @@ class LiveRun {
               [this] { return "lcm-logger writes nothing" + lookInto(); });
     supervisor_.startServices();
     waitUntil([this] { return supervisor_.missing().empty(); }, [] {},
-              [this] {
-                return "not ready after 10 s: " + supervisor_.missing() + lookInto();
-              });
+              [this] { return "not ready: " + supervisor_.missing() + lookInto(); });
     node_.start();
   }
 
@@ -82,7 +101,7 @@ class LiveRun {
                  const std::function<std::string()>& complaint) {
     const std::int64_t deadline = loop_.now() + kReadyPatience_us;
     while (!done()) {
-      if (loop_.now() > deadline) {
+      if (loop_.now() > deadline || supervisor_.anyEnded()) {
         const std::string text = complaint();
         supervisor_.endServices();
         supervisor_.endLogger();
@@ -119,7 +138,8 @@ class LiveRun {
   void closeEarly(const std::string& why) {
     if (finishing_) return;
     outcome_.closed_early = true;
-    conductor_.fault(why);
+    const auto& known = conductor_.faults();
+    if (std::find(known.begin(), known.end(), why) == known.end()) conductor_.fault(why);
     conductor_.stopRobots(why);
     finish(why);
   }

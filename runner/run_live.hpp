@@ -6,9 +6,9 @@
 namespace lab::runner {
 
 struct LiveOptions {
-  std::string url;                    ///< of the bus
-  std::filesystem::path programs;     ///< folder of the services' programs
-  std::filesystem::path lcm_logger;   ///< stock lcm-logger
+  std::string url;                         ///< of the bus
+  std::filesystem::path programs;          ///< folder of the services' programs
+  std::filesystem::path lcm_logger;        ///< stock lcm-logger
   std::int64_t disk_reserve = 50'000'000;  ///< [bytes] a run is closed when less is left
 };
 

@@ -40,11 +40,13 @@ RunOutcome runVirtual(const PreparedRun& run, const ShowProgress& show,
     members.emplace_back(bus, loop, description, run);
   }
   Node node(bus, loop, {"lab", 0, 1});
-  bool over = false;
-  Conductor conductor({node, loop, run.experiment, run.directory}, run.effective, [&] {
-    over = true;
-    loop.stop();
-  });
+  std::string why = "ended by the user";
+  Conductor conductor({node, loop, run.experiment, run.directory}, run.effective,
+                      [&](const std::string& fault) {
+                        why = fault.empty() ? "the script is over" : fault;
+                        outcome.closed_early = !fault.empty();
+                        loop.stop();
+                      });
   if (run.experiment.faults.message_loss > 0) {
     bus.loseAtRandom(run.experiment.faults.message_loss, run.experiment.seed);
   }
@@ -61,16 +63,22 @@ RunOutcome runVirtual(const PreparedRun& run, const ShowProgress& show,
       loop.stop();
     }
   });
-  conductor.begin();
-  loop.run();
-
-  conductor.conclude(over ? "the script is over" : "ended by the user");
-  loop.runUntil(loop.now() + kSettle_us);
-  for (Member& member : members) member.node.close();
-  node.close();
-  bus.deliver();
-  log.flush();
-  outcome.faults = conductor.faults();
+  try {
+    conductor.begin();
+    loop.run();
+    conductor.conclude(why);
+    loop.runUntil(loop.now() + kSettle_us);
+    for (Member& member : members) member.node.close();
+    node.close();
+    bus.deliver();
+    log.flush();
+    outcome.faults = conductor.faults();
+  } catch (const std::exception& error) {
+    // The log takes no more: what it has is kept, and the run is marked.
+    outcome.faults = conductor.faults();
+    outcome.faults.emplace_back(error.what());
+    outcome.closed_early = true;
+  }
   return outcome;
 }
 

@@ -1,7 +1,8 @@
+#include <fmt/format.h>
+
 #include <lab/robot_status_t.hpp>
 #include <lab/robot_stop_t.hpp>
 #include <map>
-#include <fmt/format.h>
 
 #include "common/asio_loop.hpp"
 #include "common/channels.hpp"
@@ -90,6 +91,7 @@ class StopRequest {
 
 ExitCode stop(const StopOptions& options) {
   std::vector<RunningLab> labs = runningLabs();
+  std::erase_if(labs, [](const RunningLab& lab) { return lab.replay; });
   if (!options.lab.empty() || labs.empty()) labs = {findLab(options.lab)};
   bool all = true;
   for (const RunningLab& lab : labs) all = StopRequest(lab, options.clear).execute() && all;

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "runner/services.hpp"
 
 namespace lab::runner {
@@ -24,9 +26,8 @@ fs::path Supervisor::logFolder() const { return run_.directory / files::kService
 void Supervisor::startLogger() {
   // A restarted logger goes on in a file of its own: log.lcmlog.01, log.lcmlog.02 ... Its options
   // -l, --increment and --strftime are broken in LCM 1.3.1; --lcm-url= works.
-  const std::string name = logger_.restarts == 0
-                               ? files::kLog
-                               : fmt::format("{}.{:02}", files::kLog, logger_.restarts);
+  const std::string name =
+      logger_.restarts == 0 ? files::kLog : fmt::format("{}.{:02}", files::kLog, logger_.restarts);
   logger_.process = std::make_unique<ChildProcess>(
       logger_.name,
       std::vector<std::string>{options_.lcm_logger.string(), "-q", "--lcm-url=" + options_.url,
@@ -66,6 +67,11 @@ std::string Supervisor::missing() const {
   return names;
 }
 
+bool Supervisor::anyEnded() const {
+  const auto ended = [](const Entry& entry) { return entry.process && !entry.process->running(); };
+  return ended(logger_) || std::any_of(services_.begin(), services_.end(), ended);
+}
+
 bool Supervisor::revive(const std::function<void(const std::string&)>& report,
                         const std::function<fs::path()>& resume) {
   const auto died = [&report](Entry& entry) {
@@ -82,8 +88,7 @@ bool Supervisor::revive(const std::function<void(const std::string&)>& report,
   for (Entry& entry : services_) {
     if (!died(entry)) continue;
     if (entry.restarts > kMostRestarts) return false;
-    const fs::path file =
-        entry.name == "sim_svc" ? resume() : run_.directory / files::kExperiment;
+    const fs::path file = entry.name == "sim_svc" ? resume() : run_.directory / files::kExperiment;
     entry.process = startService(entry.name, file);
   }
   return true;

@@ -29,6 +29,9 @@ class Supervisor {
   /// Names of the services that have not said READY.
   [[nodiscard]] std::string missing() const;
 
+  /// Whether a process has already ended by itself.
+  [[nodiscard]] bool anyEnded() const;
+
   /// What the processes printed, to look into.
   [[nodiscard]] std::filesystem::path logFolder() const;
 

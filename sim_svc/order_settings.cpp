@@ -28,11 +28,31 @@ dynamics::ProgramPhysics physics(const program_t& program) {
   return result;
 }
 
+/// Why the numbers outside the programs make no order, or nothing.
+std::string numbersRefusal(const robot_order_t& order, const dynamics::WheelLimits& limits) {
+  if (order.mode == robot_order_t::DRIVE) {
+    const bool drivable = std::abs(order.wheel_left) <= limits.v_max &&
+                          std::abs(order.wheel_right) <= limits.v_max;  // false for nan
+    return drivable ? "" : "wheel speeds beyond the wheels' limit, or not numbers";
+  }
+  if (order.light_sensor < robot_order_t::SENSOR_MEAN ||
+      order.light_sensor > robot_order_t::SENSOR_BACK) {
+    return "no light sensor has the number " + std::to_string(order.light_sensor);
+  }
+  const bool finite = std::isfinite(order.hysteresis) &&
+                      std::all_of(order.bands.begin(), order.bands.end(), [](const auto& band) {
+                        return std::isfinite(band.low) && std::isfinite(band.high);
+                      });
+  return finite ? "" : "a light band or the hysteresis is not a number";
+}
+
 }  // namespace
 
 OrderSettings settingsFrom(const robot_order_t& order, const dynamics::WheelLimits& limits,
                            double sensor_period) {
   OrderSettings result;
+  result.refusal = numbersRefusal(order, limits);
+  if (!result.refusal.empty() || order.mode != robot_order_t::TABLE) return result;
   if (order.bands.size() > dynamics::kSlots) {
     result.refusal =
         "a robot holds at most 4 light bands, this order has " + std::to_string(order.bands.size());

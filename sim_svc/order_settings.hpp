@@ -18,7 +18,7 @@ struct OrderSettings {
   std::string refusal;              ///< not empty: the robot cannot do this, and why
 };
 
-/// @param order with mode TABLE
+/// Of an order with another mode than TABLE only whether it can be obeyed.
 [[nodiscard]] OrderSettings settingsFrom(const robot_order_t& order,
                                          const dynamics::WheelLimits& limits, double sensor_period);
 

@@ -12,8 +12,8 @@
 namespace lab::sim {
 namespace {
 
-constexpr double kTruthRate = 10;                // [1/s]
-constexpr std::int64_t kCatchUp_us = 1'000'000;  // a live service that fell behind by more skips
+constexpr double kTruthRate = 10;                  // [1/s]
+constexpr std::int64_t kOldestFrame_us = 200'000;  // a live camera does not queue more than this
 
 WorldSettings worldSettings(const Experiment& experiment) {
   const RobotHardware& hardware = experiment.hardware;
@@ -99,12 +99,6 @@ std::int64_t SimService::utimeOf(double world_seconds) const {
 }
 
 void SimService::follow(std::int64_t utime) {
-  const std::int64_t behind = utime - origin_utime_ - world_.timeUs();
-  if (!loop_.isVirtual() && behind > kCatchUp_us) {
-    // The machine slept or stalled. The robots did not move meanwhile.
-    origin_utime_ += behind;
-    node_.noteError("fell behind by " + std::to_string(behind / 1000) + " ms and skipped them");
-  }
   if (utime - origin_utime_ > world_.timeUs()) world_.advanceTo(utime - origin_utime_);
 }
 
@@ -113,8 +107,15 @@ void SimService::sampleFrames() {
   const double fps = experiment_.camera.fps;
   for (std::int64_t exposure = sampleUtime(start_utime_, frame_number_, fps); exposure <= now;
        exposure = sampleUtime(start_utime_, ++frame_number_, fps)) {
+    const bool seen = tracker_.begin(exposure);
+    if (!loop_.isVirtual() && now - exposure > kOldestFrame_us) {
+      // The machine stalled. A burst of old frames would drown the listeners.
+      node_.noteError("stalled: camera frames from number " +
+                      std::to_string(tracker_.frame().frame) + " on were skipped");
+      continue;
+    }
     follow(exposure);
-    if (!tracker_.begin(exposure)) continue;
+    if (!seen) continue;
     for (std::size_t i = 0; i < world_.size(); ++i)
       tracker_.see(world_.state(i).id, world_.pose(i));
     loop_.at(exposure + units::microseconds(experiment_.camera.delay),
@@ -241,7 +242,7 @@ void SimService::take(const robot_command_t& command) {
       const bool known =
           link.command_seq == command.seq && link.command_instance == command.instance;
       if (!known) {
-        if (!converted && order.mode == robot_order_t::TABLE) {
+        if (!converted) {
           const WorldSettings& world = world_.settings();
           settings = settingsFrom(order, {world.max_wheel_speed, world.wheel_base},
                                   experiment_.hardware.sensor_period);

@@ -151,7 +151,7 @@ TEST(AnalyzeRun, ReportsARunWithoutFramesWhereThatIsWanted) {
   const AnalyzedRun dut = analyzeRun(run.path(), {}, {.needs_frames = false});
 
   EXPECT_THAT(readFile(dut.report), HasSubstr("No camera frame is in the log"));
-  EXPECT_THAT(readFile(dut.report), HasSubstr("100 messages sent and not in the log"));
+  EXPECT_THAT(readFile(dut.report), HasSubstr("<b>Lost:</b> 100 of "));
 }
 
 TEST(AnalyzeRun, SaysHowToGetGnuplot) {

@@ -168,10 +168,10 @@ TEST(Html, SaysThatAMessageWasLost) {
   EXPECT_THAT(reportHtml(record, {}), HasSubstr("Every message that was sent is in the log."));
 
   record.log.streams[0].lost = 3;
-  EXPECT_THAT(reportHtml(record, {}), HasSubstr("3 messages sent and not in the log."));
+  EXPECT_THAT(reportHtml(record, {}), HasSubstr("<b>Lost:</b> 3 of "));
 
   record.log.streams[0].at_least = true;
-  EXPECT_THAT(reportHtml(record, {}), HasSubstr("At least 3 messages sent and not in the log."));
+  EXPECT_THAT(reportHtml(record, {}), HasSubstr("<p>At least 3 of "));
 }
 
 TEST(Html, HasAPageForALogWithNothingInIt) {

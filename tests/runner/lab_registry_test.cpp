@@ -29,7 +29,7 @@ class LabRegistry : public testing::Test {
 
 TEST_F(LabRegistry, ASingleLabIsImpliedAndGoneWithItsRegistration) {
   {
-    const Registration dut({"abp-1", "udpm://x", getpid(), "/runs/abp-1"});
+    const Registration dut({"abp-1", "udpm://x", getpid(), "/runs/abp-1", false});
     EXPECT_EQ(findLab("").name, "abp-1");
     EXPECT_EQ(findLab("abp-1").url, "udpm://x");
   }
@@ -37,8 +37,8 @@ TEST_F(LabRegistry, ASingleLabIsImpliedAndGoneWithItsRegistration) {
 }
 
 TEST_F(LabRegistry, OfSeveralLabsOneMustBeNamed) {
-  const Registration first({"one", "udpm://1", getpid(), "/runs/one"});
-  const Registration second({"two", "udpm://2", getppid(), "/runs/two"});
+  const Registration first({"one", "udpm://1", getpid(), "/runs/one", false});
+  const Registration second({"two", "udpm://2", getppid(), "/runs/two", false});
   EXPECT_EQ(findLab("two").url, "udpm://2");
   EXPECT_THAT([] { static_cast<void>(findLab("")); }, ThrowsMessage<UserError>(HasSubstr("--lab")));
   EXPECT_THAT([] { static_cast<void>(findLab("three")); },
@@ -49,14 +49,26 @@ TEST_F(LabRegistry, ForgetsLabsWhoseRunnerDied) {
   constexpr int kNobody = 999'999'999;
   const fs::path file = registryDirectory() / "999999999.json";
   fs::create_directories(registryDirectory());
-  std::ofstream(file) << R"({"name": "dead", "url": "udpm://d", "pid": )" << kNobody << "}";
+  std::ofstream(file) << R"({"name": "dead", "url": "udpm://d", "pid": )" << kNobody
+                      << R"(, "directory": "/runs/dead", "replay": false})";
   EXPECT_THAT(runningLabs(), testing::IsEmpty());
   EXPECT_FALSE(fs::exists(file));
+}
+
+TEST_F(LabRegistry, APortBelongsToOneLab) {
+  constexpr int kPort = 23450;
+  {
+    const PortLock dut(kPort);
+    EXPECT_THAT([] { const PortLock second(kPort); },
+                ThrowsMessage<UserError>(HasSubstr("port 23450")));
+  }
+  EXPECT_NO_THROW(const PortLock again(kPort));
 }
 
 TEST_F(LabRegistry, SurvivesGarbage) {
   fs::create_directories(registryDirectory());
   std::ofstream(registryDirectory() / "1.json") << "not json";
+  std::ofstream(registryDirectory() / "2.json") << R"({"name": "x", "pid": "x"})";
   EXPECT_THAT(runningLabs(), testing::IsEmpty());
 }
 

@@ -113,6 +113,20 @@ std::vector<pid_t> processesWith(const std::string& text) {
   return found;
 }
 
+std::vector<pid_t> childrenWith(pid_t parent, const std::string& text) {
+  std::vector<pid_t> children = processesWith(text);
+  std::erase_if(children, [parent](pid_t pid) {
+    std::ifstream stream("/proc/" + std::to_string(pid) + "/stat");
+    std::string line;
+    std::getline(stream, line);
+    const auto after_name = line.rfind(')');
+    if (after_name == std::string::npos) return true;
+    // ") S 123 ...": the state, then the parent.
+    return std::stoi(line.substr(after_name + 4)) != parent;
+  });
+  return children;
+}
+
 fs::path experiment(const std::string& name) {
   return fs::path(LAB_EXPERIMENTS) / (name + ".toml");
 }

@@ -69,6 +69,9 @@ std::string readFile(const std::filesystem::path& file);
 /// Processes whose command line contains `text`, this one's excepted.
 std::vector<pid_t> processesWith(const std::string& text);
 
+/// The children of a process whose command line contains `text`.
+std::vector<pid_t> childrenWith(pid_t parent, const std::string& text);
+
 /// Where the repository's experiments lie.
 std::filesystem::path experiment(const std::string& name);
 

@@ -2,6 +2,12 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
+#include <lab/robot_status_t.hpp>
+#include <map>
+
+#include "common/channels.hpp"
+#include "common/header.hpp"
+#include "common/log_file.hpp"
 #include "tests/system/lab_process.hpp"
 
 namespace lab::system_test {
@@ -14,9 +20,7 @@ namespace fs = std::filesystem;
 /// Short live runs of the light-switching experiment: two steps a second and a half each.
 class LiveRun : public testing::Test {
  protected:
-  LiveRun() {
-    setenv("XDG_RUNTIME_DIR", folder.path().c_str(), 1);
-  }
+  LiveRun() { setenv("XDG_RUNTIME_DIR", folder.path().c_str(), 1); }
 
   [[nodiscard]] std::string labRun(double duration_s, const std::string& more = "") const {
     return "exec lab run " + experiment("light_switching").string() + " --out " + runs().string() +
@@ -48,13 +52,26 @@ class LiveRun : public testing::Test {
     return waitFor([&] { return lab.output().find("running ") != std::string::npos; }, seconds(15));
   }
 
-  [[nodiscard]] pid_t only(const std::string& program) const {
-    const std::vector<pid_t> found = processesWith(std::string(LAB_PROGRAMS) + "/" + program);
-    return found.size() == 1 ? found.front() : -1;
-  }
-
   TemporaryFolder folder;
 };
+
+struct Stream {
+  double messages = 0;
+  std::int64_t last_seq = 0;
+};
+
+/// By "channel sender".
+std::map<std::string, Stream> streams(const fs::path& log) {
+  std::map<std::string, Stream> all;
+  readLog({log}, [&all](const Packet& packet) {
+    const auto header = peekHeader(packet.data);
+    if (!header) return;
+    Stream& stream = all[std::string(packet.channel) + " " + std::string(header->sender)];
+    ++stream.messages;
+    stream.last_seq = header->seq;
+  });
+  return all;
+}
 
 TEST_F(LiveRun, LeavesLogReportAndSummaryBehind) {
   const Finished lab = run(labRun(6));
@@ -92,9 +109,47 @@ TEST_F(LiveRun, AHandStartedLoggerHearsTheSameStreams) {
   ASSERT_EQ(lab.wait(seconds(60)).exit_code, 0) << lab.output();
   logger.signal(SIGTERM);
   logger.wait(seconds(10));
-  // It may have begun a moment later than the lab's own.
-  const auto own = static_cast<double>(fs::file_size(theRun() / "log.lcmlog"));
-  EXPECT_NEAR(static_cast<double>(fs::file_size(by_hand)) / own, 1, 0.1);
+  const auto own = streams(theRun() / "log.lcmlog");
+  const auto heard = streams(by_hand);
+  EXPECT_GE(own.size(), 11U);
+  for (const auto& [stream, last] : own) {
+    ASSERT_TRUE(heard.contains(stream)) << stream;
+    EXPECT_EQ(heard.at(stream).last_seq, last.last_seq) << stream;
+    // It may have begun a moment later than the lab's own.
+    EXPECT_NEAR(heard.at(stream).messages, last.messages, 0.1 * last.messages + 5) << stream;
+  }
+}
+
+TEST_F(LiveRun, AStopOutlastsARestartOfTheSimulator) {
+  Background lab(labRun(12));
+  ASSERT_TRUE(waitUntilRunning(lab)) << lab.output();
+  ASSERT_EQ(run("lab stop").exit_code, 0);
+  for (const pid_t pid : childrenWith(lab.pid(), "/sim_svc")) kill(pid, SIGKILL);
+  const Finished ended = lab.wait(seconds(60));
+  ASSERT_EQ(ended.exit_code, 0) << ended.output;
+  EXPECT_THAT(ended.output, HasSubstr("sim_svc died"));
+  int moving_after_restart = 0;
+  std::int64_t first_instance = 0;
+  readLog({theRun() / "log.lcmlog"}, [&](const Packet& packet) {
+    robot_status_t status{};
+    if (packet.channel != channels::kRobotStatus || !decode(packet.data, status)) return;
+    if (first_instance == 0) first_instance = status.instance;
+    const robot_state_t& robot = status.robots.at(0);
+    const bool moves = robot.wheel_left != 0 || robot.wheel_right != 0;
+    if (status.instance != first_instance && moves) ++moving_after_restart;
+  });
+  EXPECT_EQ(moving_after_restart, 0);
+}
+
+TEST_F(LiveRun, ANetworkThatGoesDownClosesTheRunWithItsData) {
+  Background lab(
+      "unshare -n bash -c 'ip link set lo up; ip route add 224.0.0.0/4 dev lo; "
+      "{ sleep 5; ip link set lo down; } & " +
+      labRun(30) + "'");
+  const Finished ended = lab.wait(seconds(60));
+  EXPECT_EQ(ended.exit_code, 3) << ended.output;
+  EXPECT_TRUE(fs::exists(theRun() / "report.html"));
+  EXPECT_THAT(processesWith(runs().string()), testing::IsEmpty());
 }
 
 TEST_F(LiveRun, ARunEndedByTheUserKeepsItsData) {
@@ -133,7 +188,7 @@ TEST_P(KilledService, IsRestartedAndTheRunIsMarked) {
   Background lab(labRun(8));
   ASSERT_TRUE(waitUntilRunning(lab)) << lab.output();
   waitFor([] { return false; }, seconds(2));
-  const std::vector<pid_t> processes = processesWith(name == "lcm-logger" ? "lcm-logger" : "/" + name);
+  const std::vector<pid_t> processes = childrenWith(lab.pid(), "/" + name);
   ASSERT_FALSE(processes.empty());
   for (const pid_t pid : processes) kill(pid, SIGKILL);
   const Finished ended = lab.wait(seconds(60));
@@ -177,7 +232,13 @@ TEST_F(Refusal, WithoutLcmLogger) {
                 "lcm-logger is not installed: sudo apt-get install liblcm-bin");
 }
 
-TEST_F(Refusal, WithForeignTrafficOnThePort) {
+TEST_F(Refusal, OnAPortOnWhichSomebodySpeaks) {
+  // A service started by hand beats once a second.
+  Background analyzer("exec analyzer --lcm-url 'udpm://239.255.76.67:23457?ttl=0'");
+  expectRefused(run(labRun(5, "--set network.port=23457")), "SERVICE_STATUS from analyzer");
+}
+
+TEST_F(Refusal, OnThePortOfAnotherLab) {
   Background first(labRun(20, "--set network.port=23456"));
   ASSERT_TRUE(waitUntilRunning(first));
   const TemporaryFolder other;

@@ -89,7 +89,8 @@ TEST_F(VirtualRun, EverySwitchOfTheLightReachesTheRobotWithinASensorPeriodAndAFr
   for (const auto& step : steps) {
     EXPECT_EQ(step.at("robots_acted"), 1) << step;
     const double presented_s = step.at("presented_s");
-    EXPECT_LE((presented_s - step.at("commanded_s").get<double>()) * 1000, kFrame_ms + 0.01) << step;
+    EXPECT_LE((presented_s - step.at("commanded_s").get<double>()) * 1000, kFrame_ms + 0.01)
+        << step;
     const double latency_ms = (step.at("last_acted_s").get<double>() - presented_s) * 1000;
     EXPECT_GE(latency_ms, 0) << step;
     EXPECT_LE(latency_ms, kSensorPeriod_ms + kFrame_ms) << step;
@@ -140,7 +141,8 @@ TEST_F(VirtualRun, LostMessagesBiasNoEstimate) {
   EXPECT_GT(pool.at("judged_lags"), 50);
   for (const auto& [name, estimate] : pool.at("estimates").items()) {
     if (estimate.at("theory").is_null() || estimate.at("value").is_null()) continue;
-    const double deviation = estimate.at("value").get<double>() - estimate.at("theory").get<double>();
+    const double deviation =
+        estimate.at("value").get<double>() - estimate.at("theory").get<double>();
     EXPECT_LT(std::abs(deviation), 4 * estimate.at("standard_error").get<double>()) << name;
   }
 }
