@@ -52,6 +52,7 @@ int serviceMain(int argc, char** argv, const ServiceDescription& description) {
   experiment->required(description.needs_experiment);
   app.add_option("--lcm-url", options.lcm_url, "The bus, as printed by lab run")
       ->capture_default_str();
+  if (description.add_options) description.add_options(app);
   app.set_version_flag("--version", kVersion);
   try {
     app.parse(argc, argv);

@@ -11,6 +11,10 @@
 #include "common/loop.hpp"
 #include "common/node.hpp"
 
+namespace CLI {
+class App;
+}
+
 namespace lab {
 
 /// A component at work. It subscribes and sets its timers in its constructor.
@@ -38,6 +42,7 @@ struct ServiceDescription {
   std::int8_t origin = 0;        ///< robot_state_t's
   bool needs_experiment = true;  ///< false: --experiment may be left out
   ServiceFactory make;
+  std::function<void(CLI::App&)> add_options{};  ///< what its command line has beyond the others'
 };
 
 /// Parses --experiment and --lcm-url, joins the bus, runs the service until SIGINT or SIGTERM, and

@@ -147,6 +147,18 @@ TEST_F(VirtualRun, LostMessagesBiasNoEstimate) {
   }
 }
 
+TEST_F(VirtualRun, ALogThatCannotGrowClosesTheRunMarked) {
+  const TemporaryFolder folder;
+  // No file may grow beyond 2 MB, as on a disk that is full.
+  const Finished lab =
+      run("trap '' XFSZ; ulimit -f 2000; exec lab run " + experiment("light_switching").string() +
+          " --virtual-time --out " + folder.path().string());
+  EXPECT_EQ(lab.exit_code, 3) << lab.output;
+  EXPECT_THAT(lab.output, HasSubstr("marked   cannot go on writing"));
+  EXPECT_TRUE(fs::exists(onlyRun(folder.path()) / "report.html"));
+  EXPECT_TRUE(fs::exists(onlyRun(folder.path()) / "provenance.json"));
+}
+
 TEST_F(VirtualRun, SaysWhatIsWrongWithAnExperimentAndStartsNothing) {
   const TemporaryFolder folder;
   const fs::path out = folder.path() / "runs";
