@@ -6,11 +6,13 @@
 namespace lab::sim {
 namespace {
 
-/// A light of 0..1 as counts of the robot's 10-bit converter: 1 reads 1023, so that a band up to 1
-/// contains it.
+/// A light of 0..1 as counts of the robot's 10-bit converter, rounded as the converter does, so
+/// that light on an edge belongs to the band above it; 1 reads 1023, and a band up to 1 contains
+/// it.
 std::uint16_t counts(double light) {
-  const double scaled = std::ceil(std::clamp(light, 0.0, 1.0) * (dynamics::kLightCounts - 1) - 0.5);
-  return static_cast<std::uint16_t>(light >= 1 ? dynamics::kLightCounts : scaled);
+  if (light >= 1) return dynamics::kLightCounts;
+  return static_cast<std::uint16_t>(
+      std::lround(std::clamp(light, 0.0, 1.0) * (dynamics::kLightCounts - 1)));
 }
 
 dynamics::ProgramPhysics physics(const program_t& program) {
@@ -51,6 +53,8 @@ std::string numbersRefusal(const robot_order_t& order, const dynamics::WheelLimi
 OrderSettings settingsFrom(const robot_order_t& order, const dynamics::WheelLimits& limits,
                            double sensor_period) {
   OrderSettings result;
+  result.core.max_wheel_um_s = static_cast<std::int32_t>(std::lround(limits.v_max * 1e6));
+  result.core.sensor_period_ms = static_cast<std::uint16_t>(std::lround(sensor_period * 1e3));
   result.refusal = numbersRefusal(order, limits);
   if (!result.refusal.empty() || order.mode != robot_order_t::TABLE) return result;
   if (order.bands.size() > dynamics::kSlots) {
@@ -95,8 +99,6 @@ OrderSettings settingsFrom(const robot_order_t& order, const dynamics::WheelLimi
     result.core.reversal.speed_um_s =
         static_cast<std::int32_t>(std::lround(order.reverse_speed * 1e6));
   }
-  result.core.max_wheel_um_s = static_cast<std::int32_t>(std::lround(limits.v_max * 1e6));
-  result.core.sensor_period_ms = static_cast<std::uint16_t>(std::lround(sensor_period * 1e3));
   return result;
 }
 

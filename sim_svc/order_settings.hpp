@@ -18,7 +18,7 @@ struct OrderSettings {
   std::string refusal;              ///< not empty: the robot cannot do this, and why
 };
 
-/// Of an order with another mode than TABLE only whether it can be obeyed.
+/// An order with another mode than TABLE has no programs, and its other parts are not looked at.
 [[nodiscard]] OrderSettings settingsFrom(const robot_order_t& order,
                                          const dynamics::WheelLimits& limits, double sensor_period);
 

@@ -283,7 +283,8 @@ void SimService::obey(std::size_t i, const robot_order_t& order, const OrderSett
       link.driven.wheel_right = order.wheel_right;
       const auto left = static_cast<std::int32_t>(std::lround(order.wheel_left * 1e6));
       const auto right = static_cast<std::int32_t>(std::lround(order.wheel_right * 1e6));
-      world_.order(i, [left, right](dynamics::RobotCore& core, std::uint32_t now_ms) {
+      world_.order(i, [&settings, left, right](dynamics::RobotCore& core, std::uint32_t now_ms) {
+        core.configure(now_ms, settings.core);
         core.driveWheels(now_ms, left, right);
       });
       break;

@@ -1,0 +1,182 @@
+#include "sim_svc/sim_service.hpp"
+
+#include <gtest/gtest.h>
+
+#include <lab/robot_status_t.hpp>
+#include <lab/sim_truth_t.hpp>
+#include <lab/tracked_frame_t.hpp>
+#include <vector>
+
+#include "common/channels.hpp"
+#include "common/experiment_file.hpp"
+#include "common/experiment_messages.hpp"
+#include "common/memory_bus.hpp"
+#include "common/virtual_loop.hpp"
+
+namespace lab::sim {
+namespace {
+
+constexpr std::int64_t kSecond_us = 1'000'000;
+
+/// The service on an in-memory bus, with somebody who commands and listens.
+class SimServiceTest : public testing::Test {
+ protected:
+  SimServiceTest() {
+    loop.drainWith([this] { bus.deliver(); });
+    other.subscribe<robot_status_t>(channels::kRobotStatus, [this](const robot_status_t& status) {
+      statuses.push_back(status);
+    });
+    other.subscribe<tracked_frame_t>(channels::kTrackedFrame, [this](const tracked_frame_t& frame) {
+      frames.push_back(frame);
+      frame_arrivals.push_back(loop.now());
+    });
+  }
+
+  void command(const robot_order_t& order, std::int64_t seq) {
+    robot_command_t message{};
+    message.seq = seq;
+    message.lease_ms = 1000;
+    message.orders = {order};
+    message.num_orders = 1;
+    other.publishCommand(channels::kRobotCommand, message);
+    bus.deliver();
+  }
+
+  void run(double seconds) { loop.runUntil(loop.now() + static_cast<std::int64_t>(seconds * 1e6)); }
+
+  [[nodiscard]] const robot_state_t& last(std::size_t robot = 0) const {
+    return statuses.back().robots.at(robot);
+  }
+
+  static robot_order_t drive(double left, double right) {
+    robot_order_t order{};
+    order.mode = robot_order_t::DRIVE;
+    order.robot_ids = {1};
+    order.num_robots = 1;
+    order.wheel_left = left;
+    order.wheel_right = right;
+    return order;
+  }
+
+  VirtualLoop loop;
+  MemoryBus bus{[this] { return loop.now(); }};
+  Experiment experiment = parseExperiment(R"(
+fileversion = 1
+name = "two"
+duration_s = 10
+program = "abp"
+[robot]
+pwm_steps = false
+clock_error_percent = 0
+[[robots]]
+id = 1
+x_cm = 30
+y_cm = 45
+theta_deg = 0
+[[robots]]
+id = 2
+x_cm = 90
+y_cm = 45
+theta_deg = 0
+[programs.abp]
+model = "abp"
+v_cm_s = 3
+epsilon_s = 0.5
+eta_rad_s = 3
+[camera]
+delay_ms = 30
+)",
+                                          "two");
+  Node node{bus, loop, {"sim_svc", robot_state_t::SIM, 1}};
+  Node other{bus, loop, {"test", 0, 1}};
+  SimService dut{{node, loop, experiment, {}}};
+  std::vector<robot_status_t> statuses;
+  std::vector<tracked_frame_t> frames;
+  std::vector<std::int64_t> frame_arrivals;
+};
+
+TEST_F(SimServiceTest, ReportsAtItsRatesOnExactGridsAndDelaysTheTracker) {
+  const std::int64_t start = loop.now();
+  run(1);
+  ASSERT_EQ(statuses.size(), 51U);
+  EXPECT_EQ(statuses[50].robots.at(0).utime, start + kSecond_us);
+  ASSERT_GE(frames.size(), 49U);
+  EXPECT_EQ(frames[10].utime, start + 200'000);
+  EXPECT_EQ(frame_arrivals[10], start + 230'000);
+  EXPECT_EQ(frames[10].robots.size(), 2U);
+}
+
+TEST_F(SimServiceTest, RobotsStandUntilTheyAreCommanded) {
+  run(2);
+  EXPECT_EQ(last().program.kind, program_t::NONE);
+  EXPECT_EQ(frames.front().robots[0].x, frames.back().robots[0].x);
+}
+
+TEST_F(SimServiceTest, DrivesAtTheOrderedSpeedAndEchoesTheOrder) {
+  command(drive(0.1, 0.1), 5);
+  const std::size_t before = frames.size();
+  run(0.5);
+  EXPECT_EQ(last().command_seq, 5);
+  EXPECT_EQ(last().program.kind, program_t::WHEELS);
+  // Frames in the last 30 ms are still under way.
+  const tracked_frame_t& frame = frames.back();
+  const double driven_s = static_cast<double>(frame.utime - frames.at(before).utime) * 1e-6;
+  EXPECT_NEAR(frame.robots[0].x - frames.at(before).robots[0].x, 0.1 * driven_s, 1e-9);
+  EXPECT_EQ(last(1).command_seq, 0) << "not meant";
+}
+
+TEST_F(SimServiceTest, AnOrderBeyondTheWheelsIsRefusedAndSaidSo) {
+  command(drive(1, 1), 6);
+  run(0.1);
+  EXPECT_NE(last().flags & robot_state_t::FLAG_REJECTED, 0);
+  EXPECT_EQ(last().wheel_left, 0);
+}
+
+TEST_F(SimServiceTest, StopsWhenTheHostIsSilentForItsLease) {
+  command(drive(0.1, 0.1), 1);
+  run(0.98);
+  EXPECT_NE(last().wheel_left, 0);
+  run(0.1);
+  EXPECT_EQ(last().wheel_left, 0);
+  EXPECT_NE(last().flags & robot_state_t::FLAG_LEASE_EXPIRED, 0);
+}
+
+TEST_F(SimServiceTest, AStopOutranksCommandsUntilItIsReleased) {
+  command(drive(0.1, 0.1), 1);
+  robot_stop_t stop{};
+  stop.seq = 77;
+  other.publishCommand(channels::kRobotStop, stop);
+  command(drive(0.2, 0.2), 2);
+  run(0.1);
+  EXPECT_EQ(last().wheel_left, 0);
+  EXPECT_EQ(last().stop_seq, 77);
+  EXPECT_NE(last().flags & robot_state_t::FLAG_STOPPED, 0);
+  stop.seq = 78;
+  stop.clear = 1;
+  other.publishCommand(channels::kRobotStop, stop);
+  run(0.1);
+  EXPECT_NE(last().wheel_left, 0);
+}
+
+TEST_F(SimServiceTest, TheShownLightSelectsTheProgramWithinASensorPeriod) {
+  command(lightTableCommand(experiment).orders.at(0), 1);
+  run(0.1);
+  light_status_t status{};
+  status.mix = 1;
+  light_layer_t uniform{};
+  uniform.kind = light_layer_t::UNIFORM;
+  uniform.intensity = 0.5;
+  status.layers = {uniform};
+  status.num_layers = 1;
+  const std::int64_t shown = loop.now();
+  other.publish(channels::kLightStatus, status);
+  run(0.1);
+  for (const robot_state_t& robot : statuses.back().robots) {
+    EXPECT_EQ(robot.program.kind, program_t::ABP);
+    EXPECT_LE(robot.program_start_utime - shown, 20'000);
+    EXPECT_NEAR((robot.program_left + robot.program_right) / 2, 0.03, 1e-9);
+  }
+}
+
+}  // namespace
+}  // namespace lab::sim
