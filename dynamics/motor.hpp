@@ -36,5 +36,37 @@ inline int16_t dutyForSpeed(int32_t um_s, int32_t max_um_s) {
   return um_s < 0 ? static_cast<int16_t>(-duty) : duty;
 }
 
+/// One wheel as `lab calibrate motors` found it. The wheel stands up to the dead band and turns at
+/// max * gain * (duty - dead_band) / (255 - dead_band) above it.
+struct WheelCalibration {
+  int32_t gain_ppm = 1000000L;  ///< Real over nominal speed at full duty, millionths.
+  uint8_t dead_band = 0;        ///< Duty.
+};
+
+inline bool operator==(const WheelCalibration& a, const WheelCalibration& b) {
+  return a.gain_ppm == b.gain_ppm && a.dead_band == b.dead_band;
+}
+
+/// The signed duty that makes a calibrated wheel turn at um_s, rounded to nearest. A wheel too weak
+/// for the speed gets 255. Without dead band and with gain 1 it is dutyForSpeed(um_s, max_um_s).
+inline int16_t dutyForSpeed(int32_t um_s, int32_t max_um_s, const WheelCalibration& wheel) {
+  const uint32_t size = static_cast<uint32_t>(um_s < 0 ? -um_s : um_s);
+  const uint64_t full =
+      static_cast<uint64_t>(max_um_s) * static_cast<uint32_t>(wheel.gain_ppm) / 1000000U;
+  if (size == 0 || full == 0) {
+    return 0;
+  }
+  const uint32_t range = static_cast<uint32_t>(kMaxDuty) - wheel.dead_band;
+  uint32_t duty = static_cast<uint32_t>(kMaxDuty);
+  if (size < full) {
+    // 5 m/s * 255 fits in 32 bits.
+    const uint32_t limit = static_cast<uint32_t>(full);
+    const uint32_t above = (size * range + limit / 2U) / limit;
+    duty = above == 0 ? 0 : above + wheel.dead_band;
+  }
+  const int16_t result = static_cast<int16_t>(duty);
+  return um_s < 0 ? static_cast<int16_t>(-result) : result;
+}
+
 }  // namespace dynamics
 }  // namespace lab

@@ -41,6 +41,12 @@ class Rng {
   /// One word of the state (index 0..3), for logs that let the draws be repeated.
   uint32_t stateWord(uint8_t index) const { return state_[index & 3U]; }
 
+  /// The state in 32 bits: two runs whose digests agree draw after draw drew the same numbers.
+  uint32_t digest() const {
+    return state_[0] ^ rotateLeft(state_[1], 8) ^ rotateLeft(state_[2], 16) ^
+           rotateLeft(state_[3], 24);
+  }
+
   /// 32 uniform random bits.
   uint32_t next() {
     const uint32_t result = rotateLeft(state_[0] + state_[3], 7) + state_[0];

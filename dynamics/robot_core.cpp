@@ -133,24 +133,31 @@ void RobotCore::sense(uint32_t now_ms, const Sensors& sensors) {
 }
 
 void RobotCore::advanceTo(uint32_t now_ms) {
-  uint32_t at_ms = 0;
-  for (Event event = nextEvent(now_ms, at_ms); event != kNothing && notAfter(at_ms, now_ms);
-       event = nextEvent(now_ms, at_ms)) {
-    switch (event) {
-      case kLeaseEnd:
-        leased_ = false;
-        restart(at_ms);
-        break;
-      case kReversalEnd:
-        endReversal(at_ms);
-        break;
-      case kHoldEnd:
-        beginHold(at_ms);
-        break;
-      case kNothing:
-        break;
-    }
+  while (advanceOne(now_ms)) {
   }
+}
+
+bool RobotCore::advanceOne(uint32_t now_ms) {
+  uint32_t at_ms = 0;
+  const Event event = nextEvent(now_ms, at_ms);
+  if (event == kNothing || !notAfter(at_ms, now_ms)) {
+    return false;
+  }
+  switch (event) {
+    case kLeaseEnd:
+      leased_ = false;
+      restart(at_ms);
+      break;
+    case kReversalEnd:
+      endReversal(at_ms);
+      break;
+    case kHoldEnd:
+      beginHold(at_ms);
+      break;
+    case kNothing:
+      break;
+  }
+  return true;
 }
 
 uint32_t RobotCore::nextEventMs(uint32_t now_ms) const {
@@ -170,16 +177,21 @@ WheelSpeedsUmS RobotCore::wheels() const {
 
 CoreReport RobotCore::report() const {
   CoreReport report = report_;
-  report.flags = 0;
-  addIf(reversal_direction_ != 0, kReversing, report.flags);
-  addIf(stopped_, kStopped, report.flags);
-  addIf(!leased_, kLeaseExpired, report.flags);
-  addIf(saturated_, kSaturated, report.flags);
-  addIf(tumbling_, kTumbling, report.flags);
-  addIf(mode_ == kDrive, kDriven, report.flags);
-  addIf(light_.slot() == kNoSlot, kNoLightBand, report.flags);
-  addIf(!configured_, kUnconfigured, report.flags);
+  report.flags = flags();
   return report;
+}
+
+uint16_t RobotCore::flags() const {
+  uint16_t flags = 0;
+  addIf(reversal_direction_ != 0, kReversing, flags);
+  addIf(stopped_, kStopped, flags);
+  addIf(!leased_, kLeaseExpired, flags);
+  addIf(saturated_, kSaturated, flags);
+  addIf(tumbling_, kTumbling, flags);
+  addIf(mode_ == kDrive, kDriven, flags);
+  addIf(light_.slot() == kNoSlot, kNoLightBand, flags);
+  addIf(!configured_, kUnconfigured, flags);
+  return flags;
 }
 
 uint32_t RobotCore::runTimeMs(uint32_t now_ms) const {
@@ -256,6 +268,8 @@ void RobotCore::beginHold(uint32_t now_ms) {
   report_.held.right = clampWheel(hold.right_um_s, settings_.max_wheel_um_s, saturated_);
   tumbling_ = hold.tumble;
   hold_ends_ = hold.duration_ms != kForever;
+  hold_start_ms_ = now_ms;
+  hold_duration_ms_ = hold.duration_ms;
   hold_end_ms_ = now_ms + hold.duration_ms;
   ++report_.draw_count;
   report_.tumble_count += hold.tumble ? 1U : 0U;

@@ -129,6 +129,9 @@ class RobotCore {
   /// Processes everything due up to and including now_ms.
   void advanceTo(uint32_t now_ms);
 
+  /// Processes the first event due by now_ms, if there is one; for owners that record every draw.
+  bool advanceOne(uint32_t now_ms);
+
   /// When the wheel speeds may change next without a call from outside: the end of the hold, of the
   /// reversal or of the lease. now_ms + kNoEventMs if nothing is pending.
   uint32_t nextEventMs(uint32_t now_ms) const;
@@ -138,6 +141,16 @@ class RobotCore {
   WheelSpeedsUmS wheels() const;
 
   CoreReport report() const;
+
+  /// The parts of report() without copying it: CoreFlag bits, and all the rest (its flags are not
+  /// filled in).
+  uint16_t flags() const;
+  const CoreReport& record() const { return report_; }
+
+  /// When the present hold began, and how long it was drawn to last (kForever: until something else
+  /// happens; reversals not counted).
+  uint32_t holdStartMs() const { return hold_start_ms_; }
+  uint32_t holdDurationMs() const { return hold_duration_ms_; }
 
   /// How long the robot has been in runs of a run-and-tumble program since boot, reversals
   /// excluded: tumble_count / run time estimates gamma without bias (right-censored maximum
@@ -185,6 +198,8 @@ class RobotCore {
 
   WheelSpeedsUmS driven_wheels_;
   uint32_t lease_end_ms_ = 0;
+  uint32_t hold_start_ms_ = 0;
+  uint32_t hold_duration_ms_ = 0;
   uint32_t hold_end_ms_ = 0;
   uint32_t hold_remaining_ms_ = 0;  ///< While paused.
   uint32_t reversal_due_ms_ = 0;

@@ -81,5 +81,18 @@ TEST(UniformInt, FillsItsCellsEvenly) {
   EXPECT_LT(std::abs(chi2 - dof) / std::sqrt(2 * dof), 4);
 }
 
+TEST(Rng, DigestChangesWithEveryBitOfTheState) {
+  Rng rng;
+  rng.setState(0x12345678, 0x9ABCDEF0, 0x0F1E2D3C, 0x4B5A6978);
+  const uint32_t digest = rng.digest();
+  EXPECT_EQ(digest, 0x12345678U ^ 0xBCDEF09AU ^ 0x2D3C0F1EU ^ 0x784B5A69U);
+  for (uint8_t bit = 0; bit < 128; ++bit) {
+    uint32_t words[4] = {0x12345678, 0x9ABCDEF0, 0x0F1E2D3C, 0x4B5A6978};
+    words[bit / 32] ^= 1U << (bit % 32);
+    rng.setState(words[0], words[1], words[2], words[3]);
+    EXPECT_NE(rng.digest(), digest) << int{bit};
+  }
+}
+
 }  // namespace
 }  // namespace lab::dynamics

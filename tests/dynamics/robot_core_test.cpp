@@ -240,5 +240,36 @@ TEST(RobotCore, CountsTumblesAndTheTimeInRunsWithoutReversals) {
   EXPECT_EQ(dut.runTimeMs(run_end + 9999), run_end);
 }
 
+TEST(RobotCore, AdvancesByOneEventSoThatNoDrawIsMissed) {
+  RobotCore all = runningCore(0);
+  RobotCore one = runningCore(0);
+  Rng rng(42);
+  Program program;
+  program.start(twoPrograms().programs[0]);
+  uint32_t start = 0;
+  do {
+    const Hold hold = program.next(rng);
+    expectWheels(one, hold.left_um_s, hold.right_um_s);
+    EXPECT_EQ(one.holdStartMs(), start);
+    EXPECT_EQ(one.holdDurationMs(), hold.duration_ms);
+    EXPECT_EQ(one.rng().digest(), rng.digest());
+    start += hold.duration_ms;
+  } while (one.advanceOne(10200));
+  all.advanceTo(10200);
+  EXPECT_EQ(one.record().draw_count, all.record().draw_count);
+  EXPECT_EQ(one.holdStartMs(), 10000U);
+  EXPECT_FALSE(one.advanceOne(10499));
+  EXPECT_TRUE(one.advanceOne(10500));
+}
+
+TEST(RobotCore, OfAReportThePartsAreTheSame) {
+  RobotCore dut = runningCore(0);
+  dut.advanceTo(1234);
+  dut.stop(1300);
+  EXPECT_EQ(dut.report().flags, dut.flags());
+  EXPECT_EQ(dut.report().program_epoch, dut.record().program_epoch);
+  EXPECT_EQ(dut.holdDurationMs(), kForever);
+}
+
 }  // namespace
 }  // namespace lab::dynamics

@@ -1,0 +1,242 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <vector>
+
+#include "firmware/device.hpp"
+#include "wire/config.hpp"
+#include "wire/fields.hpp"
+
+namespace lab::firmware {
+
+/// Electronics in memory. The line takes its bytes off a queue of the chip's size at the speed of
+/// 38400 baud; the EEPROM can fail.
+class BenchBoard final : public Board {
+ public:
+  static constexpr std::size_t kQueue = 127;
+  static constexpr double kBytesPerMs = 3.84;
+
+  void setMotors(int16_t left, int16_t right) override {
+    left_ = left;
+    right_ = right;
+    ++motor_changes_;
+  }
+  bool send(const uint8_t* bytes, uint8_t size) override {
+    if (queue_.size() + size > kQueue) return false;
+    queue_.insert(queue_.end(), bytes, bytes + size);
+    return true;
+  }
+  bool lineIdle() const override { return queue_.empty(); }
+  uint8_t readStore(uint16_t address) const override { return store_.at(address); }
+  void writeStore(uint16_t address, uint8_t byte) override {
+    ++store_writes_;
+    if (!store_dead_) store_.at(address) = byte;
+  }
+  uint16_t stackLeft() const override { return 320; }
+
+  /// What leaves the line within a millisecond.
+  std::vector<uint8_t> passMs() {
+    credit_ += kBytesPerMs;
+    std::vector<uint8_t> bytes;
+    while (!queue_.empty() && credit_ >= 1) {
+      bytes.push_back(queue_.front());
+      queue_.pop_front();
+      credit_ -= 1;
+    }
+    if (queue_.empty()) credit_ = 0;
+    return bytes;
+  }
+
+  void blockLine() { queue_.assign(kQueue, 0); }
+
+  int16_t left_ = 99;
+  int16_t right_ = 99;
+  int motor_changes_ = 0;
+  int store_writes_ = 0;
+  bool store_dead_ = false;
+  std::array<uint8_t, 1024> store_ = [] {
+    std::array<uint8_t, 1024> blank{};
+    blank.fill(0xFF);
+    return blank;
+  }();
+
+ private:
+  std::deque<uint8_t> queue_;
+  double credit_ = 0;
+};
+
+/// A frame that the robot sent and the time when it was complete.
+struct Heard {
+  uint32_t t_ms = 0;
+  wire::Frame frame;
+};
+
+/// One robot, its program driven every millisecond, with a host that counts its own seq.
+class RobotOnBench {
+ public:
+  explicit RobotOnBench(uint32_t t0 = 0) : now_(t0) {}
+
+  /// A robot with settings in its EEPROM.
+  explicit RobotOnBench(const Settings& settings) { encodeStore(settings, board_.store_.data()); }
+
+  void boot(uint8_t reset_cause = wire::kResetPower) {
+    BootFacts facts;
+    facts.reset_cause = reset_cause;
+    facts.board = 2;
+    facts.baud = 38400;
+    facts.build = 0x1234ABCD;
+    device_ = std::make_unique<Device>(board_, facts);
+    device_->boot(now_);
+  }
+
+  /// Lets ms pass.
+  void run(uint32_t ms) {
+    for (uint32_t i = 0; i < ms; ++i) {
+      ++now_;
+      if (device_->scanDue(now_)) device_->sense(now_, sensors_);
+      device_->tick(now_);
+      hear();
+    }
+  }
+
+  /// Sends a message with the next seq, all its bytes now; returns that seq.
+  template <class Message>
+  uint8_t send(const Message& message) {
+    sendAgain(message, ++seq_);
+    return seq_;
+  }
+
+  template <class Message>
+  void sendAgain(const Message& message, uint8_t seq) {
+    wire::Frame frame;
+    wire::pack(message, seq, frame);
+    sendFrame(frame);
+  }
+
+  void sendFrame(const wire::Frame& frame) {
+    uint8_t bytes[wire::kMaxFrame];
+    const uint8_t size = wire::encode(frame, bytes);
+    for (uint8_t i = 0; i < size; ++i) device_->receive(now_, 250, bytes[i]);
+  }
+
+  /// Sends a command and lets 60 ms pass; its answer. No answer is a failure.
+  template <class Message>
+  wire::Ack command(const Message& message) {
+    const std::size_t before = heard_.size();
+    const uint8_t seq = send(message);
+    run(60);
+    for (std::size_t i = before; i < heard_.size(); ++i) {
+      wire::Ack ack;
+      if (heard_[i].frame.seq == seq && wire::unpack(heard_[i].frame, ack)) return ack;
+    }
+    ADD_FAILURE() << "no answer to type " << int{Message::kType};
+    return {};
+  }
+
+  /// All messages of a type heard so far, oldest first.
+  template <class Message>
+  std::vector<Message> all() const {
+    std::vector<Message> messages;
+    for (const Heard& heard : heard_) {
+      Message message;
+      if (wire::unpack(heard.frame, message)) messages.push_back(message);
+    }
+    return messages;
+  }
+
+  /// The latest message of a type; there must be one.
+  template <class Message>
+  Message last() const {
+    const std::vector<Message> messages = all<Message>();
+    if (messages.empty()) {
+      ADD_FAILURE() << "no message of type " << int{Message::kType};
+      return {};
+    }
+    return messages.back();
+  }
+
+  std::vector<int> eventCodes() const {
+    std::vector<int> codes;
+    for (const wire::Event& event : all<wire::Event>()) codes.push_back(event.code);
+    return codes;
+  }
+
+  /// Stages the settings and applies them; the answer to APPLY.
+  wire::Ack configure(const dynamics::CoreSettings& settings) {
+    for (uint8_t slot = 0; slot < dynamics::kSlots; ++slot) {
+      EXPECT_EQ(command(wire::programMessage(settings, slot)).status, wire::kOk);
+    }
+    EXPECT_EQ(command(wire::lightMessage(settings)).status, wire::kOk);
+    EXPECT_EQ(command(wire::motionMessage(settings)).status, wire::kOk);
+    wire::Apply apply;
+    apply.config = wire::configCrc(settings);
+    config_ = apply.config;
+    return command(apply);
+  }
+
+  wire::Order order(uint8_t mode, uint32_t lease_ms, uint8_t id = 1) const {
+    wire::Order order;
+    order.id = id;
+    order.mode = mode;
+    order.config = config_;
+    order.left_um_s = 100000;
+    order.right_um_s = -50000;
+    order.lease_ms = lease_ms;
+    return order;
+  }
+
+  Device& device() { return *device_; }
+  BenchBoard& board() { return board_; }
+  dynamics::Sensors& sensors() { return sensors_; }
+  uint32_t now() const { return now_; }
+  std::vector<Heard>& heard() { return heard_; }
+  bool stands() const { return board_.left_ == 0 && board_.right_ == 0; }
+
+ private:
+  void hear() {
+    for (const uint8_t byte : board_.passMs()) {
+      if (decoder_.push(byte)) heard_.push_back({now_, decoder_.frame()});
+    }
+  }
+
+  uint32_t now_ = 0;
+  BenchBoard board_;
+  std::unique_ptr<Device> device_;
+  dynamics::Sensors sensors_;
+  wire::Decoder decoder_;
+  std::vector<Heard> heard_;
+  uint8_t seq_ = 0;
+  uint16_t config_ = 0;
+};
+
+/// ABP in slot 0 on light 0..512, RTP in slot 1 above.
+inline dynamics::CoreSettings twoPrograms() {
+  dynamics::CoreSettings s;
+  s.light.count = 2;
+  s.light.bands[0] = dynamics::LightBand{0, 512, 0};
+  s.light.bands[1] = dynamics::LightBand{512, 1024, 1};
+  s.programs[0].kind = dynamics::kAbp;
+  s.programs[0].speed_um_s = 60000;
+  s.programs[0].amplitude_um_s = 112500;
+  s.programs[0].hold_ms = 500;
+  s.programs[1].kind = dynamics::kRtp;
+  s.programs[1].speed_um_s = 50000;
+  s.programs[1].mean_run_us = 1000000;
+  s.programs[1].tumble_ms = 500;
+  s.programs[1].tumble_amplitude_um_s = 235619;
+  return s;
+}
+
+/// A robot that has settings and runs the ABP of twoPrograms under a lease.
+inline void startPrograms(RobotOnBench& robot, uint32_t lease_ms) {
+  robot.boot();
+  EXPECT_EQ(robot.configure(twoPrograms()).status, wire::kOk);
+  EXPECT_EQ(robot.command(robot.order(wire::Order::kTable, lease_ms)).status, wire::kOk);
+}
+
+}  // namespace lab::firmware
