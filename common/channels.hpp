@@ -9,6 +9,9 @@ namespace lab::channels {
 inline constexpr std::string_view kRobotCommand = "ROBOT_COMMAND";
 inline constexpr std::string_view kRobotStop = "ROBOT_STOP";
 inline constexpr std::string_view kRobotStatus = "ROBOT_STATUS";
+inline constexpr std::string_view kRobotSteps = "ROBOT_STEPS";
+inline constexpr std::string_view kRobotCalibration = "ROBOT_CALIBRATION";
+inline constexpr std::string_view kCalibrationStatus = "CALIBRATION_STATUS";
 inline constexpr std::string_view kTrackedFrame = "TRACKED_FRAME";
 inline constexpr std::string_view kLightCommand = "LIGHT_COMMAND";
 inline constexpr std::string_view kLightStatus = "LIGHT_STATUS";
@@ -19,8 +22,9 @@ inline constexpr std::string_view kClock = "CLOCK";
 inline constexpr std::string_view kSimTruth = "SIM_TRUTH";
 
 inline constexpr std::array kAll{
-    kRobotCommand, kRobotStop,     kRobotStatus,     kTrackedFrame, kLightCommand, kLightStatus,
-    kAnalysis,     kServiceStatus, kExperimentEvent, kClock,        kSimTruth};
+    kRobotCommand,      kRobotStop,    kRobotStatus,  kRobotSteps,  kRobotCalibration,
+    kCalibrationStatus, kTrackedFrame, kLightCommand, kLightStatus, kAnalysis,
+    kServiceStatus,     kExperimentEvent, kClock,     kSimTruth};
 
 /// LCM's own probe, sent whenever a subscriber starts: not lab traffic.
 inline constexpr std::string_view kLcmSelfTest = "LCM_SELF_TEST";

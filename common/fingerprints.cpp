@@ -7,8 +7,10 @@
 #include <lab/experiment_event_t.hpp>
 #include <lab/light_command_t.hpp>
 #include <lab/light_status_t.hpp>
+#include <lab/robot_calibration_t.hpp>
 #include <lab/robot_command_t.hpp>
 #include <lab/robot_status_t.hpp>
+#include <lab/robot_steps_t.hpp>
 #include <lab/robot_stop_t.hpp>
 #include <lab/service_status_t.hpp>
 #include <lab/sim_truth_t.hpp>
@@ -30,8 +32,8 @@ std::array<Type, sizeof...(Messages)> types() {
 const auto& allTypes() {
   static const auto all =
       types<analysis_t, clock_t, experiment_event_t, light_command_t, light_status_t,
-            robot_command_t, robot_status_t, robot_stop_t, service_status_t, sim_truth_t,
-            tracked_frame_t>();
+            robot_calibration_t, robot_command_t, robot_status_t, robot_steps_t, robot_stop_t,
+            service_status_t, sim_truth_t, tracked_frame_t>();
   return all;
 }
 

@@ -7,6 +7,9 @@ namespace lab {
 inline constexpr const char* kVersion = "0.1.0";
 
 /// Version of the message contract (lcmtypes/, CHANGELOG.md). It rises with any change of a type.
-inline constexpr int kContractVersion = 1;
+inline constexpr int kContractVersion = 2;
+
+/// The oldest whose logs are read as they are: version 2 only adds types.
+inline constexpr int kOldestContractVersion = 1;
 
 }  // namespace lab

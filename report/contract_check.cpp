@@ -8,8 +8,10 @@
 #include <lab/clock_t.hpp>
 #include <lab/light_command_t.hpp>
 #include <lab/light_status_t.hpp>
+#include <lab/robot_calibration_t.hpp>
 #include <lab/robot_command_t.hpp>
 #include <lab/robot_status_t.hpp>
+#include <lab/robot_steps_t.hpp>
 #include <lab/robot_stop_t.hpp>
 #include <lab/sim_truth_t.hpp>
 #include <lab/tracked_frame_t.hpp>
@@ -33,6 +35,9 @@ const auto& channelTypes() {
       ChannelType{channels::kRobotCommand, robot_command_t::getHash()},
       ChannelType{channels::kRobotStop, robot_stop_t::getHash()},
       ChannelType{channels::kRobotStatus, robot_status_t::getHash()},
+      ChannelType{channels::kRobotSteps, robot_steps_t::getHash()},
+      ChannelType{channels::kRobotCalibration, robot_calibration_t::getHash()},
+      ChannelType{channels::kCalibrationStatus, robot_calibration_t::getHash()},
       ChannelType{channels::kTrackedFrame, tracked_frame_t::getHash()},
       ChannelType{channels::kLightCommand, light_command_t::getHash()},
       ChannelType{channels::kLightStatus, light_status_t::getHash()},
@@ -44,11 +49,11 @@ const auto& channelTypes() {
   return types;
 }
 
-/// The first type of `ours` whose line is not among `theirs`.
+/// The first type of the log that is none of ours, or is another one.
 std::string firstDifference(const std::string& ours, const std::string& theirs) {
-  std::istringstream lines(ours);
+  std::istringstream lines(theirs);
   for (std::string line; std::getline(lines, line);) {
-    if (("\n" + theirs).find("\n" + line) == std::string::npos) {
+    if (("\n" + ours).find("\n" + line + "\n") == std::string::npos) {
       return line.substr(0, line.find(' '));
     }
   }
@@ -91,10 +96,10 @@ void ContractCheck::take(const service_status_t& status) {
 void ContractCheck::judge(const std::string& log_name) const {
   const std::string by = version_.empty() ? "" : fmt::format(" by Active Lab {}", version_);
   const std::string way_out = fmt::format(
-      "this is Active Lab {}, which reads contract version {}. Analyze the log with the version "
-      "that wrote it",
-      kVersion, kContractVersion);
-  if (contract_ != 0 && contract_ != kContractVersion) {
+      "this is Active Lab {}, which reads contract versions {} to {}. Analyze the log with the "
+      "version that wrote it",
+      kVersion, kOldestContractVersion, kContractVersion);
+  if (contract_ != 0 && (contract_ < kOldestContractVersion || contract_ > kContractVersion)) {
     throw ReportError(fmt::format("{}: written{} under contract version {}; {}", log_name, by,
                                   contract_, way_out));
   }

@@ -11,8 +11,10 @@
 #include <lab/experiment_event_t.hpp>
 #include <lab/light_command_t.hpp>
 #include <lab/light_status_t.hpp>
+#include <lab/robot_calibration_t.hpp>
 #include <lab/robot_command_t.hpp>
 #include <lab/robot_status_t.hpp>
+#include <lab/robot_steps_t.hpp>
 #include <lab/robot_stop_t.hpp>
 #include <lab/service_status_t.hpp>
 #include <lab/sim_truth_t.hpp>
@@ -29,13 +31,15 @@ struct TypeList {};
 
 /// What travels on a channel.
 using ChannelTypes = TypeList<analysis_t, clock_t, experiment_event_t, light_command_t,
-                              light_status_t, robot_command_t, robot_status_t, robot_stop_t,
-                              service_status_t, sim_truth_t, tracked_frame_t>;
+                              light_status_t, robot_calibration_t, robot_command_t,
+                              robot_status_t, robot_steps_t, robot_stop_t, service_status_t,
+                              sim_truth_t, tracked_frame_t>;
 
 /// What travels inside those.
 using PartTypes =
-    TypeList<channel_count_t, curve_t, estimate_t, light_band_t, light_layer_t, program_t,
-             robot_order_t, robot_state_t, stream_count_t, tracked_pose_t, true_pose_t>;
+    TypeList<channel_count_t, curve_t, estimate_t, light_band_t, light_layer_t,
+             motor_calibration_t, program_t, robot_order_t, robot_state_t, robot_step_t,
+             stream_count_t, tracked_pose_t, true_pose_t>;
 
 /// Calls `visit.operator()<Type>()` for every type of both lists.
 template <class Visit, class... Types>
@@ -73,6 +77,14 @@ inline auto fields(robot_state_t& m) {
                   m.reversal_end_utime, m.tumble_count, m.run_time, m.battery, m.link_sent,
                   m.link_received, m.link_errors);
 }
+inline auto fields(motor_calibration_t& m) {
+  return std::tie(m.robot_id, m.gain_left, m.gain_right, m.dead_band_left, m.dead_band_right,
+                  m.wheel_base);
+}
+inline auto fields(robot_step_t& m) {
+  return std::tie(m.utime, m.robot_id, m.draw_count, m.program_epoch, m.slot, m.kind, m.wheel_left,
+                  m.wheel_right, m.duration, m.rng);
+}
 inline auto fields(stream_count_t& m) {
   return std::tie(m.channel, m.sender, m.instance, m.received, m.lost, m.decode_errors);
 }
@@ -103,6 +115,12 @@ inline auto fields(light_status_t& m) {
                   m.command_instance, m.command_seq, m.label, m.first_shown_utime, m.moving,
                   m.calibration_id, m.last_refusal, m.mix, m.num_previous, m.previous, m.num_layers,
                   m.layers);
+}
+inline auto fields(robot_calibration_t& m) {
+  return std::tie(m.utime, m.sender, m.instance, m.seq, m.num_robots, m.robots);
+}
+inline auto fields(robot_steps_t& m) {
+  return std::tie(m.utime, m.sender, m.instance, m.seq, m.num_steps, m.steps);
 }
 inline auto fields(robot_command_t& m) {
   return std::tie(m.utime, m.sender, m.instance, m.seq, m.lease_ms, m.num_orders, m.orders);
