@@ -20,12 +20,31 @@ struct Repeating {
   Loop::Callback callback;
 };
 
+/// What is waiting holds a share of it: a callback may end its own watch.
 struct Watched {
   Watched(asio::io_context& io, int fd, Loop::Callback call)
       : descriptor(io, fd), callback(std::move(call)) {}
   asio::posix::stream_descriptor descriptor;
   Loop::Callback callback;
 };
+
+class DescriptorWatch final : public AsioLoop::Watch {
+ public:
+  explicit DescriptorWatch(std::shared_ptr<Watched> watched) : watched_(std::move(watched)) {}
+  ~DescriptorWatch() override { watched_->descriptor.release(); }
+
+ private:
+  std::shared_ptr<Watched> watched_;
+};
+
+void waitFor(const std::shared_ptr<Watched>& entry) {
+  entry->descriptor.async_wait(asio::posix::stream_descriptor::wait_read,
+                               [entry](const asio::error_code& error) {
+                                 if (error || !entry->descriptor.is_open()) return;
+                                 entry->callback();
+                                 if (entry->descriptor.is_open()) waitFor(entry);
+                               });
+}
 
 struct Signals {
   explicit Signals(asio::io_context& io) : set(io) {}
@@ -42,7 +61,7 @@ struct AsioLoop::Implementation {
       std::chrono::duration_cast<Microseconds>(std::chrono::system_clock::now().time_since_epoch())
           .count();
   std::list<Repeating> repeating;
-  std::list<Watched> watched;
+  std::list<std::unique_ptr<Watch>> watched;
   std::list<Signals> signals;
 
   [[nodiscard]] Steady::time_point steadyTime(std::int64_t utime) const {
@@ -64,15 +83,6 @@ struct AsioLoop::Implementation {
     });
   }
 
-  void watch(Watched& entry) {
-    entry.descriptor.async_wait(asio::posix::stream_descriptor::wait_read,
-                                [this, &entry](const asio::error_code& error) {
-                                  if (error) return;
-                                  entry.callback();
-                                  watch(entry);
-                                });
-  }
-
   void listen(Signals& entry) {
     entry.set.async_wait([this, &entry](const asio::error_code& error, int signal) {
       if (error) return;
@@ -84,9 +94,7 @@ struct AsioLoop::Implementation {
 
 AsioLoop::AsioLoop() : implementation_(std::make_unique<Implementation>()) {}
 
-AsioLoop::~AsioLoop() {
-  for (Watched& entry : implementation_->watched) entry.descriptor.release();
-}
+AsioLoop::~AsioLoop() = default;
 
 std::int64_t AsioLoop::now() const { return implementation_->now(); }
 
@@ -112,8 +120,13 @@ void AsioLoop::every(std::int64_t period_us, std::int64_t first_utime, Callback 
 void AsioLoop::stop() { implementation_->io.stop(); }
 
 void AsioLoop::onReadable(int descriptor, Callback callback) {
-  implementation_->watched.emplace_back(implementation_->io, descriptor, std::move(callback));
-  implementation_->watch(implementation_->watched.back());
+  implementation_->watched.push_back(watch(descriptor, std::move(callback)));
+}
+
+std::unique_ptr<AsioLoop::Watch> AsioLoop::watch(int descriptor, Callback callback) {
+  auto entry = std::make_shared<Watched>(implementation_->io, descriptor, std::move(callback));
+  waitFor(entry);
+  return std::make_unique<DescriptorWatch>(std::move(entry));
 }
 
 void AsioLoop::onSignals(std::initializer_list<int> signals, std::function<void(int)> callback) {

@@ -25,9 +25,22 @@ class AsioLoop final : public Loop {
   void every(std::int64_t period_us, std::int64_t first_utime, Callback callback) override;
   void stop() override;
 
-  /// Calls `callback` whenever `descriptor` has something to read. The descriptor stays its
-  /// owner's.
+  /// Calls `callback` whenever `descriptor` has something to read or is hung up, for the loop's
+  /// life. The descriptor stays its owner's.
   void onReadable(int descriptor, Callback callback);
+
+  /// Ends what watch() began, when it is destroyed. The loop must outlive it.
+  class Watch {
+   public:
+    Watch() = default;
+    Watch(const Watch&) = delete;
+    Watch& operator=(const Watch&) = delete;
+    virtual ~Watch() = default;
+  };
+
+  /// The same until the returned object is destroyed, which must be before the descriptor is
+  /// closed. The callback may destroy it.
+  [[nodiscard]] std::unique_ptr<Watch> watch(int descriptor, Callback callback);
 
   /// Calls `callback(signal)` instead of the default action.
   void onSignals(std::initializer_list<int> signals, std::function<void(int)> callback);

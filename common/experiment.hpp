@@ -37,7 +37,29 @@ struct ProgramSpec {
   bool operator==(const ProgramSpec&) const = default;
 };
 
-enum class Body : std::int8_t { kSim, kSerial, kFirmware, kReplay };
+/// What a robot is (docs/bodies.md).
+enum class Body : std::int8_t {
+  kSim,       ///< simulated, on the bus
+  kSerial,    ///< real, on a serial line
+  kFirmware,  ///< the robot's own program on a simulated chip, on a simulated line
+  kReplay,    ///< a recorded robot played back
+  kWire,      ///< the robot's own program on the host, on a simulated line
+};
+
+/// Whether robot_bridge drives it.
+[[nodiscard]] constexpr bool isOnWire(Body body) {
+  return body == Body::kSerial || body == Body::kFirmware || body == Body::kWire;
+}
+
+/// Whether sim_svc moves it.
+[[nodiscard]] constexpr bool isSimulated(Body body) {
+  return body == Body::kSim || body == Body::kFirmware || body == Body::kWire;
+}
+
+/// The number of the electronics of a simulated robot on the wire.
+[[nodiscard]] constexpr std::uint32_t simulatedUid(std::int32_t id) {
+  return 0x51000000U + static_cast<std::uint32_t>(id);
+}
 
 struct StartPose {
   double x = 0;      ///< [m] arena frame
@@ -51,6 +73,10 @@ struct RobotSpec {
   std::int32_t id = 0;
   Body body = Body::kSim;
   std::optional<StartPose> start;  ///< random, without overlap, where not given
+  std::uint32_t uid = 0;           ///< of a serial robot's electronics
+  std::string log;                 ///< of a replayed robot: path as written in the file
+  std::int32_t recorded_id = 0;    ///< of a replayed robot, in that log
+  double from = 0;                 ///< [s] of that log's script, where the replay begins
 
   bool operator==(const RobotSpec&) const = default;
 };
@@ -89,14 +115,27 @@ struct RobotHardware {
   bool pwm_steps = true;             ///< 256 levels, rounded; false: ideal wheels
   double clock_error = 0.005;        ///< [1] standard deviation of the robots' clock rates
   double wheel_gain_error = 0;       ///< [1] standard deviation of each wheel's gain
+  double wheel_base_error = 0;       ///< [1] standard deviation of the distance between the wheels
+  double motor_dead_band = 0;        ///< [1] share of full duty up to which a wheel stands
   double speed_noise = 0;            ///< [m/sqrt(s)] random forward displacement, off by default
   double turn_noise = 0;             ///< [rad/sqrt(s)] random rotation, off by default
   double sensor_period = 0.02;       ///< [s]
   double ir_range = 0.05;            ///< [m] from the rim
   double status_rate = 50;           ///< [1/s]
   double lease = 1.0;                ///< [s] robots stop when the host is silent for longer
+  double free_run = 0;               ///< [s] instead of the lease, where it is longer
+  bool resume_after_reboot = false;  ///< a robot on the wire that reboots goes on by itself
+  std::string motors;                ///< calibrations of simulated robots: path as in the file
 
   bool operator==(const RobotHardware&) const = default;
+};
+
+/// The lines to real robots.
+struct SerialLines {
+  std::string ports = "/dev/serial/by-id/*";  ///< patterns with * and ?, separated by spaces
+  int baud = 38400;
+
+  bool operator==(const SerialLines&) const = default;
 };
 
 /// As light_layer_t: kinds and their keys in light/layer.hpp.
@@ -179,6 +218,7 @@ struct Experiment {
   double arena_height = 0.90;  ///< [m] along y
   Network network;
   RobotHardware hardware;
+  SerialLines serial;
   std::vector<RobotSpec> robots;  ///< in order of id
   std::map<std::string, ProgramSpec> programs;
   LightTable light_table;

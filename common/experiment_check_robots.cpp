@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -17,6 +18,11 @@ constexpr double kRoundingSlack = 1e-9;  // [m] so that a robot may touch the wa
 
 /// The densest packing covers 0.907; this leaves room to find random places and to move.
 constexpr double kLargestCover = 0.6;
+
+constexpr double kFastestScan = 0.01;  // [s] of the robot's eight channels
+
+/// Speeds that an 8 MHz robot meets within 0.2 % and that every serial line knows.
+constexpr std::array kBauds = {9600, 38400, 500000};
 
 std::string entryPath(std::size_t index) { return "robots[" + std::to_string(index) + "]"; }
 
@@ -67,6 +73,43 @@ void checkIds(const ExperimentForm& form, Problems& problems) {
   }
 }
 
+/// What only robots on the wire ask of the file.
+void checkLines(const ExperimentForm& form, Problems& problems) {
+  const RobotHardware& hardware = form.common.hardware;
+  std::map<std::int64_t, std::size_t> uids;
+  bool any = false;
+  for (std::size_t i = 0; i < form.robots.size(); ++i) {
+    const RobotEntry& entry = form.robots[i];
+    if (problems.concern(entryPath(i))) continue;
+    any = any || entry.body == Body::kWire || entry.body == Body::kFirmware;
+    if (entry.body != Body::kSerial) continue;
+    if (entry.count > 1) {
+      problems.add(entryPath(i) + ".count", "found " + std::to_string(entry.count) +
+                                                ", allowed 1 where a uid is given");
+    }
+    const auto [owner, is_new] = uids.emplace(entry.uid, i);
+    if (!is_new) {
+      problems.add(entryPath(i) + ".uid", "found the uid that " + entryPath(owner->second) +
+                                              " already has, allowed one of its own");
+    }
+  }
+  if (any && !hardware.pwm_steps && !problems.concern("robot.pwm_steps")) {
+    problems.add("robot.pwm_steps",
+                 "found false, allowed true with body = \"wire\" or \"firmware\": their wheels are "
+                 "driven by PWM");
+  }
+  if (any && hardware.sensor_period < kFastestScan && !problems.concern("robot.sensor_period_ms")) {
+    problems.add("robot.sensor_period_ms",
+                 "found " + numberText(hardware.sensor_period * 1000) +
+                     ", allowed 10 to 1000 with robots on the wire: a scan takes 10 ms");
+  }
+  const int baud = form.common.serial.baud;
+  if (!problems.concern("serial.baud") && std::ranges::find(kBauds, baud) == kBauds.end()) {
+    problems.add("serial.baud",
+                 "found " + std::to_string(baud) + ", allowed 9600, 38400 or 500000");
+  }
+}
+
 void checkInside(const std::string& path, double place, double size, double radius,
                  Problems& problems) {
   if (place >= radius - kRoundingSlack && place <= size - radius + kRoundingSlack) return;
@@ -79,6 +122,11 @@ void checkPose(const ExperimentForm& form, std::size_t index, Problems& problems
   const std::string path = entryPath(index);
   const int given = (entry.x ? 1 : 0) + (entry.y ? 1 : 0) + (entry.theta ? 1 : 0);
   if (given == 0) return;
+  if (!isSimulated(entry.body)) {
+    problems.add(path + ".x_cm", "found a start for a robot that no simulator places, allowed with "
+                                 "body = \"sim\", \"wire\" or \"firmware\"");
+    return;
+  }
   if (given < 3) {
     const char* key = entry.x ? ".x_cm" : entry.y ? ".y_cm" : ".theta_deg";
     problems.add(path + key,
@@ -208,6 +256,7 @@ void checkReversal(const ExperimentForm& form, Problems& problems) {
 
 void checkRobots(const ExperimentForm& form, Problems& problems) {
   checkIds(form, problems);
+  checkLines(form, problems);
   for (std::size_t i = 0; i < form.robots.size(); ++i) {
     if (!problems.concern(entryPath(i))) checkPose(form, i, problems);
   }

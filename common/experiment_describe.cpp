@@ -133,13 +133,29 @@ std::string ids(const std::vector<RobotSpec>& robots) {
   return text;
 }
 
+/// "18 simulated (3 to 20), 0 at given and 18 at random places"
+std::string describeBody(const Experiment& e, Body body, const std::string& what) {
+  std::vector<RobotSpec> robots;
+  std::ranges::copy_if(e.robots, std::back_inserter(robots),
+                       [body](const RobotSpec& robot) { return robot.body == body; });
+  if (robots.empty()) return {};
+  std::string text = std::to_string(robots.size()) + ' ' + what + " (" + ids(robots) + ")";
+  if (isSimulated(body)) {
+    const auto placed = std::ranges::count_if(
+        robots, [](const RobotSpec& robot) { return robot.start.has_value(); });
+    const auto random = static_cast<std::ptrdiff_t>(robots.size()) - placed;
+    text += ", " + std::to_string(placed) + " at given and " + std::to_string(random) +
+            " at random places";
+  }
+  return line("robots", text);
+}
+
 std::string describeRobots(const Experiment& e) {
-  const auto placed = std::ranges::count_if(
-      e.robots, [](const RobotSpec& robot) { return robot.start.has_value(); });
-  const auto random = static_cast<std::ptrdiff_t>(e.robots.size()) - placed;
-  return line("robots", std::to_string(e.robots.size()) + " simulated (" + ids(e.robots) + "), " +
-                            std::to_string(placed) + " at given and " + std::to_string(random) +
-                            " at random places");
+  return describeBody(e, Body::kSim, "simulated") +
+         describeBody(e, Body::kWire, "simulated on the wire") +
+         describeBody(e, Body::kFirmware, "running the firmware on a simulated chip") +
+         describeBody(e, Body::kSerial, "real, on " + e.serial.ports) +
+         describeBody(e, Body::kReplay, "replayed");
 }
 
 std::string describeTable(const LightTable& table) {

@@ -32,7 +32,16 @@ std::vector<RobotSpec> toRobots(const std::vector<RobotEntry>& entries, const Ex
   std::vector<RobotSpec> robots;
   for (const RobotEntry& entry : entries) {
     for (std::int64_t i = 0; i < entry.count; ++i) {
-      RobotSpec robot{static_cast<std::int32_t>(entry.id + i), entry.body, {}};
+      RobotSpec robot;
+      robot.id = static_cast<std::int32_t>(entry.id + i);
+      robot.body = entry.body;
+      robot.uid = static_cast<std::uint32_t>(entry.uid);
+      robot.log = entry.log;
+      robot.from = entry.from;
+      if (entry.body == Body::kReplay) {
+        const std::int64_t first = entry.recorded_id == 0 ? entry.id : entry.recorded_id;
+        robot.recorded_id = static_cast<std::int32_t>(first + i);
+      }
       if (entry.x) {
         robot.start = StartPose{clampInside(*entry.x, common.arena_width, radius),
                                 clampInside(*entry.y, common.arena_height, radius), *entry.theta};
@@ -44,20 +53,27 @@ std::vector<RobotSpec> toRobots(const std::vector<RobotEntry>& entries, const Ex
   return robots;
 }
 
+bool sharesEntry(const RobotEntry& entry, const RobotSpec& robot) {
+  const bool plain = !robot.start && !entry.x && robot.uid == 0 && entry.uid == 0 &&
+                     robot.log.empty() && entry.log.empty();
+  return plain && entry.body == robot.body && entry.id + entry.count == robot.id;
+}
+
 /// Robots that differ by nothing but consecutive ids share an entry.
 std::vector<RobotEntry> toEntries(const std::vector<RobotSpec>& robots) {
   std::vector<RobotEntry> entries;
   for (const RobotSpec& robot : robots) {
-    const bool continues = !entries.empty() && !robot.start && !entries.back().x &&
-                           entries.back().body == robot.body &&
-                           entries.back().id + entries.back().count == robot.id;
-    if (continues) {
+    if (!entries.empty() && sharesEntry(entries.back(), robot)) {
       ++entries.back().count;
       continue;
     }
     RobotEntry entry;
     entry.id = robot.id;
     entry.body = robot.body;
+    entry.uid = robot.uid;
+    entry.log = robot.log;
+    entry.recorded_id = robot.recorded_id;
+    entry.from = robot.from;
     if (robot.start) {
       entry.x = robot.start->x;
       entry.y = robot.start->y;

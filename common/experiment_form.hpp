@@ -18,6 +18,10 @@ struct RobotEntry {
   std::optional<double> x;      ///< [m]
   std::optional<double> y;      ///< [m]
   std::optional<double> theta;  ///< [rad]
+  std::int64_t uid = 0;
+  std::string log;
+  std::int64_t recorded_id = 0;  ///< 0: id
+  double from = 0;               ///< [s]
 };
 
 struct LayerEntry {

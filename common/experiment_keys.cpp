@@ -19,8 +19,6 @@ Choice choiceOf(const char* name, Enum value) {
   return {name, static_cast<int>(value)};
 }
 
-constexpr const char* kSimulatesOnly =
-    "; this version of the lab only simulates robots: say body = \"sim\"";
 constexpr const char* kTracksSimOnly =
     "; this version of the lab has no camera: say tracker = \"sim\"";
 
@@ -28,11 +26,10 @@ const std::array<Choice, 6> kModels = {
     {choiceOf("abp", Model::kAbp), choiceOf("noisy_abp", Model::kNoisyAbp),
      choiceOf("bp", Model::kBp), choiceOf("rtp", Model::kRtp), choiceOf("stand", Model::kNone),
      choiceOf("wheels", Model::kWheels)}};
-const std::array<Choice, 4> kBodies = {
-    {choiceOf("sim", Body::kSim),
-     {"serial", static_cast<int>(Body::kSerial), kSimulatesOnly},
-     {"firmware", static_cast<int>(Body::kFirmware), kSimulatesOnly},
-     {"replay", static_cast<int>(Body::kReplay), kSimulatesOnly}}};
+const std::array<Choice, 5> kBodies = {
+    {choiceOf("sim", Body::kSim), choiceOf("wire", Body::kWire),
+     choiceOf("firmware", Body::kFirmware), choiceOf("serial", Body::kSerial),
+     choiceOf("replay", Body::kReplay)}};
 const std::array<Choice, 3> kSensors = {{choiceOf("mean", LightSensor::kMean),
                                          choiceOf("front", LightSensor::kFront),
                                          choiceOf("back", LightSensor::kBack)}};
@@ -59,6 +56,7 @@ const Range kLength{0.1, 1000};
 const Range kAngle{-3600, 3600};
 const Range kSpeed{-500, 500};
 const Range kHold{0.001, 3600};
+constexpr double kLongestFreeRun = 86400;
 
 template <typename Enum>
 void enumerate(KeyVisitor& visitor, const Key& key, std::span<const Choice> choices, Enum& field) {
@@ -130,6 +128,11 @@ void visitHardware(KeyVisitor& v, RobotHardware& robot) {
             "standard deviation of the wheels' gains, drawn once for "
             "each wheel; turns straight runs into circles"},
            {0, 20}, robot.wheel_gain_error);
+  v.number({"wheel_base_error_percent",
+            "standard deviation of the distances between the wheels"},
+           {0, 20}, robot.wheel_base_error);
+  v.number({"motor_dead_band_percent", "of full duty, up to which a wheel does not turn"}, {0, 40},
+           robot.motor_dead_band);
   v.number({"speed_noise_cm_sqrt_s",
             "random forward motion: its variance grows by the square of "
             "this every second"},
@@ -144,13 +147,38 @@ void visitHardware(KeyVisitor& v, RobotHardware& robot) {
             "a robot stops when it has heard no command for this long; commands come "
             "every 0.2 s"},
            {0.4, 60}, robot.lease);
+  v.number({"free_run_s",
+            "a robot goes on for this long without hearing a command; 0: lease_s is all it has"},
+           {0, kLongestFreeRun}, robot.free_run);
+  v.flag({"resume_after_reboot",
+          "a robot on the wire that reboots during a run goes on by itself; false: it stands "
+          "until the run ends"},
+         robot.resume_after_reboot);
+  v.text({"motors",
+          "what simulated robots hold of their motors: calibration/motors.toml of a run of lab "
+          "calibrate motors, beside the experiment file"},
+         {.most = 400}, robot.motors);
+}
+
+void visitSerial(KeyVisitor& v, SerialLines& serial) {
+  std::int64_t baud = serial.baud;
+  v.text({"ports",
+          "devices that may be robots, with * and ?, separated by spaces; opening one resets the "
+          "board on it"},
+         {.most = 1000}, serial.ports);
+  v.integer({"baud", "speed of the lines, as the firmware was built"}, 9600, 500000, baud);
+  serial.baud = static_cast<int>(baud);
 }
 
 void visitRobot(KeyVisitor& v, RobotEntry& robot) {
   v.integer({"id", "the robot's number; with count, the first one's", Need::kRequired}, 1,
             kLargestId, robot.id);
   v.integer({"count", "this many robots, with consecutive ids"}, 1, kMostRobots, robot.count);
-  enumerate(v, {"body", "what moves: sim is a simulated robot"}, kBodies, robot.body);
+  const Selector body(v,
+                      {"body",
+                       "what the robot is (bodies.md): sim and wire simulated, firmware the real "
+                       "program on a simulated chip, serial real, replay a recorded robot"},
+                      kBodies, robot.body);
   v.optionalNumber({.name = "x_cm",
                     .meaning = "where the robot starts: x_cm, y_cm and theta_deg together or none "
                                "of them, and only without count",
@@ -162,6 +190,18 @@ void visitRobot(KeyVisitor& v, RobotEntry& robot) {
                     .meaning = "heading, counter-clockwise from x; see x_cm",
                     .default_text = "random"},
                    kAngle, robot.theta);
+  v.integer(body.only({Body::kSerial},
+                      {"uid", "number of the electronics, as robot_bridge --list shows it",
+                       Need::kRequired}),
+            1, 0xFFFFFFFFLL, robot.uid);
+  v.text(body.only({Body::kReplay},
+                   {"log", "log, or folder of a run, beside the experiment file", Need::kRequired}),
+         {.most = 400}, robot.log);
+  v.integer(body.only({Body::kReplay}, {.name = "recorded_id",
+                                        .meaning = "the robot in that log; 0: the same id"}),
+            0, kLargestId, robot.recorded_id);
+  v.number(body.only({Body::kReplay}, {"from_s", "where in that log's script the replay begins"}),
+           {0, kLongestRun}, robot.from);
 }
 
 void visitProgram(KeyVisitor& v, ProgramSpec& program) {
@@ -375,6 +415,8 @@ void visitKeys(KeyVisitor& v, ExperimentForm& form) {
            "The robots' hardware, the same for all. Errors are what a simulated robot has "
            "and does not know"},
           [&] { visitHardware(v, e.hardware); });
+  v.table({"serial", "The lines to real robots (body = \"serial\")"},
+          [&] { visitSerial(v, e.serial); });
   visitList(v, {"robots", "The robots that take part", Need::kRequired},
             {.fewest = 1, .most = kMostRobots}, form.robots,
             [&](RobotEntry& robot) { visitRobot(v, robot); });

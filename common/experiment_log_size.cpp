@@ -25,6 +25,7 @@ constexpr double kCommandRate = 5;  // [1/s] ROBOT_COMMAND
 constexpr double kLightCommandRate = 2;
 constexpr double kLightStatusRate = 10;
 constexpr double kTruthRate = 10;
+constexpr double kStepBytes = 70;  // of one draw in ROBOT_STEPS, with its share of the message
 constexpr double kHousekeeping = 1500;  // bytes/s of SERVICE_STATUS, EXPERIMENT_EVENT and CLOCK
 
 template <typename Message>
@@ -79,6 +80,20 @@ double lightBytes(std::string_view channel, const LightStep& step) {
   return eventBytes(channel, message);
 }
 
+/// Draws that robots on the wire report, all robots together: each runs the busiest program.
+double stepsPerSecond(const Experiment& experiment) {
+  double busiest = 0;
+  for (const auto& [name, program] : experiment.programs) {
+    if (program.epsilon > 0) busiest = std::max(busiest, 1 / program.epsilon);
+    if (program.gamma > 0) {
+      busiest = std::max(busiest, 2 * program.gamma / (1 + program.gamma * program.tau_t));
+    }
+  }
+  const auto on_wire = std::ranges::count_if(
+      experiment.robots, [](const RobotSpec& robot) { return isOnWire(robot.body); });
+  return busiest * static_cast<double>(on_wire);
+}
+
 }  // namespace
 
 double expectedLogBytes(const Experiment& experiment) {
@@ -95,7 +110,8 @@ double expectedLogBytes(const Experiment& experiment) {
       experiment.hardware.status_rate * statusBytes(robots) + kTruthRate * truthBytes(robots) +
       light + kHousekeeping +
       kCommandRate * eventBytes(channels::kRobotCommand, lightTableCommand(experiment)) +
-      (robots + 1.0) * static_cast<double>(experiment.programs.size()) * analysisBytes();
+      (robots + 1.0) * static_cast<double>(experiment.programs.size()) * analysisBytes() +
+      stepsPerSecond(experiment) * kStepBytes;
   return experiment.duration * per_second;
 }
 

@@ -1,5 +1,6 @@
 #include "common/experiment_messages.hpp"
 
+#include <algorithm>
 #include <tuple>
 
 #include "common/experiment_cores.hpp"
@@ -14,16 +15,25 @@ auto parameters(const program_t& program) {
 }
 
 robot_command_t commandEveryRobot(const Experiment& experiment, robot_order_t order) {
-  for (const RobotSpec& robot : experiment.robots) order.robot_ids.push_back(robot.id);
+  order.robot_ids = commandedRobots(experiment);
   order.num_robots = static_cast<std::int32_t>(order.robot_ids.size());
   robot_command_t command{};
-  command.lease_ms = static_cast<std::int32_t>(experiment.hardware.lease * 1000 + 0.5);
+  const double lease = std::max(experiment.hardware.lease, experiment.hardware.free_run);
+  command.lease_ms = static_cast<std::int32_t>(lease * 1000 + 0.5);
   command.orders.push_back(std::move(order));
   command.num_orders = 1;
   return command;
 }
 
 }  // namespace
+
+std::vector<std::int32_t> commandedRobots(const Experiment& experiment) {
+  std::vector<std::int32_t> ids;
+  for (const RobotSpec& robot : experiment.robots) {
+    if (robot.body != Body::kReplay) ids.push_back(robot.id);
+  }
+  return ids;
+}
 
 program_t toMessage(const ProgramSpec& program) {
   program_t message{};

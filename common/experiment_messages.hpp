@@ -21,6 +21,9 @@ namespace lab {
 /// One command that makes every robot of the experiment stand (header left empty).
 [[nodiscard]] robot_command_t standCommand(const Experiment& experiment);
 
+/// The robots that take orders: all but those replayed.
+[[nodiscard]] std::vector<std::int32_t> commandedRobots(const Experiment& experiment);
+
 /// The image of a layer is its path as written in the file; on the bus it travels as its SHA-256
 /// (ExperimentImages::digests).
 [[nodiscard]] light_layer_t toMessage(const LayerSpec& layer);

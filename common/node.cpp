@@ -95,6 +95,7 @@ void Node::beat() {
     count.decode_errors = errors;
     status.received.push_back(count);
   }
+  status.received.insert(status.received.end(), other_streams_.begin(), other_streams_.end());
   status.num_received = static_cast<std::int32_t>(status.received.size());
   publish(channels::kServiceStatus, status);
 }

@@ -6,6 +6,8 @@
 #include <map>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "common/bus.hpp"
 #include "common/loop.hpp"
@@ -70,6 +72,10 @@ class Node {
   /// Keeps an error for the heartbeat without changing the state.
   void noteError(const std::string& what) { last_error_ = what; }
 
+  /// Adds rows to the heartbeat's counts of what was received: streams that do not come by the bus,
+  /// as serial lines. They replace those given before.
+  void reportStreams(std::vector<stream_count_t> rows) { other_streams_ = std::move(rows); }
+
   /// Says that the service ends, with the final counts, several times, as one may be lost.
   void close();
 
@@ -99,6 +105,7 @@ class Node {
   std::map<std::string, std::int64_t, std::less<>> sent_;
   std::int64_t announced_ = 0;  ///< messages of the closing salvo still to come
   StreamCounter streams_;
+  std::vector<stream_count_t> other_streams_;
 };
 
 }  // namespace lab

@@ -10,14 +10,18 @@
 #include "common/asio_loop.hpp"
 #include "common/experiment_file.hpp"
 #include "common/lcm_bus.hpp"
+#include "common/serial_devices.hpp"
 #include "common/version.hpp"
 
 namespace lab {
 namespace {
 
+namespace fs = std::filesystem;
+
 struct Options {
   std::string experiment;
   std::string lcm_url = defaultLcmUrl();
+  std::string ports = defaultPortsFolder();
 };
 
 void run(const ServiceDescription& description, const Options& options) {
@@ -25,9 +29,11 @@ void run(const ServiceDescription& description, const Options& options) {
       options.experiment.empty() ? Experiment{} : loadExperiment(options.experiment);
   AsioLoop loop;
   LcmBus bus(options.lcm_url);
+  SerialDevices ports(loop, options.ports);
   Node node(bus, loop, {description.name, description.origin, loop.now()});
   const std::unique_ptr<Service> service = description.make(
-      {node, loop, experiment, std::filesystem::path(options.experiment).parent_path()});
+      {node, loop, experiment, fs::path(options.experiment).parent_path(), ports,
+       fs::canonical("/proc/self/exe").parent_path()});
   loop.onReadable(bus.fileDescriptor(), [&bus] { bus.drain(); });
   loop.onSignals({SIGINT, SIGTERM}, [&loop](int) { loop.stop(); });
   node.start();
@@ -52,6 +58,10 @@ int serviceMain(int argc, char** argv, const ServiceDescription& description) {
   experiment->required(description.needs_experiment);
   app.add_option("--lcm-url", options.lcm_url, "The bus, as printed by lab run")
       ->capture_default_str();
+  if (description.uses_ports) {
+    app.add_option("--ports", options.ports, "Folder of the lines to simulated robots")
+        ->capture_default_str();
+  }
   if (description.add_options) description.add_options(app);
   app.set_version_flag("--version", kVersion);
   try {
@@ -66,6 +76,9 @@ int serviceMain(int argc, char** argv, const ServiceDescription& description) {
     spdlog::error("{}", error.what());
     return 2;
   } catch (const BusError& error) {
+    spdlog::error("{}", error.what());
+    return 2;
+  } catch (const SerialError& error) {
     spdlog::error("{}", error.what());
     return 2;
   } catch (const std::exception& error) {

@@ -10,6 +10,7 @@
 #include "common/experiment.hpp"
 #include "common/loop.hpp"
 #include "common/node.hpp"
+#include "common/serial.hpp"
 
 namespace CLI {
 class App;
@@ -32,6 +33,8 @@ struct ServiceContext {
   Loop& loop;
   const Experiment& experiment;
   std::filesystem::path directory;  ///< of the experiment file: images lie beside it
+  SerialPorts& ports = noSerialPorts();
+  std::filesystem::path programs = {};  ///< folder of the lab's executables
 };
 
 using ServiceFactory = std::function<std::unique_ptr<Service>(const ServiceContext&)>;
@@ -43,6 +46,9 @@ struct ServiceDescription {
   bool needs_experiment = true;  ///< false: --experiment may be left out
   ServiceFactory make;
   std::function<void(CLI::App&)> add_options{};  ///< what its command line has beyond the others'
+  bool uses_ports = false;                       ///< its command line has --ports
+  /// Whether an experiment has work for it.
+  std::function<bool(const Experiment&)> wanted = [](const Experiment&) { return true; };
 };
 
 /// Parses --experiment and --lcm-url, joins the bus, runs the service until SIGINT or SIGTERM, and

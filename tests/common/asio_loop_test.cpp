@@ -139,6 +139,37 @@ TEST(AsioLoop, CallsBackAsLongAsADescriptorHasSomethingToRead) {
   close(ends[1]);
 }
 
+TEST(AsioLoop, AWatchEndsWithItsHandleAlsoFromItsOwnCallback) {
+  std::array<int, 2> ends{};
+  ASSERT_EQ(pipe(ends.data()), 0);
+  ASSERT_EQ(write(ends[1], "ab", 2), 2);
+  AsioLoop dut;
+  int calls = 0;
+  std::unique_ptr<AsioLoop::Watch> watch;
+  watch = dut.watch(ends[0], [&] {  // "a" and "b" stay: it would be called for ever
+    ++calls;
+    watch.reset();
+  });
+  dut.at(dut.now() + 20 * kMillisecond, [&dut] { dut.stop(); });
+  dut.run();
+  EXPECT_EQ(calls, 1);
+  close(ends[0]);
+  // The number may come back for another file: nothing of the old watch may be left.
+  std::array<int, 2> others{};
+  ASSERT_EQ(pipe(others.data()), 0);
+  ASSERT_EQ(write(others[1], "c", 1), 1);
+  watch = dut.watch(others[0], [&] { calls += 100; });
+  watch.reset();  // before it could call
+  watch = dut.watch(others[0], [&] {
+    calls += 10;
+    dut.stop();
+  });
+  dut.run();
+  EXPECT_EQ(calls, 11);
+  watch.reset();
+  for (const int end : {ends[1], others[0], others[1]}) close(end);
+}
+
 TEST(AsioLoop, LetsACallbacksExceptionOut) {
   AsioLoop dut;
   dut.soon([] { throw std::runtime_error("robot on fire"); });

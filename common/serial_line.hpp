@@ -1,0 +1,37 @@
+/// Opening a serial line for one process alone.
+#pragma once
+
+#include <string>
+
+namespace lab {
+
+/// A file descriptor that closes itself.
+class Descriptor {
+ public:
+  explicit Descriptor(int number = -1) : number_(number) {}
+  Descriptor(Descriptor&& other) noexcept : number_(other.release()) {}
+  Descriptor& operator=(Descriptor&& other) noexcept;
+  ~Descriptor();
+
+  [[nodiscard]] int get() const { return number_; }
+  int release();
+
+ private:
+  int number_;
+};
+
+/// Opens a serial device or pseudo terminal: without waiting, raw, 8N1, without modem lines, for
+/// this process alone, with nothing waiting in it.
+/// @throws SerialError, one line: not there, no permission, in use and by whom, no serial device,
+/// no such speed.
+[[nodiscard]] Descriptor openSerialLine(const std::string& path, int baud);
+
+/// Makes the line of an open terminal raw, 8N1, at this speed (0: as it is).
+/// @return an errno: ENOTTY no terminal, EINVAL no such speed
+[[nodiscard]] int makeRaw(int descriptor, int baud);
+
+/// The process that has the line open, as "minicom (pid 1234)"; empty when there is none, or none
+/// that this user may see.
+[[nodiscard]] std::string lineHolder(const std::string& path);
+
+}  // namespace lab
