@@ -1,0 +1,57 @@
+/// The robots on serial lines, on the bus.
+#pragma once
+
+#include <cstdint>
+#include <lab/robot_calibration_t.hpp>
+#include <lab/robot_command_t.hpp>
+#include <lab/robot_stop_t.hpp>
+#include <map>
+#include <memory>
+#include <string>
+
+#include "common/service_main.hpp"
+#include "robot_bridge/port_keeper.hpp"
+#include "robot_bridge/robot_link.hpp"
+#include "robot_bridge/status_of.hpp"
+
+namespace lab::bridge {
+
+/// Publishes ROBOT_STATUS and ROBOT_STEPS for the robots with body = serial, wire or firmware, and
+/// obeys ROBOT_COMMAND and ROBOT_STOP for them. A robot of which nothing was heard for a second is
+/// left out.
+class BridgeService final : public Service {
+ public:
+  explicit BridgeService(const ServiceContext& context);
+
+ private:
+  struct Robot {
+    Robot(const LinkSettings& settings, std::int8_t the_origin)
+        : link(settings), origin(the_origin) {}
+    RobotLink link;
+    std::int8_t origin;  ///< robot_state_t's
+    Reported reported;
+    bool silent = false;  ///< already said
+  };
+
+  void take(const robot_command_t& command);
+  void take(const robot_stop_t& stop);
+  void take(const robot_calibration_t& request);
+  void tick();
+  void publish();
+  void note(const std::string& text);
+  void reportLines();
+  [[nodiscard]] PortKeeper::Robots byUid();
+
+  Node& node_;
+  Loop& loop_;
+  const Experiment& experiment_;
+  std::map<std::int32_t, Robot> robots_;
+  std::string notes_;  ///< of the last second: a heartbeat carries one text
+  std::int64_t noted_utime_ = 0;
+  PortKeeper keeper_;
+};
+
+/// The service as a process or as a part of a lab in one process.
+[[nodiscard]] ServiceDescription serviceDescription();
+
+}  // namespace lab::bridge
