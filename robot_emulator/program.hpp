@@ -1,0 +1,43 @@
+/// A program for the chip, as the compiler left it.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <stdexcept>
+#include <vector>
+
+namespace lab::emulator {
+
+/// A file that holds no program for this chip: which, what was found, what was expected.
+class ProgramError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+inline constexpr std::uint32_t kFlashSize = 32 * 1024;
+inline constexpr std::uint16_t kEepromSize = 1024;
+
+/// The contents of an ELF file for an ATmega328P; shared by all chips that run it.
+class Program {
+ public:
+  /// @throws ProgramError when the file is not there, is no AVR ELF, or does not fit in the flash.
+  explicit Program(const std::filesystem::path& elf);
+
+  [[nodiscard]] const std::vector<std::uint8_t>& flash() const { return flash_; }
+  [[nodiscard]] std::uint32_t flashBase() const { return flash_base_; }
+
+  /// The first RAM address behind the program's variables: what lies above is the stack's.
+  [[nodiscard]] std::uint16_t ramEnd() const { return ram_end_; }
+
+  /// The byte address of an instruction that jumps to itself (the end of exit() is one).
+  /// @throws ProgramError when there is none.
+  [[nodiscard]] std::uint32_t endlessLoop() const;
+
+ private:
+  std::vector<std::uint8_t> flash_;
+  std::uint32_t flash_base_ = 0;
+  std::uint16_t ram_end_ = 0;
+};
+
+}  // namespace lab::emulator
