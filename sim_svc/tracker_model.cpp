@@ -33,6 +33,10 @@ void TrackerModel::see(std::int32_t robot_id, const dynamics::Pose& truth) {
   pose.covariance[3] = pose.covariance[0];
   pose.covariance[5] = camera_.heading_noise * camera_.heading_noise;
   pose.confidence = 1;
+  add(pose);
+}
+
+void TrackerModel::add(const tracked_pose_t& pose) {
   frame_.robots.push_back(pose);
   frame_.num_robots = static_cast<std::int32_t>(frame_.robots.size());
 }

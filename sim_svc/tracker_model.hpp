@@ -22,6 +22,9 @@ class TrackerModel {
   /// Adds one robot, unless the tracker misses it in this frame.
   void see(std::int32_t robot_id, const dynamics::Pose& truth);
 
+  /// Adds a pose as it is.
+  void add(const tracked_pose_t& pose);
+
   [[nodiscard]] const tracked_frame_t& frame() const { return frame_; }
 
  private:

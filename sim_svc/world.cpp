@@ -59,8 +59,13 @@ void World::addRobot(const RobotSetup& setup, const dynamics::Pose& pose) {
   Electronics robot;
   robot.id = setup.id;
   robot.external = setup.external;
-  robot.left_gain = factor(wheels, settings_.wheel_gain_error);
-  robot.right_gain = factor(wheels, settings_.wheel_gain_error);
+  const auto max_um_s = static_cast<std::int32_t>(std::lround(settings_.max_wheel_speed * 1e6));
+  const double dead_band = dynamics::kMaxDuty * settings_.motor_dead_band;
+  robot.left_motor = {max_um_s, factor(wheels, settings_.wheel_gain_error), dead_band};
+  robot.right_motor = {max_um_s, factor(wheels, settings_.wheel_gain_error), dead_band};
+  Random wheel_base(stream("wheel base"));
+  robot.wheel_base = settings_.wheel_base * factor(wheel_base, settings_.wheel_base_error);
+  robot.stored_wheel_base = settings_.wheel_base;
   robot.noise = Random(stream("noise"));
   robot.light_noise = Random(stream("light"));
   robot.battery_full = kBatteryFull + kBatterySpread * Random(stream("battery")).normal();
@@ -69,9 +74,9 @@ void World::addRobot(const RobotSetup& setup, const dynamics::Pose& pose) {
   const double rate = factor(clock, settings_.clock_error);
   robot.clock = RobotClock(kLargestPhaseMs * clock.uniform(), rate);
   robot.local_ms = robot.clock.localMs(0);
-  const double boot = settings_.boot_spread * clock.uniform();
+  robot.boot = settings_.boot_spread * clock.uniform();
   const double scan_phase = robot.core.settings().sensor_period_ms * clock.uniform();
-  robot.next_scan_ms = robot.clock.localMs(boot) + 1 + static_cast<std::int64_t>(scan_phase);
+  robot.next_scan_ms = robot.clock.localMs(robot.boot) + 1 + static_cast<std::int64_t>(scan_phase);
   robot.next_event_ms = robot.next_scan_ms;
 
   Body body;
@@ -84,9 +89,22 @@ void World::addRobot(const RobotSetup& setup, const dynamics::Pose& pose) {
   centres_.push_back({pose.x, pose.y});
 }
 
-void World::setWheels(std::size_t i, double left, double right) {
-  drive(i, {static_cast<std::int32_t>(std::lround(left * 1e6)),
-            static_cast<std::int32_t>(std::lround(right * 1e6))});
+void World::setMotors(std::size_t i, const MotorChange& change) {
+  Electronics& robot = electronics_[i];
+  if (robot.next_change == robot.changes.size()) {
+    robot.changes.clear();
+    robot.next_change = 0;
+    bodies_[i].next_event = static_cast<double>(change.at_us) * 1e-6;
+  }
+  robot.changes.push_back(change);
+}
+
+void World::setCalibration(std::size_t i, const dynamics::WheelCalibration& left,
+                           const dynamics::WheelCalibration& right, double wheel_base) {
+  electronics_[i].left_calibration = left;
+  electronics_[i].right_calibration = right;
+  electronics_[i].stored_wheel_base = wheel_base;
+  drive(i, electronics_[i].wheels);
 }
 
 void World::step(std::int64_t dt_us) {
@@ -94,7 +112,12 @@ void World::step(std::int64_t dt_us) {
   time_us_ += dt_us;
   ++steps_;
   const double to = time();
-  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+  if (shown_ghosts_ > 0) {
+    for (std::size_t ghost = size(); ghost < bodies_.size(); ++ghost) {
+      makeRoom(ghost);
+    }
+  }
+  for (std::size_t i = 0; i < size(); ++i) {
     advanceRobot(i, from, to);
   }
 }
@@ -121,7 +144,12 @@ void World::advanceRobot(std::size_t i, double from, double to) {
   if (settings_.speed_noise > 0 || settings_.turn_noise > 0) {
     addNoise(i, to - from);
   }
-  const Vec moved = {centres_[i].x - body.listed_at.x, centres_[i].y - body.listed_at.y};
+  relistIfMoved(i);
+}
+
+void World::relistIfMoved(std::size_t i) {
+  const Vec listed_at = bodies_[i].listed_at;
+  const Vec moved = {centres_[i].x - listed_at.x, centres_[i].y - listed_at.y};
   if (squared(moved) > skin_ * skin_ / 4) {
     listNeighbours();
   }
@@ -129,6 +157,10 @@ void World::advanceRobot(std::size_t i, double from, double to) {
 
 void World::handleEvent(std::size_t i) {
   Electronics& robot = electronics_[i];
+  if (robot.external) {
+    changeMotors(i);
+    return;
+  }
   robot.local_ms = robot.next_event_ms;
   if (robot.local_ms == robot.next_scan_ms) {
     scan(i);
@@ -209,18 +241,28 @@ void World::addNoise(std::size_t i, double dt) {
   body.heading = {std::cos(body.theta), std::sin(body.theta)};
 }
 
+// The next change of an external robot's motors is due.
+void World::changeMotors(std::size_t i) {
+  Electronics& robot = electronics_[i];
+  const MotorChange change = robot.changes[robot.next_change++];
+  turnWheels(i, robot.left_motor.speed(change.left), robot.right_motor.speed(change.right));
+  const bool more = robot.next_change < robot.changes.size();
+  bodies_[i].next_event =
+      more ? static_cast<double>(robot.changes[robot.next_change].at_us) * 1e-6 : kNever;
+}
+
 void World::drive(std::size_t i, dynamics::WheelSpeedsUmS wheels) {
+  Electronics& robot = electronics_[i];
+  robot.wheels = wheels;
+  turnWheels(
+      i, drivenSpeed(wheels.left, robot.left_motor, robot.left_calibration, settings_.pwm_steps),
+      drivenSpeed(wheels.right, robot.right_motor, robot.right_calibration, settings_.pwm_steps));
+}
+
+void World::turnWheels(std::size_t i, double left, double right) {
   Body& body = bodies_[i];
-  dynamics::WheelModel wheel;
-  wheel.ideal = !settings_.pwm_steps;
-  wheel.max_um_s = static_cast<std::int32_t>(std::lround(settings_.max_wheel_speed * 1e6));
-  wheel.gain = electronics_[i].left_gain;
-  const double left = dynamics::wheelSpeed(wheels.left, wheel);
-  wheel.gain = electronics_[i].right_gain;
-  const double right = dynamics::wheelSpeed(wheels.right, wheel);
-  electronics_[i].wheels = wheels;
   body.speed = (left + right) / 2;
-  body.turn = (right - left) / settings_.wheel_base;
+  body.turn = (right - left) / electronics_[i].wheel_base;
   body.heading = {std::cos(body.theta), std::sin(body.theta)};
 }
 

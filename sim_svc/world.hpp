@@ -13,6 +13,7 @@
 #include "sim_svc/ir_scan.hpp"
 #include "sim_svc/neighbour_list.hpp"
 #include "sim_svc/robot_clock.hpp"
+#include "sim_svc/wheel_motor.hpp"
 
 namespace lab::sim {
 
@@ -26,6 +27,8 @@ struct WorldSettings {
   double max_wheel_speed = 0.27;  ///< At full duty, m/s.
   bool pwm_steps = true;          ///< 256 levels, rounded to nearest; false: ideal wheels.
   double wheel_gain_error = 0;    ///< Of each wheel's speed, relative.
+  double wheel_base_error = 0;    ///< Of the distance between the wheels, relative.
+  double motor_dead_band = 0;     ///< Of all wheels, as a share of full duty.
   double speed_noise = 0;         ///< Random forward displacement of a moving robot, m/sqrt(s).
   double turn_noise = 0;          ///< Random rotation of a moving robot, rad/sqrt(s).
   double clock_error = 0.005;     ///< Of each robot's clock rate, relative.
@@ -40,12 +43,20 @@ struct WorldSettings {
 struct RobotSetup {
   std::int32_t id = 0;
   std::optional<dynamics::Pose> pose;  ///< At random, without overlap, where not given.
-  bool external = false;               ///< Driven by setWheels() instead of a core of its own.
+  bool external = false;               ///< Driven by setMotors() instead of a core of its own.
+};
+
+/// The motors of an external robot from an instant on.
+struct MotorChange {
+  std::int64_t at_us = 0;   ///< World time, microseconds.
+  std::int16_t left = 0;    ///< Signed duty, -255..255.
+  std::int16_t right = 0;   ///< Signed duty, -255..255.
 };
 
 /// One robot as its electronics report it and as it really is. Times are world seconds.
 struct RobotState {
   std::int32_t id = 0;
+  bool external = false;       ///< Driven from outside; of core, wheels and program nothing is known.
   dynamics::Pose pose;         ///< True pose; theta is not wrapped.
   double sampled_at = 0;       ///< When the sensors were last read.
   double wheel_left = 0;       ///< As commanded now, m/s.
@@ -77,6 +88,9 @@ struct RobotState {
 /// nothing slides), while the heading turns on; so robots never overlap. A robot meets the others
 /// where they stand at that moment, at most one tick (2.7 mm at full speed) from their place.
 ///
+/// Ghosts are disks that something outside the world moves: real robots that a camera sees, or
+/// recorded ones. Robots meet and sense them like each other, and yield: see moveGhost().
+///
 /// A robot boots at a random instant: before it, its sensors are silent, and as no light band is
 /// known, no program starts. Cores also need settings and a lease: see order().
 class World {
@@ -101,8 +115,39 @@ class World {
   /// only.
   void setRobotsSeen(std::size_t i, bool seen) { electronics_[i].sees_robots = seen; }
 
-  /// Sets the wheels of an external robot, m/s as commanded.
-  void setWheels(std::size_t i, double left, double right);
+  /// Sets the motors of an external robot at an instant that may lie in the steps to come. Changes
+  /// come in the order of their times; one that is late holds from now on.
+  void setMotors(std::size_t i, const MotorChange& change);
+
+  /// Stores in robot i (not an external one) what a calibration found; the robot then drives what
+  /// it is told as well as the calibration is right. As stored at first: no dead band, gain 1.
+  /// @param wheel_base m, for whoever converts an order into wheel speeds
+  void setCalibration(std::size_t i, const dynamics::WheelCalibration& left,
+                      const dynamics::WheelCalibration& right, double wheel_base);
+
+  /// What setCalibration() stored in robot i.
+  [[nodiscard]] const dynamics::WheelCalibration& storedLeft(std::size_t i) const {
+    return electronics_[i].left_calibration;
+  }
+  [[nodiscard]] const dynamics::WheelCalibration& storedRight(std::size_t i) const {
+    return electronics_[i].right_calibration;
+  }
+
+  /// The wheel base that robot i believes, m.
+  [[nodiscard]] double storedWheelBase(std::size_t i) const {
+    return electronics_[i].stored_wheel_base;
+  }
+
+  /// Adds a ghost, hidden. @return its number, from 0.
+  std::size_t addGhost();
+
+  /// Puts a ghost at a place, also outside the arena. Robots that it would overlap are pushed out
+  /// along the line of centres, as far as walls, other robots and other ghosts allow; what cannot
+  /// move now moves as soon as it can. A place that is no number hides the ghost.
+  void moveGhost(std::size_t ghost, Vec centre);
+
+  /// Takes a ghost out of the arena.
+  void hideGhost(std::size_t ghost);
 
   /// What the sensors of robot i would read now (without the random noise of light_noise).
   [[nodiscard]] dynamics::Sensors measure(std::size_t i) const;
@@ -115,7 +160,9 @@ class World {
 
   [[nodiscard]] std::int64_t timeUs() const { return time_us_; }
   [[nodiscard]] double time() const { return static_cast<double>(time_us_) * 1e-6; }
-  [[nodiscard]] std::size_t size() const { return bodies_.size(); }
+  /// How many robots there are; ghosts are not among them.
+  [[nodiscard]] std::size_t size() const { return electronics_.size(); }
+  [[nodiscard]] std::int32_t id(std::size_t i) const { return electronics_[i].id; }
   [[nodiscard]] const WorldSettings& settings() const { return settings_; }
   [[nodiscard]] RobotState state(std::size_t i) const;
   [[nodiscard]] dynamics::Pose pose(std::size_t i) const;
@@ -123,6 +170,9 @@ class World {
     return electronics_[i].core;
   }
   [[nodiscard]] const RobotClock& clock(std::size_t i) const { return electronics_[i].clock; }
+
+  /// When robot i is switched on, world s.
+  [[nodiscard]] double bootTime(std::size_t i) const { return electronics_[i].boot; }
 
   /// Contacts between two robots begun since the start.
   [[nodiscard]] std::int64_t collisions() const { return collisions_; }
@@ -157,8 +207,15 @@ class World {
     RobotClock clock;
     dynamics::Sensors sensors;
     dynamics::RobotCore core;
-    double left_gain = 1;
-    double right_gain = 1;
+    double boot = 0;  ///< World s.
+    WheelMotor left_motor;
+    WheelMotor right_motor;
+    double wheel_base = 0;  ///< As it is, m.
+    dynamics::WheelCalibration left_calibration;
+    dynamics::WheelCalibration right_calibration;
+    double stored_wheel_base = 0;      ///< As the robot believes, m.
+    std::vector<MotorChange> changes;  ///< Of an external robot, in order of time.
+    std::size_t next_change = 0;       ///< The first one still to come.
     double battery_full = 0;  ///< V.
     Random noise{0};
     Random light_noise{0};
@@ -171,9 +228,14 @@ class World {
   void addNoise(std::size_t i, double dt);
   bool touch(Contact& contact) const;
   void handleEvent(std::size_t i);
+  void changeMotors(std::size_t i);
   void scan(std::size_t i);
   void afterCore(std::size_t i);
   void drive(std::size_t i, dynamics::WheelSpeedsUmS wheels);
+  void turnWheels(std::size_t i, double left, double right);
+  void makeRoom(std::size_t ghost_body);
+  void pushOut(std::size_t i, std::size_t ghost_body);
+  void relistIfMoved(std::size_t i);
   void senseLight(std::size_t i, dynamics::Sensors& sensors) const;
   [[nodiscard]] std::uint16_t lightCounts(Vec at) const;
   void addRobots(std::size_t i, IrScan& ir) const;
@@ -188,9 +250,11 @@ class World {
   double skin_;
   double largest_move_;
   NeighbourList neighbours_;
+  // Robots first, then ghosts; electronics for robots only.
   std::vector<Vec> centres_;
   std::vector<Body> bodies_;
   std::vector<Electronics> electronics_;
+  std::size_t shown_ghosts_ = 0;
 };
 
 }  // namespace lab::sim

@@ -20,6 +20,7 @@ RobotState World::state(std::size_t i) const {
   };
   RobotState state;
   state.id = robot.id;
+  state.external = robot.external;
   state.pose = pose(i);
   state.wheel_left = robot.wheels.left * kMicro;
   state.wheel_right = robot.wheels.right * kMicro;

@@ -230,18 +230,18 @@ TEST(World, SensorsAreReadEveryTwentyMillisecondsOnly) {
   EXPECT_NEAR(scans, 47, 1);
 }
 
-TEST(World, AnExternalRobotObeysItsWheelsAlone) {
+TEST(World, AnExternalRobotObeysItsMotorsAlone) {
   std::vector<RobotSetup> setups = robotAt(0.3, 0.45, 0);
   setups[0].external = true;
   World dut(idealHardware(), setups);
   dut.advanceTo(kSecond);
   EXPECT_EQ(dut.pose(0).x, 0.3);
-  dut.setWheels(0, 0.1, 0.1);
+  dut.setMotors(0, {kSecond, 85, 85});  // a third of the full speed
   dut.advanceTo(3 * kSecond);
-  EXPECT_NEAR(dut.pose(0).x, 0.5, 1e-12);
-  dut.setWheels(0, 0, 0);
+  EXPECT_NEAR(dut.pose(0).x, 0.3 + 2 * 0.09, 1e-12);
+  dut.setMotors(0, {3 * kSecond, 0, 0});
   dut.advanceTo(4 * kSecond);
-  EXPECT_NEAR(dut.pose(0).x, 0.5, 1e-12);
+  EXPECT_NEAR(dut.pose(0).x, 0.3 + 2 * 0.09, 1e-12);
 }
 
 TEST(World, TheBatteryFallsSlowly) {

@@ -1,0 +1,91 @@
+#pragma once
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/serial.hpp"
+#include "wire/config.hpp"
+#include "wire/messages.hpp"
+
+namespace lab::sim {
+
+/// A host at the other end of a robot's line, as small as can be.
+class WireHost {
+ public:
+  WireHost(SerialPorts& ports, const std::string& name) : port_(ports.open(name, 38400)) {
+    port_->onReadable([this] { take(); });
+  }
+
+  template <class Message>
+  void send(const Message& message) {
+    wire::Frame frame;
+    wire::pack(message, ++seq_, frame);
+    std::array<std::uint8_t, wire::kMaxFrame> encoded{};
+    const std::uint8_t size = wire::encode(frame, encoded.data());
+    const std::size_t taken = port_->write(std::span(encoded).first(size));
+    if (taken != size) throw SerialError("the line is full");
+  }
+
+  /// Puts settings in force and logs every draw.
+  void configure(const dynamics::CoreSettings& settings, std::uint64_t seed) {
+    for (std::uint8_t slot = 0; slot < dynamics::kSlots; ++slot) {
+      send(wire::programMessage(settings, slot));
+    }
+    send(wire::lightMessage(settings));
+    send(wire::motionMessage(settings));
+    wire::Apply apply;
+    apply.config = wire::configCrc(settings);
+    send(apply);
+    wire::SetSeed set_seed;
+    set_seed.high = static_cast<std::uint32_t>(seed >> 32);
+    set_seed.low = static_cast<std::uint32_t>(seed);
+    send(set_seed);
+    wire::SetParam log;
+    log.id = wire::kStepLog;
+    log.value = 1;
+    send(log);
+    order.config = apply.config;
+  }
+
+  /// Lets the light select the program from now on.
+  void run(std::uint32_t lease_ms) {
+    order.mode = wire::Order::kTable;
+    order.lease_ms = lease_ms;
+    send(order);
+  }
+
+  /// All messages of a kind so far.
+  template <class Message>
+  [[nodiscard]] std::vector<Message> all() const {
+    std::vector<Message> messages;
+    for (const wire::Frame& frame : frames) {
+      Message message;
+      if (wire::unpack(frame, message)) messages.push_back(message);
+    }
+    return messages;
+  }
+
+  wire::Order order;
+  std::vector<wire::Frame> frames;
+  std::vector<std::uint8_t> bytes;
+
+ private:
+  void take() {
+    std::array<std::uint8_t, 256> buffer{};
+    while (const std::size_t count = port_->read(buffer)) {
+      for (std::size_t i = 0; i < count; ++i) {
+        bytes.push_back(buffer[i]);
+        if (decoder_.push(buffer[i])) frames.push_back(decoder_.frame());
+      }
+    }
+  }
+
+  std::unique_ptr<SerialPort> port_;
+  wire::Decoder decoder_;
+  std::uint8_t seq_ = 0;
+};
+
+}  // namespace lab::sim
