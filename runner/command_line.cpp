@@ -54,6 +54,23 @@ void addCheck(CLI::App& app, Chosen& chosen) {
   command->callback([&chosen, file, set] { chosen = [=] { return check(*file, *set); }; });
 }
 
+void addCalibrate(CLI::App& app, Chosen& chosen, const fs::path& programs) {
+  auto options = std::make_shared<CalibrateOptions>();
+  options->programs = programs;
+  CLI::App* command = app.add_subcommand("calibrate", "Measure what a robot has to know of itself");
+  command->require_subcommand(1);
+  CLI::App* motors = command->add_subcommand(
+      "motors", "Gain and dead band of each wheel, and the wheel base, by driving");
+  motors->add_option("FILE", options->file, "Experiment file (TOML)")->required();
+  motors->add_flag("--virtual-time", options->virtual_time,
+                   "One process, as fast as the machine allows, the same to the bit");
+  motors->add_option("--robot", options->robots, "Only these (default: all)");
+  motors->add_option("--out", options->out, "Where run folders are made")->capture_default_str();
+  motors->add_option("--set", options->set, "key=value: instead of the file's (repeatable)")
+      ->allow_extra_args(false);
+  motors->callback([&chosen, options] { chosen = [options] { return calibrateMotors(*options); }; });
+}
+
 void addAnalyze(CLI::App& app, Chosen& chosen) {
   auto input = std::make_shared<fs::path>();
   auto out = std::make_shared<std::optional<fs::path>>();
@@ -106,6 +123,24 @@ void addStop(CLI::App& app, Chosen& chosen) {
   command->callback([&chosen, options] { chosen = [options] { return stop(*options); }; });
 }
 
+void addFlash(CLI::App& app, Chosen& chosen, const fs::path& programs) {
+  auto options = std::make_shared<FlashOptions>();
+  options->programs = programs;
+  CLI::App* command = app.add_subcommand("flash", "The firmware onto a robot");
+  command->add_option("--port", options->port, "The robot's serial line, as /dev/serial/by-id/...")
+      ->required();
+  command->add_option("--baud", options->baud, "Speed of its bootloader")->capture_default_str();
+  CLI::Option* isp = command->add_option(
+      "--isp", options->isp,
+      "Programmer as avrdude names it (usbasp, avrisp2): no bootloader, sets the fuses too");
+  command->add_option("--isp-port", options->isp_port, "The programmer's line, if it has one")
+      ->needs(isp);
+  command->add_option("--robot-baud", options->robot_baud, "Speed of the robot's program")
+      ->capture_default_str();
+  command->add_option("--firmware", options->firmware, "Another .hex")->check(CLI::ExistingFile);
+  command->callback([&chosen, options] { chosen = [options] { return flash(*options); }; });
+}
+
 void addSpy(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<SpyOptions>();
   CLI::App* command = app.add_subcommand("spy", "Channels of a running lab: rates, ages, gaps");
@@ -140,10 +175,12 @@ int runCommandLine(int argc, char** argv) {
   Chosen chosen;
   addRun(app, chosen, fs::canonical("/proc/self/exe").parent_path());
   addCheck(app, chosen);
+  addCalibrate(app, chosen, fs::canonical("/proc/self/exe").parent_path());
   addAnalyze(app, chosen);
   addReplay(app, chosen);
   addLight(app, chosen);
   addStop(app, chosen);
+  addFlash(app, chosen, fs::canonical("/proc/self/exe").parent_path());
   addSpy(app, chosen);
   addDoctor(app, chosen);
   try {

@@ -28,6 +28,16 @@ ExitCode check(const std::filesystem::path& file, const std::vector<std::string>
 ExitCode analyze(const std::filesystem::path& run_or_log,
                  const std::optional<std::filesystem::path>& out);
 
+struct CalibrateOptions {
+  std::filesystem::path file;
+  std::filesystem::path out = "runs";  ///< where run folders are made
+  std::filesystem::path programs;      ///< folder of the services' programs
+  std::vector<std::string> set;        ///< key=value
+  std::vector<std::int32_t> robots;    ///< empty: all
+  bool virtual_time = false;
+};
+ExitCode calibrateMotors(const CalibrateOptions& options);
+
 struct ReplayOptions {
   std::filesystem::path log;  ///< or the folder of a run
   double from = 0;            ///< [s] since the log's first event
@@ -53,6 +63,17 @@ struct StopOptions {
   bool clear = false;  ///< release the latch instead
 };
 ExitCode stop(const StopOptions& options);
+
+struct FlashOptions {
+  std::string port;
+  int baud = 57600;              ///< of the bootloader
+  int robot_baud = 38400;        ///< of the program, as it was built
+  std::string isp;               ///< avrdude's name of a programmer, empty: by the bootloader
+  std::string isp_port;          ///< of the programmer, empty: it needs none
+  std::filesystem::path firmware;  ///< a .hex, empty: the one of this lab
+  std::filesystem::path programs;  ///< folder of the programs and the firmware
+};
+ExitCode flash(const FlashOptions& options);
 
 struct SpyOptions {
   std::string lab;

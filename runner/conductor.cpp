@@ -19,7 +19,10 @@ namespace {
 constexpr std::int64_t kRobotPeriod_us = 200'000;     // 5 Hz
 constexpr std::int64_t kLightPeriod_us = 500'000;     // 2 Hz
 constexpr std::int64_t kStopPeriod_us = 100'000;      // 10 Hz
-constexpr std::int64_t kEchoPatience_us = 3'000'000;  // then the script starts without
+// Then the script starts without those that are missing. A board on a serial line needs 1.3 s for
+// its bootloader, up to 2.5 s until it is spoken to, and a second for its table.
+constexpr std::int64_t kEchoPatience_us = 3'000'000;
+constexpr std::int64_t kSerialEchoPatience_us = 10'000'000;
 constexpr std::int64_t kDeliveryPatience_us = 2'000'000;
 constexpr std::int64_t kSecond_us = 1'000'000;
 // The network may lose one message; what happens once is said more than once.
@@ -58,7 +61,7 @@ Conductor::Conductor(const ServiceContext& context, std::string effective,
 void Conductor::begin() {
   phase_ = Phase::kAskingRobots;
   asked_utime_ = loop_.now();
-  robots_.seq = 1;
+  ++robots_.seq;
   announceStart();
   loop_.every(kStartEvery_us, asked_utime_ + kStartEvery_us, [this] {
     if (phase_ != Phase::kConcluded) announceStart();
@@ -66,9 +69,14 @@ void Conductor::begin() {
   loop_.every(kRobotPeriod_us, asked_utime_, [this] { sendRobots(); });
   loop_.every(kLightPeriod_us, asked_utime_, [this] { sendLight(); });
   loop_.every(kStopPeriod_us, asked_utime_, [this] { repeatStops(); });
-  loop_.at(asked_utime_ + kEchoPatience_us, [this] {
+  const bool on_wire = std::ranges::any_of(
+      experiment_.robots, [](const RobotSpec& robot) { return isOnWire(robot.body); });
+  const std::int64_t patience = on_wire ? kSerialEchoPatience_us : kEchoPatience_us;
+  loop_.at(asked_utime_ + patience, [this, patience] {
     if (phase_ != Phase::kAskingRobots) return;
-    fault("not every robot took its light table within 3 s; the script starts without them");
+    fault("robots that did not take their light table within " +
+          std::to_string(patience / kSecond_us) + " s: " + silentRobots() +
+          "; the script starts without them");
     startScript();
   });
 }
@@ -105,6 +113,12 @@ void Conductor::sendRobots() {
   repeatStops();
   robots_.utime = 0;
   node_.publishCommand(channels::kRobotCommand, robots_);
+}
+
+void Conductor::command(robot_command_t command) {
+  command.seq = robots_.seq + 1;
+  robots_ = std::move(command);
+  sendRobots();
 }
 
 void Conductor::sendLight() {
@@ -147,7 +161,7 @@ void Conductor::showStep(int number) {
     event.label = wanted.label;
     event.commanded_utime = light_.from_utime;
     watch_.emplace(event, node_.identity().instance, light_.seq, expectedProgram(wanted),
-                   experiment_.robots.size());
+                   commandedRobots(experiment_).size());
     loop_.at(loop_.now() + kDeliveryPatience_us, [this, seq = light_.seq] {
       if (watch_ && light_.seq == seq) {
         record(watch_->event());
@@ -171,6 +185,8 @@ std::optional<program_t> Conductor::expectedProgram(const LightStep& step) const
   if (step.ramp > 0 || !light::isUniform(field)) return std::nullopt;
   const double intensity = light::evaluate(field, 0, 0);
   const LightTable& table = experiment_.light_table;
+  const bool by_light = robots_.orders.front().mode == robot_order_t::TABLE;
+  if (!by_light) return std::nullopt;
   std::optional<program_t> expected = program_t{};
   for (const LightBand& band : table.bands) {
     // Where the hysteresis reaches, a robot does right to keep what it runs.
@@ -195,13 +211,27 @@ void Conductor::take(const robot_status_t& status) {
   finishWatch();
 }
 
+bool Conductor::hasEchoed(const RobotSpec& robot) const {
+  return robot.body == Body::kReplay || isObeyedBy(robot.id);  // a recorded one takes no orders
+}
+
+bool Conductor::isObeyedBy(std::int32_t robot_id) const {
+  const auto state = states_.find(robot_id);
+  return state != states_.end() && state->second.command_seq == robots_.seq &&
+         state->second.command_instance == node_.identity().instance;
+}
+
 bool Conductor::allEchoed() const {
-  return std::all_of(experiment_.robots.begin(), experiment_.robots.end(),
-                     [this](const RobotSpec& robot) {
-                       const auto state = states_.find(robot.id);
-                       return state != states_.end() && state->second.command_seq == robots_.seq &&
-                              state->second.command_instance == node_.identity().instance;
-                     });
+  return std::ranges::all_of(experiment_.robots,
+                             [this](const RobotSpec& robot) { return hasEchoed(robot); });
+}
+
+std::string Conductor::silentRobots() const {
+  std::string ids;
+  for (const RobotSpec& robot : experiment_.robots) {
+    if (!hasEchoed(robot)) ids += (ids.empty() ? "" : ", ") + std::to_string(robot.id);
+  }
+  return ids;
 }
 
 void Conductor::checkOwner(const robot_status_t& status) {
@@ -295,10 +325,7 @@ void Conductor::conclude(const std::string& why) {
   watch_.reset();
   if (phase_ == Phase::kScript) ended_ = units::seconds(loop_.now() - script_start_);
   phase_ = Phase::kConcluded;
-  const std::int64_t seq = robots_.seq + 1;
-  robots_ = standCommand(experiment_);
-  robots_.seq = seq;
-  sendRobots();
+  command(standCommand(experiment_));
   experiment_event_t event{};
   event.kind = experiment_event_t::END;
   event.text = why;

@@ -44,6 +44,15 @@ class Conductor final : public Service {
 
   void begin();
 
+  /// Replaces what the robots are told: sent at once, repeated at 5 Hz. Its header is filled in.
+  void command(robot_command_t command);
+
+  /// Whether a robot has echoed what the robots are told now.
+  [[nodiscard]] bool isObeyedBy(std::int32_t robot_id) const;
+
+  /// Whether the robots were asked, and the script runs.
+  [[nodiscard]] bool inScript() const { return phase_ == Phase::kScript; }
+
   /// Marks the run: what broke, while the rest goes on.
   void fault(const std::string& what);
 
@@ -74,7 +83,9 @@ class Conductor final : public Service {
   void sendRobots();
   void sendLight();
   void checkOwner(const robot_status_t& status);
+  [[nodiscard]] bool hasEchoed(const RobotSpec& robot) const;
   [[nodiscard]] bool allEchoed() const;
+  [[nodiscard]] std::string silentRobots() const;
   [[nodiscard]] std::vector<light_layer_t> layersOf(const LightStep& step) const;
   [[nodiscard]] std::optional<program_t> expectedProgram(const LightStep& step) const;
 

@@ -52,7 +52,8 @@ Experiment resumedExperiment(const Experiment& experiment,
   for (RobotSpec& robot : resumed.robots) {
     const auto pose = seen.find(robot.id);
     robot.start.reset();
-    if (pose == seen.end()) continue;
+    // Only what sim_svc moves starts somewhere.
+    if (pose == seen.end() || !isSimulated(robot.body)) continue;
     robot.start = StartPose{pose->second.x, pose->second.y, pose->second.theta};
     poses.push_back(&*robot.start);
   }

@@ -7,6 +7,7 @@
 #include <iterator>
 
 #include "common/experiment_file.hpp"
+#include "common/motor_file.hpp"
 #include "light/image.hpp"
 #include "runner/exit_code.hpp"
 
@@ -22,6 +23,43 @@ std::vector<std::uint8_t> readFile(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
   if (!file) throw UserError(fmt::format("cannot read the image {}", path.string()));
   return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+/// The log of each robot, empty for those that are not replayed.
+std::vector<fs::path> findRecordings(const Experiment& experiment, const fs::path& source) {
+  std::vector<fs::path> recordings;
+  for (const RobotSpec& robot : experiment.robots) {
+    fs::path log;
+    if (robot.body == Body::kReplay) {
+      log = source / robot.log;
+      if (fs::is_directory(log)) log /= files::kLog;
+      if (!fs::is_regular_file(log)) {
+        throw UserError(fmt::format("robots: robot {} replays {}, where there is no log; give the "
+                                    "folder of a run or a log, relative to the experiment file",
+                                    robot.id, (source / robot.log).string()));
+      }
+    }
+    recordings.push_back(log);
+  }
+  return recordings;
+}
+
+/// Under another name than that of a calibration that the run makes itself.
+void adoptMotors(Experiment& experiment, const fs::path& motors, const fs::path& run) {
+  const fs::path name = fs::path(files::kCalibration) / "motors_in_force.toml";
+  fs::create_directories(run / files::kCalibration);
+  fs::copy_file(motors, run / name);
+  experiment.hardware.motors = name.string();
+}
+
+/// Recordings stay where they are, as they are large: the run's file names them from its own folder.
+void adoptRecordings(Experiment& experiment, const std::vector<fs::path>& recordings,
+                     const fs::path& run) {
+  for (std::size_t i = 0; i < recordings.size(); ++i) {
+    if (recordings[i].empty()) continue;
+    experiment.robots[i].log =
+        fs::relative(fs::canonical(recordings[i]), fs::canonical(run)).string();
+  }
 }
 
 }  // namespace
@@ -66,7 +104,12 @@ void writeNewFile(const fs::path& path, const std::string& text) {
 PreparedRun prepareRun(Experiment experiment, const fs::path& source, const fs::path& parent,
                        std::int64_t utime) {
   PreparedRun run;
+  const std::vector<fs::path> recordings = findRecordings(experiment, source);
+  const fs::path motors = experiment.hardware.motors;
+  if (!motors.empty()) static_cast<void>(readMotorFile(source / motors));  // or say why not, now
   run.directory = makeRunDirectory(parent, experiment.name, utime);
+  if (!motors.empty()) adoptMotors(experiment, source / motors, run.directory);
+  adoptRecordings(experiment, recordings, run.directory);
   adoptImages(experiment, source, run.directory);
   run.effective = writeExperiment(experiment);
   run.experiment = std::move(experiment);

@@ -13,7 +13,9 @@ inline constexpr const char* kExperiment = "experiment.toml";
 inline constexpr const char* kLog = "log.lcmlog";
 inline constexpr const char* kProvenance = "provenance.json";
 inline constexpr const char* kImages = "images";
+inline constexpr const char* kCalibration = "calibration";
 inline constexpr const char* kServiceLogs = "logs";
+inline constexpr const char* kPorts = "ports";  ///< while it runs: lines of simulated robots
 }  // namespace files
 
 /// Makes `parent`/<name>-<UTC time>, with a number behind it when that exists: nothing is ever

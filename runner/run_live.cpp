@@ -30,7 +30,8 @@ constexpr int kBusSettles_ms = 500;
 /// One live run from the first process to the last.
 class LiveRun {
  public:
-  LiveRun(const PreparedRun& run, const LiveOptions& options, const ShowProgress& show)
+  LiveRun(const PreparedRun& run, const LiveOptions& options, const ShowProgress& show,
+          const PilotFactory& pilot)
       : run_(run),
         options_(options),
         show_(show),
@@ -41,6 +42,10 @@ class LiveRun {
                      fault.empty() ? finish("the script is over") : closeEarly(fault);
                    }),
         supervisor_(run, options) {
+    if (pilot) {
+      seat_.emplace(bus_, loop_, run, loop_.now(), pilot, conductor_,
+                    [this] { finish(kPilotDone); });
+    }
     node_.subscribe<service_status_t>(channels::kServiceStatus, [this](const auto& status) {
       if (status.state == service_status_t::READY) supervisor_.noteReady(status.pid);
     });
@@ -90,6 +95,7 @@ class LiveRun {
     waitUntil([this] { return supervisor_.missing().empty(); }, [] {},
               [this] { return "not ready: " + supervisor_.missing() + lookInto(); });
     node_.start();
+    if (seat_) seat_->begin();
   }
 
   [[nodiscard]] std::string lookInto() const {
@@ -157,6 +163,7 @@ class LiveRun {
   void end() {
     show_(conductor_.progress());
     supervisor_.endServices();
+    if (seat_) seat_->end();
     node_.close();
     for (int waited = 0; waited < kBusSettles_ms; waited += kTick_ms) {
       bus_.drain();
@@ -172,6 +179,7 @@ class LiveRun {
   LcmBus bus_;
   Node node_;
   Conductor conductor_;
+  std::optional<PilotSeat> seat_;
   Supervisor supervisor_;
   RunOutcome outcome_;
   bool finishing_ = false;
@@ -180,8 +188,9 @@ class LiveRun {
 
 }  // namespace
 
-RunOutcome runLive(const PreparedRun& run, const LiveOptions& options, const ShowProgress& show) {
-  return LiveRun(run, options, show).execute();
+RunOutcome runLive(const PreparedRun& run, const LiveOptions& options, const ShowProgress& show,
+                   const PilotFactory& pilot) {
+  return LiveRun(run, options, show, pilot).execute();
 }
 
 }  // namespace lab::runner

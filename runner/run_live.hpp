@@ -14,8 +14,9 @@ struct LiveOptions {
 
 /// Starts lcm-logger, then the services, waits for READY, conducts the experiment, restarts what
 /// dies, and ends publishers before the logger.
+/// @param pilot drives the robots instead of their light table; may be empty.
 /// @throws UserError when a service does not get ready; nothing is left running.
 [[nodiscard]] RunOutcome runLive(const PreparedRun& run, const LiveOptions& options,
-                                 const ShowProgress& show);
+                                 const ShowProgress& show, const PilotFactory& pilot = {});
 
 }  // namespace lab::runner

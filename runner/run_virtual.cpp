@@ -6,6 +6,7 @@
 #include "common/channels.hpp"
 #include "common/log_file.hpp"
 #include "common/memory_bus.hpp"
+#include "common/memory_serial.hpp"
 #include "common/virtual_loop.hpp"
 #include "runner/services.hpp"
 
@@ -17,9 +18,11 @@ constexpr std::int64_t kSettle_us = 500'000;  // for what is still under way at 
 
 /// One service with its node, as a process would hold them.
 struct Member {
-  Member(Bus& bus, Loop& loop, const ServiceDescription& description, const PreparedRun& run)
+  Member(Bus& bus, Loop& loop, SerialPorts& ports, const ServiceDescription& description,
+         const PreparedRun& run)
       : node(bus, loop, {description.name, description.origin, 1}),
-        service(description.make({node, loop, run.experiment, run.directory})) {}
+        service(description.make({node, loop, run.experiment, run.directory, ports,
+                                  std::filesystem::canonical("/proc/self/exe").parent_path()})) {}
   Node node;
   std::unique_ptr<Service> service;
 };
@@ -27,17 +30,18 @@ struct Member {
 }  // namespace
 
 RunOutcome runVirtual(const PreparedRun& run, const ShowProgress& show,
-                      const std::function<bool()>& interrupted) {
+                      const std::function<bool()>& interrupted, const PilotFactory& pilot) {
   VirtualLoop loop;
   MemoryBus bus([&loop] { return loop.now(); });
   loop.drainWith([&bus] { bus.deliver(); });
   LogWriter log(run.directory / files::kLog);
   bus.subscribeAll([&log](const Packet& packet) { log.write(packet); });
 
+  MemorySerial ports(loop);
   RunOutcome outcome;
   std::list<Member> members;
-  for (const ServiceDescription& description : labServices()) {
-    members.emplace_back(bus, loop, description, run);
+  for (const ServiceDescription& description : labServices(run.experiment)) {
+    members.emplace_back(bus, loop, ports, description, run);
   }
   Node node(bus, loop, {"lab", 0, 1});
   std::string why = "ended by the user";
@@ -47,6 +51,13 @@ RunOutcome runVirtual(const PreparedRun& run, const ShowProgress& show,
                         outcome.closed_early = !fault.empty();
                         loop.stop();
                       });
+  std::optional<PilotSeat> seat;
+  if (pilot) {
+    seat.emplace(bus, loop, run, 1, pilot, conductor, [&] {
+      why = kPilotDone;
+      loop.stop();
+    });
+  }
   if (run.experiment.faults.message_loss > 0) {
     bus.loseAtRandom(run.experiment.faults.message_loss, run.experiment.seed);
   }
@@ -54,6 +65,7 @@ RunOutcome runVirtual(const PreparedRun& run, const ShowProgress& show,
   for (Member& member : members) member.node.start();
   node.start();
   node.ready();
+  if (seat) seat->begin();
   loop.every(kSecond_us, loop.now(), [&] {
     clock_t clock{};
     node.publish(channels::kClock, clock);
@@ -69,6 +81,7 @@ RunOutcome runVirtual(const PreparedRun& run, const ShowProgress& show,
     conductor.conclude(why);
     loop.runUntil(loop.now() + kSettle_us);
     for (Member& member : members) member.node.close();
+    if (seat) seat->end();
     node.close();
     bus.deliver();
     log.flush();

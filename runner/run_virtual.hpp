@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "runner/conductor.hpp"
+#include "runner/pilot.hpp"
 #include "runner/run_directory.hpp"
 
 namespace lab::runner {
@@ -22,7 +23,9 @@ using ShowProgress = std::function<void(const Progress&)>;
 /// Runs the same services as the live lab on an in-memory bus, as fast as the machine allows, and
 /// writes the log that lcm-logger would have written: deterministic to the bit.
 /// @param interrupted looked at once a virtual second; true ends the run cleanly.
+/// @param pilot drives the robots instead of their light table; may be empty.
 [[nodiscard]] RunOutcome runVirtual(const PreparedRun& run, const ShowProgress& show,
-                                    const std::function<bool()>& interrupted);
+                                    const std::function<bool()>& interrupted,
+                                    const PilotFactory& pilot = {});
 
 }  // namespace lab::runner

@@ -2,13 +2,17 @@
 
 #include "analyzer/analyzer_service.hpp"
 #include "projector_ctl/projector_service.hpp"
+#include "robot_bridge/bridge_service.hpp"
 #include "sim_svc/sim_service.hpp"
 
 namespace lab::runner {
 
-std::vector<ServiceDescription> labServices() {
-  return {analysis::serviceDescription(), projector::serviceDescription(),
-          sim::serviceDescription()};
+std::vector<ServiceDescription> labServices(const Experiment& experiment) {
+  std::vector<ServiceDescription> services = {
+      analysis::serviceDescription(), projector::serviceDescription(),
+      bridge::serviceDescription(), sim::serviceDescription()};
+  std::erase_if(services, [&](const auto& service) { return !service.wanted(experiment); });
+  return services;
 }
 
 }  // namespace lab::runner

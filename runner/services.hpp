@@ -1,4 +1,4 @@
-/// The services of a lab in which everything is simulated.
+/// The services of a lab.
 #pragma once
 
 #include <vector>
@@ -7,7 +7,8 @@
 
 namespace lab::runner {
 
-/// In the order of starting: who is listened to starts first.
-[[nodiscard]] std::vector<ServiceDescription> labServices();
+/// Those an experiment has work for, in the order of starting and of ending: who is listened to
+/// starts first, and the bridge ends before the robots it talks to.
+[[nodiscard]] std::vector<ServiceDescription> labServices(const Experiment& experiment);
 
 }  // namespace lab::runner

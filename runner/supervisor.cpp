@@ -42,19 +42,22 @@ bool Supervisor::loggerWrites() const {
 }
 
 void Supervisor::startServices() {
-  for (const ServiceDescription& description : labServices()) {
-    services_.push_back(
-        {description.name, startService(description.name, run_.directory / files::kExperiment), 0});
+  for (const ServiceDescription& description : labServices(run_.experiment)) {
+    services_.push_back({description.name,
+                         startService(description.name, description.uses_ports,
+                                      run_.directory / files::kExperiment),
+                         0, description.uses_ports});
   }
 }
 
-std::unique_ptr<ChildProcess> Supervisor::startService(const std::string& name,
+std::unique_ptr<ChildProcess> Supervisor::startService(const std::string& name, bool uses_ports,
                                                        const fs::path& file) const {
-  return std::make_unique<ChildProcess>(
-      name,
-      std::vector<std::string>{(options_.programs / name).string(), "--experiment", file.string(),
-                               "--lcm-url", options_.url},
-      logFolder() / (name + ".txt"));
+  std::vector<std::string> arguments{(options_.programs / name).string(), "--experiment",
+                                     file.string(), "--lcm-url", options_.url};
+  if (uses_ports) {
+    arguments.insert(arguments.end(), {"--ports", (run_.directory / files::kPorts).string()});
+  }
+  return std::make_unique<ChildProcess>(name, arguments, logFolder() / (name + ".txt"));
 }
 
 std::string Supervisor::missing() const {
@@ -89,7 +92,7 @@ bool Supervisor::revive(const std::function<void(const std::string&)>& report,
     if (!died(entry)) continue;
     if (entry.restarts > kMostRestarts) return false;
     const fs::path file = entry.name == "sim_svc" ? resume() : run_.directory / files::kExperiment;
-    entry.process = startService(entry.name, file);
+    entry.process = startService(entry.name, entry.uses_ports, file);
   }
   return true;
 }

@@ -49,14 +49,15 @@ class Supervisor {
     std::string name;
     std::unique_ptr<ChildProcess> process;
     int restarts = 0;
+    bool uses_ports = false;
   };
 
-  [[nodiscard]] std::unique_ptr<ChildProcess> startService(const std::string& name,
+  [[nodiscard]] std::unique_ptr<ChildProcess> startService(const std::string& name, bool uses_ports,
                                                            const std::filesystem::path& file) const;
 
   const PreparedRun& run_;
   const LiveOptions& options_;
-  Entry logger_{"lcm-logger", nullptr, 0};
+  Entry logger_{"lcm-logger", nullptr};
   std::vector<Entry> services_;
   std::set<pid_t> ready_;
 };

@@ -1,0 +1,105 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "calibration/motor_report.hpp"
+#include "calibration/pattern.hpp"
+#include "common/experiment_file.hpp"
+#include "common/experiment_messages.hpp"
+#include "runner/commands.hpp"
+#include "runner/launch.hpp"
+#include "runner/motor_calibrator.hpp"
+
+namespace lab::runner {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr double kMostPerRobot = 180;  // [s] with every patience used up
+constexpr double kStart = 60;          // [s]
+constexpr double kBesidePatterns = 5;  // [s] of a robot, for turning and storing
+
+std::vector<std::int32_t> chosenRobots(const Experiment& experiment,
+                                       const std::vector<std::int32_t>& wanted) {
+  const std::vector<std::int32_t> all = commandedRobots(experiment);
+  for (const std::int32_t id : wanted) {
+    if (std::ranges::find(all, id) != all.end()) continue;
+    std::string known;
+    for (const std::int32_t robot : all) known += fmt::format(" {}", robot);
+    throw UserError(fmt::format("--robot {}: found no such robot that takes orders, allowed{}", id,
+                                known.empty() ? " none" : known));
+  }
+  return wanted.empty() ? all : wanted;
+}
+
+/// The lab of the experiment with a light that does not move, for as long as it may take.
+Experiment labFor(Experiment experiment, std::size_t robots) {
+  experiment.name += "-motors";
+  experiment.duration = kStart + kMostPerRobot * static_cast<double>(robots);
+  LayerSpec uniform;
+  uniform.intensity = experiment.light.safe_intensity;
+  LightStep step;
+  step.label = "calibration";
+  step.layers = {uniform};
+  experiment.light.steps = {step};
+  experiment.light.length = 0;
+  experiment.light.repeat = false;
+  return experiment;
+}
+
+/// [s] that one robot takes when nothing is in its way.
+double usualTime(double max) {
+  double time = kBesidePatterns;
+  for (const auto& pattern : {calibration::checkPattern(max), calibration::calibrationPattern({}, max),
+                              calibration::checkPattern(max)}) {
+    for (const auto& step : pattern) time += step.duration + calibration::kSettleTime;
+  }
+  return time;
+}
+
+}  // namespace
+
+ExitCode calibrateMotors(const CalibrateOptions& options) {
+  const Experiment experiment = loadExperiment(options.file, options.set);
+  const std::vector<std::int32_t> robots = chosenRobots(experiment, options.robots);
+  if (robots.empty()) {
+    throw UserError(options.file.string() + ": no robot takes orders: nothing to calibrate");
+  }
+  fmt::print("robots   {}, one after the other, about {:.0f} s each\n", robots.size(),
+             usualTime(experiment.hardware.max_wheel_speed));
+
+  std::vector<calibration::MotorReport> reports;
+  const auto tell = [&reports](const calibration::MotorReport& report) {
+    if (reports.empty()) fmt::print("\n{}", calibration::tableHead());
+    fmt::print("{}", calibration::tableLine(report));
+    std::fflush(stdout);
+    reports.push_back(report);
+  };
+  const Launched launched = launch(
+      {.file = options.file,
+       .out = options.out,
+       .programs = options.programs,
+       .set = options.set,
+       .virtual_time = options.virtual_time},
+      labFor(experiment, robots.size()), [](const Progress&) {},
+      [&](const ServiceContext& context, Conductor& conductor, std::function<void()> done) {
+        return std::make_unique<MotorCalibrator>(context, conductor, robots, tell,
+                                                 std::move(done));
+      });
+
+  for (const std::string& fault : launched.outcome.faults) fmt::print("marked   {}\n", fault);
+  const fs::path folder = launched.directory / files::kCalibration;
+  fs::create_directories(folder);
+  writeNewFile(folder / "motors.toml", calibration::motorsFile(reports));
+  fmt::print("\nmotors   {}\n", fs::absolute(folder / "motors.toml").lexically_normal().string());
+
+  const auto refused =
+      std::ranges::count_if(reports, [](const auto& report) { return !report.refusal.empty(); });
+  const std::size_t missing = robots.size() - reports.size();
+  if (missing > 0) fmt::print("ended before {} of {} robots were done\n", missing, robots.size());
+  if (launched.outcome.closed_early) return kMarked;
+  return refused > 0 || missing > 0 ? kFailed : kDone;
+}
+
+}  // namespace lab::runner

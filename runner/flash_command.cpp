@@ -1,0 +1,116 @@
+#include <fmt/format.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <optional>
+#include <vector>
+
+#include "common/asio_loop.hpp"
+#include "common/serial_devices.hpp"
+#include "runner/commands.hpp"
+#include "runner/robot_adoption.hpp"
+
+extern char** environ;
+
+namespace lab::runner {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path firmwareOf(const FlashOptions& options) {
+  if (!options.firmware.empty()) return options.firmware;
+  const fs::path hex = options.programs / "robot_firmware.hex";
+  if (!fs::exists(hex)) {
+    throw UserError(fmt::format(
+        "{}: not there, it was not built; apt-get install gcc-avr avr-libc, then ./lab flash again",
+        hex.string()));
+  }
+  return hex;
+}
+
+/// Through the bootloader nothing but the program can be written. A programmer sets the fuses as
+/// docs/robot.md explains them, and keeps the EEPROM with the robot's settings.
+std::vector<std::string> avrdudeLine(const FlashOptions& options, const fs::path& hex) {
+  std::vector<std::string> line{"avrdude", "-q", "-p", "m328p"};
+  const auto add = [&line](std::initializer_list<std::string> words) {
+    line.insert(line.end(), words);
+  };
+  if (options.isp.empty()) {
+    add({"-c", "arduino", "-P", options.port, "-b", std::to_string(options.baud), "-D"});
+  } else {
+    add({"-c", options.isp});
+    if (!options.isp_port.empty()) add({"-P", options.isp_port});
+    add({"-U", "lfuse:w:0xFF:m", "-U", "hfuse:w:0xD7:m", "-U", "efuse:w:0xFD:m"});
+  }
+  add({"-U", fmt::format("flash:w:{}:i", hex.string())});
+  return line;
+}
+
+/// Runs a program with our terminal to its end; its exit code.
+int execute(const std::vector<std::string>& line) {
+  std::vector<char*> arguments;
+  for (const std::string& word : line) arguments.push_back(const_cast<char*>(word.c_str()));
+  arguments.push_back(nullptr);
+  pid_t child = 0;
+  if (posix_spawnp(&child, arguments[0], nullptr, nullptr, arguments.data(), environ) != 0) {
+    throw UserError(line[0] + ": cannot be started; apt-get install " + line[0]);
+  }
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 128;
+}
+
+RobotAdoption::Result meet(AsioLoop& loop, SerialDevices& ports, const FlashOptions& options) {
+  std::optional<RobotAdoption::Result> met;
+  const RobotAdoption adoption(loop, ports.open(options.port, options.robot_baud), randomUid(),
+                               [&](const RobotAdoption::Result& result) {
+                                 met = result;
+                                 loop.stop();
+                               });
+  loop.run();
+  return *met;
+}
+
+}  // namespace
+
+ExitCode flash(const FlashOptions& options) {
+  const fs::path hex = firmwareOf(options);
+  AsioLoop loop;
+  SerialDevices ports(loop, fs::temp_directory_path());  // offers none
+  try {
+    // Says who has the port, or that there is none, before avrdude says it less clearly.
+    (void)ports.open(options.port, options.robot_baud);
+  } catch (const SerialError& error) {
+    throw UserError(error.what());
+  }
+  const std::vector<std::string> line = avrdudeLine(options, hex);
+  fmt::print("{}\n", fmt::join(line, " "));
+  std::fflush(stdout);
+  if (const int code = execute(line); code != 0) {
+    fmt::print(
+        "NOT flashed: avrdude ended with code {} (above: why); the robot's old program may be gone\n",
+        code);
+    return kFailed;
+  }
+  RobotAdoption::Result met;
+  try {
+    met = meet(loop, ports, options);
+  } catch (const SerialError& error) {
+    met.problem = error.what();
+  }
+  if (!met.ok) {
+    fmt::print("flashed, but {}: {}\n", options.port, met.problem);
+    return kFailed;
+  }
+  fmt::print("flashed: firmware {}.{}, build {:08x}, schema 0x{:04X}\n", met.hello.firmware >> 8,
+             met.hello.firmware & 0xFFU, met.hello.build, met.hello.schema);
+  fmt::print("{} = {}\n", met.uid_is_new ? "the robot had no number and has one now: uid" : "uid",
+             met.hello.uid);
+  return kDone;
+}
+
+}  // namespace lab::runner

@@ -1,0 +1,119 @@
+#include "runner/launch.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "common/lcm_bus.hpp"
+#include "common/units.hpp"
+#include "common/version.hpp"
+#include "runner/disk_need.hpp"
+#include "runner/doctor.hpp"
+#include "runner/exit_code.hpp"
+#include "runner/lab_registry.hpp"
+#include "runner/network.hpp"
+#include "runner/run_live.hpp"
+
+namespace lab::runner {
+namespace fs = std::filesystem;
+namespace {
+
+volatile std::sig_atomic_t interrupted = 0;
+
+std::int64_t wallClock() {
+  return std::chrono::duration_cast<std::chrono::microseconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+void requireDisk(const Experiment& experiment, const fs::path& folder) {
+  const std::int64_t need = diskNeed_bytes(experiment);
+  const std::int64_t have = freeBytes(folder);
+  if (have >= need) return;
+  throw UserError(
+      fmt::format("too little disk in {}: this run needs about {} MB, {} MB are free; make room, "
+                  "choose another "
+                  "folder with --out, or shorten duration_s",
+                  folder.string(), need / 1'000'000, have / 1'000'000));
+}
+
+RunOutcome execute(const LaunchOptions& options, const PreparedRun& run, const std::string& url,
+                   const fs::path& logger, const ShowProgress& show, const PilotFactory& pilot) {
+  if (!options.virtual_time) {
+    return runLive(run, {.url = url, .programs = options.programs, .lcm_logger = logger}, show,
+                   pilot);
+  }
+  std::signal(SIGINT, [](int) { interrupted = 1; });
+  std::signal(SIGTERM, [](int) { interrupted = 1; });
+  return runVirtual(run, show, [] { return interrupted != 0; }, pilot);
+}
+
+/// What differs between two runs of the same file and seed.
+void writeProvenance(const LaunchOptions& options, const PreparedRun& run, const std::string& url,
+                     std::int64_t start, const RunOutcome& outcome) {
+  char host[256] = {};
+  gethostname(host, sizeof host - 1);
+  const std::int64_t end = wallClock();
+  const nlohmann::ordered_json json{{"experiment_file", fs::absolute(options.file).string()},
+                                    {"set", options.set},
+                                    {"started", utcText(start)},
+                                    {"ended", utcText(end)},
+                                    {"wall_s", units::seconds(end - start)},
+                                    {"virtual_time", options.virtual_time},
+                                    {"host", host},
+                                    {"bus", url},
+                                    {"version", kVersion},
+                                    {"interrupted", outcome.interrupted},
+                                    {"faults", outcome.faults}};
+  writeNewFile(run.directory / files::kProvenance, json.dump(2) + "\n");
+}
+
+}  // namespace
+
+fs::path requireProgram(const std::string& name, const std::string& package) {
+  if (const auto path = findProgram(name)) return *path;
+  throw UserError(fmt::format("{} is not installed: sudo apt-get install {}", name, package));
+}
+
+Launched launch(const LaunchOptions& options, Experiment experiment, const ShowProgress& show,
+                const PilotFactory& pilot) {
+  fs::path logger;
+  std::string url;
+  std::optional<PortLock> port_lock;
+  requireDisk(experiment, options.out);
+  if (!options.virtual_time) {
+    logger = requireProgram("lcm-logger", "liblcm-bin");
+    if (const auto problem = multicastProblem()) throw UserError(*problem);
+    const bool wanted = experiment.network.port != 0;
+    experiment.network.port = choosePort(experiment.network.port);
+    port_lock.emplace(experiment.network.port);
+    url = lcmUrl(experiment.network.port, experiment.network.ttl);
+    // A heartbeat comes once a second; a port that nobody had bound cannot have a speaker for long.
+    refuseForeignTraffic(url, wanted ? 1300 : 300);
+  }
+
+  const std::int64_t start = wallClock();
+  const PreparedRun prepared =
+      prepareRun(std::move(experiment), options.file.parent_path(), options.out, start);
+  fmt::print("run      {}\n", prepared.directory.string());
+  std::optional<Registration> registration;
+  if (!options.virtual_time) {
+    fmt::print("bus      {}\n", url);
+    registration.emplace(RunningLab{prepared.directory.filename().string(), url, getpid(),
+                                    fs::absolute(prepared.directory).string()});
+  }
+  std::fflush(stdout);
+  RunOutcome outcome = execute(options, prepared, url, logger, show, pilot);
+  registration.reset();
+  // The run is kept whatever happens; a report takes seconds and is not left half-written.
+  std::signal(SIGINT, SIG_IGN);
+  writeProvenance(options, prepared, url, start, outcome);
+  return {prepared.directory, std::move(outcome)};
+}
+
+}  // namespace lab::runner
