@@ -203,7 +203,10 @@ void PatternDriver::leave() {
 }
 
 void PatternDriver::rest() {
-  if (inPhase() > kEchoPatience_us) return fail(name() + " does not answer: is it switched on?");
+  if (inPhase() > kEchoPatience_us) {
+    return fail(name() + (reins_.obeyed() ? " is no longer seen by the tracker"
+                                          : " does not answer: is it switched on?"));
+  }
   const SeenRobot* seen = fresh();
   if (inPhase() <= kRest_us || !reins_.obeyed() || seen == nullptr) return;
   if (way_out_ == 0) return enter(Phase::kLook);
