@@ -19,7 +19,11 @@ constexpr double kLongest = 1.2;                    // [s] of a step
 constexpr double kShortest = 0.5;                   // [s]
 constexpr double kPathStep = 0.02;                  // [s]
 constexpr int kDirections = 72;                     // that are tried
+constexpr int kMargin = 4;                          // of these directions, to either side
+// More than needed, where one can choose: a robot does not come to rest exactly as told.
+constexpr double kSoughtClearance = kClearance + 0.004;
 constexpr double kLongestWay = 0.20;                // [m] out
+constexpr double kSpare = 0.01;                     // [m] at the end of a way out
 constexpr double kWayStep = 0.02;                   // [m]
 constexpr double kTrackerSlack = 1e-3;              // [m]
 // On its way out a robot gains this much of clearance a metre: more than an error of its heading
@@ -45,10 +49,12 @@ std::vector<Pose> pathOf(const Pattern& pattern, double wheel_base) {
   return path;
 }
 
-/// 0, +1, -1, +2, -2, ... steps from the present heading.
-double directionNumber(int i, double present) {
-  const int steps = (i + 1) / 2 * (i % 2 == 0 ? -1 : 1);
-  return std::remainder(present + steps * 2 * std::numbers::pi / kDirections,
+/// 0, 1, -1, 2, -2, ...
+int directionNumber(int i) { return (i + 1) / 2 * (i % 2 == 0 ? -1 : 1); }
+
+/// The heading so many of the kDirections from the present one.
+double turned(double present, int directions) {
+  return std::remainder(present + directions * 2 * std::numbers::pi / kDirections,
                         2 * std::numbers::pi);
 }
 
@@ -96,15 +102,26 @@ Pattern checkPattern(double max) {
 std::optional<double> roomyHeading(const Pattern& pattern, const Place& robot,
                                    const Surroundings& surroundings) {
   const std::vector<Pose> path = pathOf(pattern, surroundings.diameter);
-  for (int i = 0; i < kDirections; ++i) {
-    const double heading = directionNumber(i, robot.theta);
+  const auto isRoomy = [&](double heading, double clearance) {
     const double c = std::cos(heading);
     const double s = std::sin(heading);
-    const bool roomy = std::all_of(path.begin(), path.end(), [&](const Pose& at) {
+    return std::all_of(path.begin(), path.end(), [&](const Pose& at) {
       return clearanceAt(robot.x + c * at.x - s * at.y, robot.y + s * at.x + c * at.y,
-                         surroundings) >= kClearance;
+                         surroundings) >= clearance;
     });
-    if (roomy) return heading;
+  };
+  if (isRoomy(robot.theta, kClearance)) return turned(robot.theta, 0);
+  for (int i = 0; i < kDirections; ++i) {
+    const int first = directionNumber(i);
+    if (!isRoomy(turned(robot.theta, first), kSoughtClearance)) continue;
+    // Not the edge of what has room: a robot does not turn exactly.
+    const int sense = first < 0 ? -1 : 1;
+    int more = 0;
+    while (more < kMargin &&
+           isRoomy(turned(robot.theta, first + sense * (more + 1)), kSoughtClearance)) {
+      ++more;
+    }
+    return turned(robot.theta, first + sense * (more + 1) / 2);
   }
   return {};
 }
@@ -122,15 +139,18 @@ std::optional<WayOut> wayOut(const Pattern& pattern, const Place& robot,
     }
     return true;
   };
+  // From places with room to spare.
+  Surroundings tighter = surroundings;
+  tighter.diameter += kSpare;
   const int steps = static_cast<int>(std::lround(kLongestWay / kWayStep));
   for (int step = 1; step <= steps; ++step) {
     const double distance = step * kWayStep;
     for (int i = 0; i < kDirections; ++i) {
-      const double heading = directionNumber(i, robot.theta);
+      const double heading = turned(robot.theta, directionNumber(i));
       if (!isFree(heading, distance)) continue;
       const Place there{robot.x + distance * std::cos(heading),
                         robot.y + distance * std::sin(heading), heading};
-      if (roomyHeading(pattern, there, surroundings)) return WayOut{heading, distance};
+      if (roomyHeading(pattern, there, tighter)) return WayOut{heading, distance};
     }
   }
   return {};

@@ -47,8 +47,8 @@ struct Surroundings {
 /// The distance that must be left everywhere on a pattern driven with nominal motors [m].
 inline constexpr double kClearance = 0.02;
 
-/// The heading, nearest to the present one, from which `pattern` leaves at least kClearance to walls
-/// and robots; nothing when there is none.
+/// A heading, near to the present one, from which `pattern` leaves at least kClearance to walls and
+/// robots: the present one if that is such, nothing when there is none.
 [[nodiscard]] std::optional<double> roomyHeading(const Pattern& pattern, const Place& robot,
                                                  const Surroundings& surroundings);
 

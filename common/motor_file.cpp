@@ -41,7 +41,8 @@ class Reader {
     try {
       return toml::parse_file(name_);
     } catch (const toml::parse_error& error) {
-      fail(fmt::format("{} (line {})", error.description(), error.source().begin.line));
+      if (error.source().begin.line == 0) fail("cannot be read: is it there?");
+      fail(fmt::format("line {}: {}", error.source().begin.line, error.description()));
     }
   }
 

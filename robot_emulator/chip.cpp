@@ -13,6 +13,7 @@
 #include <new>
 
 #include "common/random.hpp"
+#include "robot_emulator/chip_simavr.hpp"
 #include "robot_emulator/motor_pins.hpp"
 #include "robot_emulator/registers.hpp"
 
@@ -21,8 +22,6 @@ namespace {
 
 constexpr std::uint32_t kSupplyMv = 3300;
 constexpr std::uint64_t kSettleCycles = 400;         // 50 us
-constexpr std::uint64_t kEepromWriteCycles = 27200;  // 3.4 ms
-constexpr unsigned kReceiverDepth = 2;
 
 /// Smallest voltage that the converter turns into these counts (simavr: counts = mV * 1023 / 3300).
 std::uint32_t millivolts(std::uint16_t counts) {
@@ -40,50 +39,6 @@ Module* findModule(avr_t* avr, const char* kind) {
 }
 
 }  // namespace
-
-struct Chip::Simavr {
-  explicit Simavr(Chip& chip);
-  ~Simavr() {
-    avr_terminate(avr);
-    std::free(avr);
-  }
-  Simavr(const Simavr&) = delete;
-  Simavr& operator=(const Simavr&) = delete;
-
-  static Chip& chipOf(avr_t* avr) { return *static_cast<Chip*>(avr->custom.data); }
-  static Chip& chipOf(void* chip) { return *static_cast<Chip*>(chip); }
-
-  std::uint8_t& data(std::uint16_t address) const { return avr->data[address]; }
-  unsigned waiting() const {
-    return static_cast<unsigned>((uart->input.write - uart->input.read) & (uart_fifo_fifo_size - 1));
-  }
-
-  // Called by simavr.
-  static void onSleep(avr_t* avr, avr_cycle_count_t cycles);
-  static void onReset(avr_t* avr);
-  static void onSent(avr_irq_t*, std::uint32_t value, void* chip);
-  static void onMotorRegister(avr_irq_t*, std::uint32_t, void* chip);
-  static void onBaudRegister(avr_irq_t*, std::uint32_t, void* chip) { chipOf(chip).updateBaud(); }
-  static void onEeprom(avr_irq_t*, std::uint32_t value, void* chip) {
-    chipOf(chip).watchEeprom(value);
-  }
-  static avr_cycle_count_t onStop(avr_t*, avr_cycle_count_t, void*) { return 0; }
-  static avr_cycle_count_t onArrival(avr_t* avr, avr_cycle_count_t, void* chip);
-  static avr_cycle_count_t onSettled(avr_t* avr, avr_cycle_count_t when, void* chip);
-  static avr_cycle_count_t onEepromWritten(avr_t* avr, avr_cycle_count_t, void* chip);
-
-  void watch(std::uint16_t address, void (*callback)(avr_irq_t*, std::uint32_t, void*), Chip& chip) {
-    avr_irq_register_notify(avr_iomem_getirq(avr, address, nullptr, AVR_IOMEM_IRQ_ALL), callback,
-                            &chip);
-  }
-
-  avr_t* avr = nullptr;
-  avr_uart_t* uart = nullptr;
-  avr_eeprom_t* eeprom = nullptr;
-  void (*core_reset)(avr_t*) = nullptr;
-  bool reset_seen = false;
-  bool writing_eeprom = false;
-};
 
 Chip::Simavr::Simavr(Chip& chip) {
   avr = avr_make_mcu_by_name("atmega328p");
@@ -113,7 +68,15 @@ Chip::Simavr::Simavr(Chip& chip) {
   watch(kEecr, onEeprom, chip);
 }
 
+/// Called before the count of cycles goes on by `cycles` + 1: a sleep ends one cycle after the timer
+/// that ends it. Where our stop ends it one cycle before another timer, that one would be punctual
+/// for once: go past it, as without the stop.
 void Chip::Simavr::onSleep(avr_t* avr, avr_cycle_count_t cycles) {
+  const avr_cycle_timer_slot_t* first = avr->cycle_timers.timer;
+  if (first != nullptr && first->timer == onStop && first->next != nullptr &&
+      first->next->when == first->when + 1) {
+    ++avr->cycle;
+  }
   chipOf(avr).counts_.cycles_asleep += cycles + 1;
 }
 
@@ -123,14 +86,6 @@ void Chip::Simavr::onReset(avr_t* avr) {
   if (self.core_reset != nullptr) {
     self.core_reset(avr);
   }
-}
-
-void Chip::Simavr::onSent(avr_irq_t*, std::uint32_t value, void* object) {
-  Chip& chip = chipOf(object);
-  chip.transmitter_free_ =
-      std::max(chip.cycle(), chip.transmitter_free_) + 10 * std::max<std::uint64_t>(1, chip.bit_cycles_);
-  chip.sent_.push_back({chip.transmitter_free_, static_cast<std::uint8_t>(value)});
-  ++chip.counts_.bytes_sent;
 }
 
 void Chip::Simavr::onMotorRegister(avr_irq_t*, std::uint32_t, void* object) {
@@ -150,28 +105,6 @@ avr_cycle_count_t Chip::Simavr::onSettled(avr_t*, avr_cycle_count_t when, void* 
   Chip& chip = chipOf(object);
   chip.settling_ = false;
   chip.takeDuty(when + chip.offset_);
-  return 0;
-}
-
-avr_cycle_count_t Chip::Simavr::onArrival(avr_t* avr, avr_cycle_count_t, void* object) {
-  Chip& chip = chipOf(object);
-  const double now = static_cast<double>(chip.cycle());
-  while (!chip.arriving_.empty() && chip.arriving_.front().end <= now) {
-    const LineByte byte = chip.arriving_.front().byte;
-    chip.arriving_.pop_front();
-    chip.deliver(byte);
-  }
-  if (chip.arriving_.empty()) {
-    return 0;
-  }
-  const auto next = static_cast<std::uint64_t>(std::ceil(chip.arriving_.front().end));
-  return std::max(next - chip.offset_, avr->cycle + 1);
-}
-
-avr_cycle_count_t Chip::Simavr::onEepromWritten(avr_t*, avr_cycle_count_t, void* object) {
-  Simavr& self = *chipOf(object).simavr_;
-  self.writing_eeprom = false;
-  self.data(kEecr) = static_cast<std::uint8_t>(self.data(kEecr) & ~kEepe);
   return 0;
 }
 
@@ -278,15 +211,7 @@ void Chip::execute(std::uint64_t target) {
   }
   avr_t* avr = simavr_->avr;
   const std::uint64_t begin = avr->cycle;
-  std::uint64_t stop = target - offset_;
-  // A sleeping chip wakes one cycle after the timer that ends its sleep. A stop one cycle before
-  // another timer would make that one punctual: go past it instead.
-  for (const avr_cycle_timer_slot_t* slot = avr->cycle_timers.timer;
-       slot != nullptr && slot->when <= stop + 1; slot = slot->next) {
-    if (slot->when == stop + 1) {
-      ++stop;
-    }
-  }
+  const std::uint64_t stop = target - offset_;
   const auto arm = [&] {
     if (stop > avr->cycle) {
       avr_cycle_timer_register(avr, stop - avr->cycle, Simavr::onStop, this);
@@ -372,102 +297,6 @@ std::vector<DutyChange> Chip::takeChanges(std::uint64_t until) {
     changes_.pop_front();
   }
   return taken;
-}
-
-void Chip::receive(LineByte byte) {
-  line_free_ = std::max(line_free_, static_cast<double>(now_)) + 10 * line_bit_cycles_;
-  arriving_.push_back({line_free_, byte});
-  if (arriving_.size() == 1 && power_ == ChipPower::kRunning) {
-    armReceiver();
-  }
-}
-
-void Chip::receive(std::span<const std::uint8_t> bytes) {
-  for (const std::uint8_t byte : bytes) {
-    receive(LineByte{byte, false});
-  }
-}
-
-std::uint64_t Chip::receivingUntil() const { return static_cast<std::uint64_t>(std::ceil(line_free_)); }
-
-void Chip::armReceiver() {
-  if (arriving_.empty()) {
-    return;
-  }
-  const auto end = static_cast<std::uint64_t>(std::ceil(arriving_.front().end));
-  avr_cycle_timer_register(simavr_->avr, end > cycle() ? end - cycle() : 1, Simavr::onArrival, this);
-}
-
-/// A byte whose stop bit has just ended. simavr would begin to receive it now.
-void Chip::deliver(LineByte byte) {
-  avr_uart_t* uart = simavr_->uart;
-  if (avr_regbit_get(simavr_->avr, uart->rxen) == 0) {
-    return;
-  }
-  if (simavr_->waiting() >= kReceiverDepth) {
-    ++counts_.bytes_overrun;
-    avr_regbit_set(simavr_->avr, uart->dor);
-    return;
-  }
-  ++counts_.bytes_received;
-  const auto cycles_per_byte = uart->cycles_per_byte;
-  uart->cycles_per_byte = 1;
-  avr_raise_irq(uart->io.irq + UART_IRQ_INPUT,
-                byte.value | (byte.framing_error ? static_cast<std::uint32_t>(UART_INPUT_FE) : 0U));
-  uart->cycles_per_byte = cycles_per_byte;
-}
-
-/// simavr counts a parity bit that is not there, and only when the divider is written.
-void Chip::updateBaud() {
-  const Simavr& s = *simavr_;
-  const std::uint64_t divider =
-      1U + (s.data(kUbrr0Low) | (static_cast<std::uint64_t>(s.data(kUbrr0High) & 0x0FU) << 8U));
-  bit_cycles_ = divider * ((s.data(kUcsr0A) & kU2x0) != 0 ? 8U : 16U);
-  s.uart->cycles_per_byte = 10 * bit_cycles_;
-}
-
-double Chip::baud() const {
-  return bit_cycles_ == 0 ? 0 : kChipHz / static_cast<double>(bit_cycles_);
-}
-
-std::vector<SentByte> Chip::takeSent(std::uint64_t until) {
-  std::vector<SentByte> taken;
-  while (!sent_.empty() && sent_.front().cycle <= until) {
-    taken.push_back(sent_.front());
-    sent_.pop_front();
-  }
-  return taken;
-}
-
-std::vector<std::uint8_t> Chip::eeprom() const {
-  return {simavr_->eeprom->eeprom, simavr_->eeprom->eeprom + kEepromSize};
-}
-
-void Chip::loadEeprom(std::span<const std::uint8_t> bytes) {
-  const std::size_t size = std::min<std::size_t>(bytes.size(), kEepromSize);
-  std::fill_n(simavr_->eeprom->eeprom, kEepromSize, std::uint8_t{0xFF});
-  std::copy_n(bytes.begin(), size, simavr_->eeprom->eeprom);
-}
-
-/// Called at every access to EECR. simavr stores at once and is ready at once; the chip says "busy"
-/// in bit EEPE for 3.4 ms.
-void Chip::watchEeprom(std::uint32_t value) {
-  Simavr& s = *simavr_;
-  if (s.writing_eeprom || (value & (kEepe | kEempe)) != (kEepe | kEempe)) {
-    return;
-  }
-  s.writing_eeprom = true;
-  ++counts_.eeprom_writes;
-  s.data(kEecr) = static_cast<std::uint8_t>(s.data(kEecr) | kEepe);
-  avr_cycle_timer_register(s.avr, kEepromWriteCycles, Simavr::onEepromWritten, this);
-  if (cut_in_write_ > 0 && --cut_in_write_ == 0) {
-    const std::size_t address =
-        (s.data(kEearLow) | (static_cast<std::size_t>(s.data(kEearHigh)) << 8U)) % kEepromSize;
-    Random random(settings_.seed, address);
-    s.eeprom->eeprom[address] = static_cast<std::uint8_t>(random.next());
-    power_cut_ = true;
-    s.avr->run_cycle_count = 1;  // leave the simulator after this instruction
-  }
 }
 
 void Chip::hang() {

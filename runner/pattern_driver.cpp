@@ -27,7 +27,7 @@ constexpr double kTurnTolerance = 0.13;           // [rad]
 constexpr double kTurned = 0.05;                  // [rad] that are no noise
 constexpr double kMoved = 0.004;                  // [m] likewise
 constexpr double kFullTurn = 2 * std::numbers::pi;
-constexpr int kMostTurns = 6;
+constexpr int kMostTurns = 10;
 
 }  // namespace
 

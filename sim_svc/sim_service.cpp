@@ -118,9 +118,9 @@ SimService::SimService(const ServiceContext& context)
   const MotorCalibrations motors = motorsInForce(context);
   bus_robots_.take(toMessage(motors));
   addOuterRobots(context, motors);
-  follow(start_utime_);
+  advance(start_utime_);
   subscribe();
-  loop_.every(period_us(experiment_.camera.fps), start_utime_, [this] { sampleFrames(); });
+  loop_.every(period_us(experiment_.camera.fps), start_utime_, [this] { follow(loop_.now()); });
   loop_.every(period_us(experiment_.hardware.status_rate), start_utime_,
               [this] { sampleRobots(); });
   loop_.every(period_us(kTruthRate), start_utime_, [this] { sampleTruth(); });
@@ -189,17 +189,24 @@ void SimService::show(const light_status_t& status) {
   light_.show(light::CompiledField(field));
 }
 
+/// Whatever it is that moves the world on, the camera sees it at its own instants: a timer that
+/// comes late on a busy machine must not show a frame what happened after it.
 void SimService::follow(std::int64_t utime) {
+  sampleFrames(utime);
+  advance(utime);
+}
+
+void SimService::advance(std::int64_t utime) {
   if (utime - origin_utime_ <= world_.timeUs()) return;
   ghosts_.follow(origin_utime_ + world_.timeUs());
   outer_robots_.advanceTo(utime - origin_utime_);
 }
 
-void SimService::sampleFrames() {
+void SimService::sampleFrames(std::int64_t until_utime) {
   const std::int64_t now = loop_.now();
   const double fps = experiment_.camera.fps;
-  for (std::int64_t exposure = sampleUtime(start_utime_, frame_number_, fps); exposure <= now;
-       exposure = sampleUtime(start_utime_, ++frame_number_, fps)) {
+  for (std::int64_t exposure = sampleUtime(start_utime_, frame_number_, fps);
+       exposure <= until_utime; exposure = sampleUtime(start_utime_, ++frame_number_, fps)) {
     const bool seen = tracker_.begin(exposure);
     if (!loop_.isVirtual() && now - exposure > kOldestFrame_us) {
       // The machine stalled. A burst of old frames would drown the listeners.
@@ -207,7 +214,7 @@ void SimService::sampleFrames() {
                       std::to_string(tracker_.frame().frame) + " on were skipped");
       continue;
     }
-    follow(exposure);
+    advance(exposure);
     if (!seen) continue;
     for (std::size_t i = 0; i < world_.size(); ++i) tracker_.see(world_.id(i), world_.pose(i));
     ghosts_.addTracked(exposure, tracker_);

@@ -45,7 +45,8 @@ class SimService final : public Service {
   void subscribe();
   void show(const light_status_t& status);
   void follow(std::int64_t utime);
-  void sampleFrames();
+  void advance(std::int64_t utime);
+  void sampleFrames(std::int64_t until_utime);
   void sampleRobots();
   void sampleTruth();
 

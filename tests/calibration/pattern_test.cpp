@@ -92,6 +92,16 @@ TEST(RoomyHeading, FindsTheOneFreeWayAmongRobots) {
   EXPECT_LT(std::fabs(*heading - 20 * M_PI / 180), 0.9);
 }
 
+TEST(RoomyHeading, IsNotTheEdgeOfTheRoom) {
+  const Place robot{1.12, 0.45, 0};
+  const double heading = roomyHeading(checkPattern(kMax), robot, emptyArena()).value();
+  for (const double off : {-0.08, 0.08}) {
+    const double nearby = heading + off;
+    const auto again = roomyHeading(checkPattern(kMax), {robot.x, robot.y, nearby}, emptyArena());
+    EXPECT_NEAR(again.value(), nearby, 1e-9);
+  }
+}
+
 TEST(WayOut, LeadsAwayFromAWallThatIsTooNear) {
   const Place at_the_wall{0.41, 0.86, 2.0};
   EXPECT_FALSE(roomyHeading(checkPattern(kMax), at_the_wall, emptyArena()));

@@ -40,7 +40,10 @@ Experiment syntheticExperiment(int robots, double duration, double fps,
   experiment.duration = duration;
   experiment.camera.fps = fps;
   experiment.hardware.status_rate = fps;
-  for (int id = 1; id <= robots; ++id) experiment.robots.push_back({id, Body::kSim, {}});
+  for (int id = 1; id <= robots; ++id) {
+    experiment.robots.emplace_back();
+    experiment.robots.back().id = id;
+  }
   const auto count = static_cast<double>(programs.size());
   for (std::size_t i = 0; i < programs.size(); ++i) {
     const double low = static_cast<double>(i) / count;

@@ -341,6 +341,30 @@ TEST_F(BridgeServiceTest, StoresACalibrationAndSaysWhatTheRobotHolds) {
   EXPECT_TRUE(robot.device().core().settings() == with_own.core);
 }
 
+TEST_F(BridgeServiceTest, AsksARobotForItsCalibrationAndStoresNothing) {
+  WireRobot& robot = addRobot(1);
+  std::optional<robot_calibration_t> held;
+  other.subscribe<robot_calibration_t>(
+      channels::kCalibrationStatus, [&held](const robot_calibration_t& status) { held = status; });
+  start();
+  run(3);
+  robot_calibration_t question{};
+  question.seq = 4;
+  question.robots.resize(1);
+  question.robots[0].robot_id = 1;
+  question.num_robots = 1;
+  for (int i = 0; i < 4; ++i) {
+    other.publishCommand(channels::kRobotCalibration, question);
+    run(0.5);
+  }
+  ASSERT_TRUE(held);
+  EXPECT_EQ(held->seq, 4);
+  ASSERT_EQ(held->robots.size(), 1U);
+  EXPECT_EQ(held->robots[0].gain_left, 1);
+  EXPECT_EQ(held->robots[0].dead_band_left, 0);
+  EXPECT_EQ(robot.device().settings().left.gain_ppm, 1'000'000);
+}
+
 TEST_F(BridgeServiceTest, AnImpossibleCalibrationIsNamedAndChangesNothing) {
   WireRobot& robot = addRobot(1);
   start();

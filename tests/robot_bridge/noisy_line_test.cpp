@@ -1,12 +1,12 @@
 // Commands over a line with bit errors: each is obeyed once, or given up and obeyed with the next
-// repeat of the state.
+// repeat of the state. LAB_COMMANDS: how many.
 #include "tests/robot_bridge/bridge_fixture.hpp"
 
 namespace lab::bridge {
 namespace {
 
 constexpr double kBitErrorRate = 1e-4;
-constexpr int kCommands = 100'000;
+constexpr int kCommands = LAB_COMMANDS;
 
 class NoisyLineTest : public BridgeFixture {
  protected:

@@ -5,6 +5,8 @@
 #include <avr/wdt.h>
 #include <stdint.h>
 
+static volatile uint8_t ticking = 0;
+
 static void put(uint8_t byte) {
   while ((UCSR0A & 1 << UDRE0) == 0) {
   }
@@ -103,6 +105,16 @@ int main(void) {
           sleep_enable();
           sleep_cpu();
         }
+      case 'b':  /* sleeps, and sends a byte each ms */
+        OCR1A = 7999;
+        TCCR1B = 1 << WGM12 | 1;
+        TIMSK1 = 1 << OCIE1A;
+        ticking = 1;
+        sei();
+        for (;;) {
+          sleep_enable();
+          sleep_cpu();
+        }
       case 'e':  /* writes two bytes into the EEPROM and says when it is ready */
         for (uint8_t i = 0; i < 2; ++i) {
           while ((EECR & 1 << EEPE) != 0) {
@@ -122,4 +134,6 @@ int main(void) {
   }
 }
 
-ISR(TIMER1_COMPA_vect) {}
+ISR(TIMER1_COMPA_vect) {
+  if (ticking) UDR0 = 'b';
+}

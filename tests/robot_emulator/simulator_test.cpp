@@ -238,6 +238,28 @@ TEST(Simulator, SleepsInOnePieceWhateverThePinsAre) {
   EXPECT_LT(probe.chip().counts().rounds - before, 20'000U);
 }
 
+// A sleep ends one cycle late in simavr, so a stop just before a timer would make that one punctual.
+TEST(Simulator, AStopAtAnyCycleBeforeATimerChangesNothing) {
+  constexpr std::size_t kTicks = 2500;
+  Probe reference;
+  reference.take();
+  reference.tell("b");
+  reference.run(kTicks + 10);
+  const auto expected = reference.take();
+  ASSERT_GE(expected.size(), kTicks);
+
+  Probe stopped;
+  stopped.take();
+  stopped.tell("b");
+  for (std::size_t i = 1; i < kTicks; ++i) {
+    stopped.chip().runTo(expected[i].cycle - i);  // another distance from each tick
+  }
+  stopped.run(kTicks + 10);
+  const auto said = stopped.take();
+  ASSERT_EQ(said.size(), expected.size());
+  for (std::size_t i = 0; i < said.size(); ++i) ASSERT_EQ(said[i].cycle, expected[i].cycle) << i;
+}
+
 TEST(Simulator, TimeGoesOnWhileItIsOff) {
   Probe probe({}, false);
   probe.run(100);

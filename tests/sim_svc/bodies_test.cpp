@@ -227,6 +227,19 @@ TEST_F(BodiesTest, BusRobotsStoreACalibrationAndSaySo) {
   EXPECT_NEAR(held.dead_band_left, 0.1, 0.5 / 255);
   EXPECT_NEAR(held.dead_band_right, 0.2, 0.5 / 255);
   EXPECT_NEAR(held.wheel_base, 0.076, 1e-9);
+
+  // A gain of 0 asks and stores nothing.
+  robot_calibration_t question{};
+  question.seq = 13;
+  question.robots.resize(1);
+  question.robots[0].robot_id = 1;
+  question.num_robots = 1;
+  other.publishCommand(channels::kRobotCalibration, question);
+  run(0.1);
+  ASSERT_EQ(calibrations.size(), 2U);
+  EXPECT_EQ(calibrations[1].seq, 13);
+  EXPECT_EQ(calibrations[1].robots[0].gain_left, held.gain_left);
+  EXPECT_EQ(calibrations[1].robots[0].wheel_base, held.wheel_base);
 }
 
 TEST_F(BodiesTest, WhatIsNotThereStopsTheStart) {

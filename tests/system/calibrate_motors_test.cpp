@@ -139,6 +139,27 @@ TEST_F(CalibrateMotors, DoesSoOnTheWireAndAcrossALossyBus) {
   expectCalibrated(motors());
 }
 
+TEST_F(CalibrateMotors, DoesSoWithTheFirmwareOnAChip) {
+  if (!fs::exists(fs::path(LAB_PROGRAMS) / "robot_emulator")) {
+    GTEST_SKIP() << "built without the emulator";
+  }
+  const Finished lab = calibrate("--set robots[1].body=firmware");
+  EXPECT_EQ(lab.exit_code, 0) << lab.output;
+  expectCalibrated(motors());
+}
+
+TEST_F(CalibrateMotors, ARobotThatIsGivenItsCalibrationDrivesWell) {
+  ASSERT_EQ(calibrate("").exit_code, 0);
+  fs::copy_file(onlyRun(out()) / "calibration" / "motors.toml", file().parent_path() / "held.toml");
+  const Finished again = calibrate("--set robot.motors=held.toml --set robots[1].body=wire");
+  ASSERT_EQ(again.exit_code, 0) << again.output;
+  EXPECT_TRUE(fs::exists(onlyRun(out()) / "calibration" / "motors_in_force.toml"));
+  for (const toml::node& node : *motors()["robots"].as_array()) {
+    const toml::table& robot = *node.as_table();
+    EXPECT_LT(number(*robot["check_before"].as_table(), "motors_speed_percent"), 0.5);
+  }
+}
+
 TEST_F(CalibrateMotors, IsTheSameToTheBit) {
   ASSERT_EQ(calibrate("--robot 2").exit_code, 0);
   const std::string once = readFile(onlyRun(out()) / "calibration" / "motors.toml");

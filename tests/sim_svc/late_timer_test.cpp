@@ -1,0 +1,94 @@
+// A busy machine calls timers late, and in any order.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <lab/tracked_frame_t.hpp>
+#include <list>
+#include <utility>
+#include <vector>
+
+#include "common/channels.hpp"
+#include "common/experiment_messages.hpp"
+#include "common/memory_bus.hpp"
+#include "sim_svc/sim_service.hpp"
+
+namespace lab::sim {
+namespace {
+
+/// Live time that moves when the test says so. Repeating timers are never called: they are late.
+class LateLoop final : public Loop {
+ public:
+  [[nodiscard]] std::int64_t now() const override { return now_; }
+  [[nodiscard]] bool isVirtual() const override { return false; }
+  void at(std::int64_t /*utime*/, Callback callback) override {
+    once_.push_back(std::move(callback));
+  }
+  void every(std::int64_t /*period*/, std::int64_t /*first*/, Callback /*callback*/) override {}
+  void stop() override {}
+
+  void moveTo(std::int64_t utime) { now_ = utime; }
+  void runOnce() {
+    while (!once_.empty()) {
+      const Callback callback = std::move(once_.front());
+      once_.pop_front();
+      callback();
+    }
+  }
+
+ private:
+  std::int64_t now_ = 1'000'000'000;
+  std::list<Callback> once_;
+};
+
+Experiment oneRobot() {
+  Experiment experiment;
+  experiment.name = "late";
+  experiment.duration = 10;
+  experiment.hardware.pwm_steps = false;
+  experiment.hardware.clock_error = 0;
+  experiment.camera.fps = 50;
+  experiment.robots.resize(1);
+  experiment.robots[0].id = 1;
+  experiment.robots[0].start = StartPose{0.3, 0.45, 0};
+  return experiment;
+}
+
+TEST(LateTimer, ShowsNoFrameWhatHappenedAfterIt) {
+  LateLoop loop;
+  MemoryBus bus([&loop] { return loop.now(); });
+  Node node(bus, loop, {"sim_svc", 0, 1});
+  Node other(bus, loop, {"lab", 0, 1});
+  std::vector<tracked_frame_t> frames;
+  other.subscribe<tracked_frame_t>(
+      channels::kTrackedFrame, [&frames](const tracked_frame_t& frame) { frames.push_back(frame); });
+  const Experiment experiment = oneRobot();
+  const SimService dut({node, loop, experiment, {}});
+  const std::int64_t start = loop.now();
+
+  robot_command_t drive{};
+  drive.seq = 1;
+  drive.lease_ms = 1000;
+  drive.num_orders = 1;
+  drive.orders.resize(1);
+  drive.orders[0].mode = robot_order_t::DRIVE;
+  drive.orders[0].robot_ids = {1};
+  drive.orders[0].num_robots = 1;
+  drive.orders[0].wheel_left = drive.orders[0].wheel_right = 0.1;
+  other.publishCommand(channels::kRobotCommand, drive);
+  bus.deliver();
+  // The next thing that happens is a repeated command, 95 ms later: five frames are overdue.
+  loop.moveTo(start + 95'000);
+  other.publishCommand(channels::kRobotCommand, drive);
+  bus.deliver();
+  loop.runOnce();
+  bus.deliver();
+
+  ASSERT_EQ(frames.size(), 5U);
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    EXPECT_EQ(frames[i].utime, start + static_cast<std::int64_t>(i) * 20'000);
+    EXPECT_NEAR(frames[i].robots.at(0).x, 0.3 + 0.1 * 0.02 * static_cast<double>(i), 1e-9);
+  }
+}
+
+}  // namespace
+}  // namespace lab::sim
