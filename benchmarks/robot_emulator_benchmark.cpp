@@ -49,8 +49,8 @@ class Host {
       if (decoder_.push(byte.value)) {
         last_frame_ = decoder_.frame();
         last_ms_ = static_cast<double>(byte.cycle) / kCyclesPerMs;
-        if (last_frame_.seq == seq_ && (last_frame_.type == wire::Ack::kType ||
-                                        last_frame_.type == wire::Pong::kType)) {
+        if (last_frame_.seq == seq_ &&
+            (last_frame_.type == wire::Ack::kType || last_frame_.type == wire::Pong::kType)) {
           answered_ms_ = last_ms_;
         }
       }
@@ -158,8 +158,7 @@ void robotsPerCore(benchmark::State& state) {
     for (const auto& host : hosts) host->run(kSliceMs);
     simulated_s += static_cast<double>(robots) * kSliceMs / 1000;
   }
-  state.counters["robots_per_core"] =
-      benchmark::Counter(simulated_s, benchmark::Counter::kIsRate);
+  state.counters["robots_per_core"] = benchmark::Counter(simulated_s, benchmark::Counter::kIsRate);
 }
 BENCHMARK(robotsPerCore)->Arg(1)->Arg(10)->Arg(40);
 

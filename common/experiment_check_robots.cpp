@@ -23,6 +23,7 @@ constexpr double kFastestScan = 0.01;  // [s] of the robot's eight channels
 
 /// Speeds that an 8 MHz robot meets within 0.2 % and that every serial line knows.
 constexpr std::array kBauds = {9600, 38400, 500000};
+constexpr int kChipBaud = 38400;  // of the line between sim_svc and its chips
 
 std::string entryPath(std::size_t index) { return "robots[" + std::to_string(index) + "]"; }
 
@@ -78,10 +79,12 @@ void checkLines(const ExperimentForm& form, Problems& problems) {
   const RobotHardware& hardware = form.common.hardware;
   std::map<std::int64_t, std::size_t> uids;
   bool any = false;
+  bool chips = false;
   for (std::size_t i = 0; i < form.robots.size(); ++i) {
     const RobotEntry& entry = form.robots[i];
     if (problems.concern(entryPath(i))) continue;
     any = any || entry.body == Body::kWire || entry.body == Body::kFirmware;
+    chips = chips || entry.body == Body::kFirmware;
     if (entry.body != Body::kSerial) continue;
     if (entry.count > 1) {
       problems.add(entryPath(i) + ".count", "found " + std::to_string(entry.count) +
@@ -107,6 +110,10 @@ void checkLines(const ExperimentForm& form, Problems& problems) {
   if (!problems.concern("serial.baud") && std::ranges::find(kBauds, baud) == kBauds.end()) {
     problems.add("serial.baud",
                  "found " + std::to_string(baud) + ", allowed 9600, 38400 or 500000");
+  } else if (!problems.concern("serial.baud") && chips && baud != kChipBaud) {
+    problems.add("serial.baud", "found " + std::to_string(baud) +
+                                    ", allowed 38400 with body = \"firmware\": the simulated chips "
+                                    "run the firmware as it is shipped");
   }
 }
 

@@ -1,16 +1,11 @@
 #include "robot_emulator/chip.hpp"
 
 #include <simavr/avr_adc.h>
-#include <simavr/avr_eeprom.h>
 #include <simavr/avr_extint.h>
-#include <simavr/avr_uart.h>
-#include <simavr/sim_avr.h>
 
 #include <algorithm>
-#include <cmath>
-#include <cstdlib>
 #include <cstring>
-#include <new>
+#include <string>
 
 #include "common/random.hpp"
 #include "robot_emulator/chip_simavr.hpp"
@@ -21,7 +16,7 @@ namespace lab::emulator {
 namespace {
 
 constexpr std::uint32_t kSupplyMv = 3300;
-constexpr std::uint64_t kSettleCycles = 400;         // 50 us
+constexpr std::uint64_t kSettleCycles = 400;  // 50 us
 
 /// Smallest voltage that the converter turns into these counts (simavr: counts = mV * 1023 / 3300).
 std::uint32_t millivolts(std::uint16_t counts) {
@@ -68,9 +63,9 @@ Chip::Simavr::Simavr(Chip& chip) {
   watch(kEecr, onEeprom, chip);
 }
 
-/// Called before the count of cycles goes on by `cycles` + 1: a sleep ends one cycle after the timer
-/// that ends it. Where our stop ends it one cycle before another timer, that one would be punctual
-/// for once: go past it, as without the stop.
+/// Called before the count of cycles goes on by `cycles` + 1: a sleep ends one cycle after the
+/// timer that ends it. Where our stop ends it one cycle before another timer, that one would be
+/// punctual for once: go past it, as without the stop.
 void Chip::Simavr::onSleep(avr_t* avr, avr_cycle_count_t cycles) {
   const avr_cycle_timer_slot_t* first = avr->cycle_timers.timer;
   if (first != nullptr && first->timer == onStop && first->next != nullptr &&
@@ -256,8 +251,8 @@ void Chip::measure() {
   } else if (interrupts_off_since_ == kNever) {
     interrupts_off_since_ = now;
   }
-  const auto stack = static_cast<std::uint16_t>(simavr_->data(kStackLow) |
-                                                (simavr_->data(kStackHigh) << 8));
+  const auto stack =
+      static_cast<std::uint16_t>(simavr_->data(kStackLow) | (simavr_->data(kStackHigh) << 8));
   if (interrupts_seen_on_) {
     counts_.lowest_stack = std::min(counts_.lowest_stack, stack);
   }

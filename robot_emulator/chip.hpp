@@ -43,7 +43,7 @@ struct SentByte {
 
 enum class ChipPower : std::uint8_t {
   kOff,
-  kHeld,     ///< in reset or in a bootloader that leaves all pins alone
+  kHeld,  ///< in reset or in a bootloader that leaves all pins alone
   kRunning,
   kCrashed,  ///< it sleeps with interrupts off, or ran into no program; its pins stay as they are
 };
@@ -67,7 +67,7 @@ struct ChipCounts {
 };
 
 struct ChipSettings {
-  double line_baud = 38400;  ///< at which the other end sends, in bits per second of THIS chip's time
+  double line_baud = 38400;  ///< of the other end, in bits per second of this chip's own time
   std::uint64_t seed = 1;    ///< of what RAM holds when the chip is switched on
   /// How many cycles the simulator may run between two looks at its timers. Changes nothing but the
   /// speed.
@@ -81,10 +81,10 @@ struct ChipSettings {
 /// Time is in cycles of the chip's own oscillator since the object was made, also while it is off.
 /// What comes out depends on what went in and when, not on how the time was sliced.
 ///
-/// Where libsimavr 1.6 differs from the chip, this class makes up for it: a byte takes ten bits; the
-/// receiver holds two bytes and takes them at the sender's pace; an EEPROM write takes 3.4 ms. What
-/// remains: PWM is taken from the registers, not from the pins; no noise; the brown-out detector
-/// does not exist.
+/// Where libsimavr 1.6 differs from the chip, this class makes up for it: a byte takes ten bits;
+/// the receiver holds two bytes and takes them at the sender's pace; an EEPROM write takes 3.4 ms.
+/// What remains: PWM is taken from the registers, not from the pins; no noise; the brown-out
+/// detector does not exist.
 class Chip {
  public:
   explicit Chip(std::shared_ptr<const Program> program, const ChipSettings& settings = {});

@@ -14,8 +14,8 @@ constexpr unsigned kReceiverDepth = 2;
 
 void Chip::Simavr::onSent(avr_irq_t*, std::uint32_t value, void* object) {
   Chip& chip = chipOf(object);
-  chip.transmitter_free_ =
-      std::max(chip.cycle(), chip.transmitter_free_) + 10 * std::max<std::uint64_t>(1, chip.bit_cycles_);
+  chip.transmitter_free_ = std::max(chip.cycle(), chip.transmitter_free_) +
+                           10 * std::max<std::uint64_t>(1, chip.bit_cycles_);
   chip.sent_.push_back({chip.transmitter_free_, static_cast<std::uint8_t>(value)});
   ++chip.counts_.bytes_sent;
 }
@@ -49,14 +49,17 @@ void Chip::receive(std::span<const std::uint8_t> bytes) {
   }
 }
 
-std::uint64_t Chip::receivingUntil() const { return static_cast<std::uint64_t>(std::ceil(line_free_)); }
+std::uint64_t Chip::receivingUntil() const {
+  return static_cast<std::uint64_t>(std::ceil(line_free_));
+}
 
 void Chip::armReceiver() {
   if (arriving_.empty()) {
     return;
   }
   const auto end = static_cast<std::uint64_t>(std::ceil(arriving_.front().end));
-  avr_cycle_timer_register(simavr_->avr, end > cycle() ? end - cycle() : 1, Simavr::onArrival, this);
+  avr_cycle_timer_register(simavr_->avr, end > cycle() ? end - cycle() : 1, Simavr::onArrival,
+                           this);
 }
 
 /// A byte whose stop bit has just ended. simavr would begin to receive it now.

@@ -25,7 +25,8 @@ struct Chip::Simavr {
 
   std::uint8_t& data(std::uint16_t address) const { return avr->data[address]; }
   unsigned waiting() const {
-    return static_cast<unsigned>((uart->input.write - uart->input.read) & (uart_fifo_fifo_size - 1));
+    return static_cast<unsigned>((uart->input.write - uart->input.read) &
+                                 (uart_fifo_fifo_size - 1));
   }
 
   // Called by simavr.
@@ -42,7 +43,8 @@ struct Chip::Simavr {
   static avr_cycle_count_t onSettled(avr_t* avr, avr_cycle_count_t when, void* chip);
   static avr_cycle_count_t onEepromWritten(avr_t* avr, avr_cycle_count_t, void* chip);
 
-  void watch(std::uint16_t address, void (*callback)(avr_irq_t*, std::uint32_t, void*), Chip& chip) {
+  void watch(std::uint16_t address, void (*callback)(avr_irq_t*, std::uint32_t, void*),
+             Chip& chip) {
     avr_irq_register_notify(avr_iomem_getirq(avr, address, nullptr, AVR_IOMEM_IRQ_ALL), callback,
                             &chip);
   }

@@ -32,7 +32,8 @@ LineFaultSettings lineFaults(const FreeRunSettings& settings, int id, std::int64
   faults.seed = deriveSeed(settings.seed, id, "line");
   if (settings.cable_out_at_s >= 0) {
     const auto from = start_us + static_cast<std::int64_t>(settings.cable_out_at_s * 1e6);
-    faults.outages.push_back({from, from + static_cast<std::int64_t>(settings.cable_out_for_s * 1e6)});
+    faults.outages.push_back(
+        {from, from + static_cast<std::int64_t>(settings.cable_out_for_s * 1e6)});
   }
   return faults;
 }

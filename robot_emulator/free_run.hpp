@@ -17,16 +17,17 @@ struct FreeRunSettings {
   std::filesystem::path elf;
   std::filesystem::path ports;  ///< folder of the lines
   int robots = 1;
-  int line_baud = 38400;        ///< of the host's end; of the robots' another one garbles
-  std::uint16_t light = 512;    ///< counts of both light sensors
-  double clock_error_ppm = 0;   ///< of the oscillators
+  int line_baud = 38400;       ///< of the host's end; of the robots' another one garbles
+  std::uint16_t light = 512;   ///< counts of both light sensors
+  double clock_error_ppm = 0;  ///< of the oscillators
   double bit_error_rate = 0;
   std::uint64_t seed = 1;
-  double cable_out_at_s = -1;   ///< below 0: never
+  double cable_out_at_s = -1;  ///< below 0: never
   double cable_out_for_s = 1;
-  bool reset_on_open = false;   ///< a host that opens the line resets the chip, through a bootloader
+  bool reset_on_open = false;  ///< a host that opens the line resets the chip, through a bootloader
   std::uint32_t cut_in_write = 0;  ///< see Chip::cutPowerInWrite; on again a second later
-  std::filesystem::path eeproms{};  ///< folder of <robot>.eeprom, read at the start, written at the end
+  std::filesystem::path
+      eeproms{};  ///< folder of <robot>.eeprom, read at the start, written at the end
 };
 
 /// Each robot has the number simulatedUid(id) unless its EEPROM file says otherwise.

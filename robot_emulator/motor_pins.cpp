@@ -45,7 +45,8 @@ Duty motorDuty(const std::uint8_t* data) {
   const bool left_output = (data[kDdrD] & kLeftPwm) != 0;
   const bool right_output = (data[kDdrD] & kRightPwm) != 0;
   const unsigned control = data[kTccr0A];
-  const int left = left_output ? width((control >> 4U) & 3U, data[kOcr0B], data, (d & kLeftPwm) != 0) : 0;
+  const int left =
+      left_output ? width((control >> 4U) & 3U, data[kOcr0B], data, (d & kLeftPwm) != 0) : 0;
   const int right =
       right_output ? width((control >> 6U) & 3U, data[kOcr0A], data, (d & kRightPwm) != 0) : 0;
   return {wheel(left, (d & kLeft1) != 0, (d & kLeft2) != 0),

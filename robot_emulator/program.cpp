@@ -31,7 +31,8 @@ void checkHeader(const std::filesystem::path& elf) {
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(header[i]); };
   if (file.gcount() != static_cast<std::streamsize>(header.size()) ||
       std::memcmp(header.data(), "\177ELF", 4) != 0) {
-    throw ProgramError(elf.string() + ": not an ELF file; expected the firmware's robot_firmware.elf");
+    throw ProgramError(elf.string() +
+                       ": not an ELF file; expected the firmware's robot_firmware.elf");
   }
   const unsigned machine = byte(18) + 256U * byte(19);
   if (machine != kElfMachineAvr) {
@@ -59,7 +60,8 @@ Program::Program(const std::filesystem::path& elf) {
   avr_global_logger_set(ignoreLog);
   elf_firmware_t firmware{};
   if (elf_read_firmware(elf.c_str(), &firmware) != 0 || firmware.flashsize == 0) {
-    throw ProgramError(elf.string() + ": no program in it; expected the firmware's robot_firmware.elf");
+    throw ProgramError(elf.string() +
+                       ": no program in it; expected the firmware's robot_firmware.elf");
   }
   flash_base_ = firmware.flashbase;
   flash_.assign(firmware.flash, firmware.flash + firmware.flashsize);

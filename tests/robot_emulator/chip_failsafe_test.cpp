@@ -71,7 +71,8 @@ TEST(ChipFailsafe, StopIsAnsweredWithinTwentyMillisecondsUnderFullTelemetry) {
     robot.forget();
     ASSERT_NE(robot.chip().duty(), Duty{}) << i;
     const double sent = robot.now();
-    const std::uint8_t seq = robot.send(wire::Stop{static_cast<std::uint8_t>(i), wire::Stop::kStop});
+    const std::uint8_t seq =
+        robot.send(wire::Stop{static_cast<std::uint8_t>(i), wire::Stop::kStop});
     robot.run(60);
     ASSERT_FALSE(robot.changes().empty());
     EXPECT_EQ(robot.changes().back().duty, Duty{});
@@ -89,8 +90,8 @@ TEST(ChipFailsafe, StopIsAnsweredWithinTwentyMillisecondsUnderFullTelemetry) {
   }
   EXPECT_LE(slowest_off, 20);
   EXPECT_LE(slowest_answer, 20);
-  std::cout << "first byte of STOP to PWM off: " << slowest_off << " ms, to the end of its answer: "
-            << slowest_answer << " ms (of 300 phases)\n";
+  std::cout << "first byte of STOP to PWM off: " << slowest_off
+            << " ms, to the end of its answer: " << slowest_answer << " ms (of 300 phases)\n";
 }
 
 TEST(ChipFailsafe, AStopOutlastsEveryOrder) {

@@ -1,4 +1,5 @@
-// What the shipped binary leaves of the chip's time and memory, measured instruction by instruction.
+// What the shipped binary leaves of the chip's time and memory, measured instruction by
+// instruction.
 #include <iostream>
 
 #include "robot_on_chip.hpp"
@@ -37,7 +38,8 @@ void exercise(RobotOnChip& robot, int seconds) {
     if (i % 40 == 39) robot.command(wire::Stop{1, wire::Stop::kStop});
     if (i % 40 == 1) robot.command(wire::Stop{2, wire::Stop::kRelease});
     robot.light(static_cast<std::uint16_t>(random.next() % 1024));
-    robot.ir(static_cast<unsigned>(random.next() % 6), static_cast<std::uint16_t>(random.next() % 1024));
+    robot.ir(static_cast<unsigned>(random.next() % 6),
+             static_cast<std::uint16_t>(random.next() % 1024));
     robot.run(200);
   }
 }
@@ -49,10 +51,11 @@ TEST(ChipLimits, InterruptsStackAndLoadUnderEverythingAtOnce) {
   exercise(robot, 20);
   const ChipCounts& counts = robot.chip().counts();
   const double off_us = static_cast<double>(counts.longest_interrupts_off) / (kChipHz / 1e6);
-  const double load = 1 - static_cast<double>(counts.cycles_asleep) /
-                              static_cast<double>(counts.cycles_run);
-  std::cout << "interrupts off: at most " << off_us << " us; stack: " << robot.chip().stackHeadRoom()
-            << " bytes never used; load " << 100 * load << " %\n";
+  const double load =
+      1 - static_cast<double>(counts.cycles_asleep) / static_cast<double>(counts.cycles_run);
+  std::cout << "interrupts off: at most " << off_us
+            << " us; stack: " << robot.chip().stackHeadRoom() << " bytes never used; load "
+            << 100 * load << " %\n";
   EXPECT_GT(off_us, 1);
   EXPECT_LE(off_us, kLongestInterruptsOffUs);
   EXPECT_GE(robot.chip().stackHeadRoom(), kLeastHeadRoom);

@@ -38,7 +38,8 @@ Trace traceOf(double slice_ms, std::uint64_t run_limit, std::uint64_t seed, bool
     order.id = static_cast<std::uint8_t>(i);
     robot.send(order);
     robot.light(static_cast<std::uint16_t>(random.next() % 1024));
-    robot.ir(static_cast<unsigned>(random.next() % 6), static_cast<std::uint16_t>(random.next() % 1024));
+    robot.ir(static_cast<unsigned>(random.next() % 6),
+             static_cast<std::uint16_t>(random.next() % 1024));
     robot.run(200, slice_ms);
     if (i == 30) robot.chip().hang();
     if (i == 40) robot.chip().reset();

@@ -37,9 +37,9 @@ class Line {
   template <class Message>
   int count() const {
     Message message;
-    return static_cast<int>(std::count_if(frames.begin(), frames.end(), [&](const wire::Frame& frame) {
-      return wire::unpack(frame, message);
-    }));
+    return static_cast<int>(
+        std::count_if(frames.begin(), frames.end(),
+                      [&](const wire::Frame& frame) { return wire::unpack(frame, message); }));
   }
   int bad() const {
     const auto& counts = decoder_.counts();

@@ -1,4 +1,5 @@
-// In real time behind pseudo terminals. Nothing is timed here; each wait ends with what it waits for.
+// In real time behind pseudo terminals. Nothing is timed here; each wait ends with what it waits
+// for.
 #include "robot_emulator/free_run.hpp"
 
 #include <gmock/gmock.h>
@@ -18,7 +19,8 @@ constexpr std::int64_t kPatienceUs = 20'000'000;
 
 class Folder {
  public:
-  Folder() : path_(std::filesystem::temp_directory_path() / ("free_run_" + std::to_string(getpid()))) {
+  Folder()
+      : path_(std::filesystem::temp_directory_path() / ("free_run_" + std::to_string(getpid()))) {
     std::filesystem::create_directories(path_);
   }
   ~Folder() {

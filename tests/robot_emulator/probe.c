@@ -99,7 +99,7 @@ int main(void) {
         TCCR1B = 1 << WGM12 | 1;
         TIMSK1 = 1 << OCIE1A;
         DDRD |= 1 << 2 | 1 << 3;
-        PORTD &= (uint8_t)~(1 << 2 | 1 << 3);  /* low, as an interrupt that is not used would see it */
+        PORTD &= (uint8_t)~(1 << 2 | 1 << 3);  /* low, with interrupts 0 and 1 unused */
         sei();
         for (;;) {
           sleep_enable();

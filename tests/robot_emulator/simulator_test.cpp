@@ -143,7 +143,6 @@ TEST(Simulator, SurvivesManyWatchdogResetsWithItsLineIntact) {
   EXPECT_EQ(probe.chip().counts().resets, 150U);
 }
 
-
 TEST(Simulator, AWatchdogResetStopsTheMotorsAndNotTheLine) {
   Probe probe;
   probe.tell("p");
@@ -238,7 +237,8 @@ TEST(Simulator, SleepsInOnePieceWhateverThePinsAre) {
   EXPECT_LT(probe.chip().counts().rounds - before, 20'000U);
 }
 
-// A sleep ends one cycle late in simavr, so a stop just before a timer would make that one punctual.
+// A sleep ends one cycle late in simavr, so a stop just before a timer would make that one
+// punctual.
 TEST(Simulator, AStopAtAnyCycleBeforeATimerChangesNothing) {
   constexpr std::size_t kTicks = 2500;
   Probe reference;

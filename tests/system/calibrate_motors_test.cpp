@@ -154,7 +154,9 @@ TEST_F(CalibrateMotors, ARobotThatIsGivenItsCalibrationDrivesWell) {
   const Finished again = calibrate("--set robot.motors=held.toml --set robots[1].body=wire");
   ASSERT_EQ(again.exit_code, 0) << again.output;
   EXPECT_TRUE(fs::exists(onlyRun(out()) / "calibration" / "motors_in_force.toml"));
-  for (const toml::node& node : *motors()["robots"].as_array()) {
+  const toml::table file_again = motors();
+  ASSERT_EQ(file_again["robots"].as_array()->size(), 3U);
+  for (const toml::node& node : *file_again["robots"].as_array()) {
     const toml::table& robot = *node.as_table();
     EXPECT_LT(number(*robot["check_before"].as_table(), "motors_speed_percent"), 0.5);
   }
