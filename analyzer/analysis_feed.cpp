@@ -56,7 +56,11 @@ AnalysisConfig analysisConfig(const Experiment& experiment) {
 }
 
 AnalysisFeed::AnalysisFeed(const Experiment& experiment)
-    : wheel_base_(experiment.hardware.diameter), analysis_(analysisConfig(experiment)) {}
+    : wheel_base_(experiment.hardware.diameter), analysis_(analysisConfig(experiment)) {
+  for (const RobotSpec& robot : experiment.robots) {
+    if (robot.body == Body::kReplay) ghosts_.insert(robot.id);
+  }
+}
 
 void AnalysisFeed::anchor(std::int64_t utime) {
   if (origin_utime_ == 0) origin_utime_ = utime;
@@ -78,6 +82,7 @@ void AnalysisFeed::take(const tracked_frame_t& frame) {
 
 void AnalysisFeed::take(const robot_status_t& status) {
   for (const robot_state_t& state : status.robots) {
+    if (ghosts_.contains(state.robot_id)) continue;
     anchor(state.utime);
     const std::int64_t boot = bootOf(status, state);
     analysis_.addTelemetry(state.robot_id, toLaw(state.program, wheel_base_),

@@ -7,6 +7,7 @@
 #include <lab/robot_status_t.hpp>
 #include <lab/tracked_frame_t.hpp>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -79,6 +80,7 @@ class AnalysisFeed {
   std::int64_t bootOf(const robot_status_t& status, const robot_state_t& state);
 
   double wheel_base_;
+  std::set<std::int32_t> ghosts_;  ///< replayed robots: what they did was counted in their own run
   Analysis analysis_;
   ProgramBook book_;
   std::map<std::int32_t, Boots> boots_;

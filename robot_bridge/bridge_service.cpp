@@ -33,6 +33,7 @@ std::uint32_t telemetryPeriod(double rate, int baud) {
 LinkSettings linkSettings(const Experiment& experiment, const RobotSpec& robot) {
   LinkSettings settings;
   settings.id = robot.id;
+  settings.simulated = isSimulated(robot.body);
   settings.seed = experiment.seed;
   settings.max_wheel_speed = experiment.hardware.max_wheel_speed;
   settings.sensor_period = experiment.hardware.sensor_period;

@@ -8,8 +8,8 @@
 
 namespace lab::bridge {
 
-/// Keeps a command until its answer comes: sends it again, the same bytes with the same number, so
-/// that the robot knows it for the same; gives it up after three tries.
+/// Keeps a command until its answer comes: has it sent again with the same number, so that the robot
+/// knows it for the same; gives it up after three tries.
 class CommandSender {
  public:
   /// @param timeout_us for one try
@@ -25,7 +25,7 @@ class CommandSender {
   [[nodiscard]] Due check(std::int64_t now);
 
   /// The command to be sent again, while one is waiting.
-  [[nodiscard]] const wire::Frame& command() const { return *command_; }
+  [[nodiscard]] wire::Frame& command() { return *command_; }
 
   void forget() {
     command_.reset();

@@ -10,9 +10,14 @@ namespace {
 
 constexpr std::int64_t kMillisecond_us = 1'000;
 constexpr std::int64_t kOrderSpacing_us = 100'000;  // a repeated command needs no order sooner
-constexpr std::uint32_t kLongestJump_ms = 1'000;    // of a robot's clock, backwards: it restarted
+constexpr std::int32_t kLongestJump_ms = 1'000;     // of a robot's clock, backwards: it restarted
 constexpr std::int32_t kUncalibratedWheelBase_um = 75'000;  // as the firmware is built
 constexpr std::size_t kTablesKept = 4;
+
+/// b - a on a clock that wraps around [ms].
+std::int32_t msBetween(std::uint32_t a, std::uint32_t b) {
+  return static_cast<std::int32_t>(b - a);
+}
 
 }  // namespace
 
@@ -75,14 +80,26 @@ void RobotLink::forgetState() {
   sender_.forget();
 }
 
+/// By how much a robot's clock has gone on at least since it was last heard.
+std::int32_t RobotLink::silence_ms(std::int64_t now) const {
+  constexpr std::int64_t kDay_ms = 86'400'000;
+  const std::int64_t silence = (now - heard_utime_) / kMillisecond_us;
+  return static_cast<std::int32_t>(std::clamp<std::int64_t>(silence - silence / 20, 0, kDay_ms));
+}
+
 void RobotLink::take(const wire::Hello& hello, std::int64_t now) {
+  // A robot that lost its memory may count its boots from the same number again: then its clock
+  // tells.
+  const bool began_again = aged_ && msBetween(hello.uptime_ms, *aged_) + silence_ms(now) >
+                                        kLongestJump_ms;
   heard_utime_ = now;
-  if (!hello_ || hello.boot_id != hello_->boot_id) {
+  if (!hello_ || hello.boot_id != hello_->boot_id || began_again) {
     restart();
   } else if (identity_in_doubt_) {
     forgetState();
   }
   hello_ = hello;
+  aged_ = hello.uptime_ms;
   identity_in_doubt_ = false;
   clock_.hear(now, hello.uptime_ms, wire_us(wire::payloadSize<wire::Hello>()));
 }
@@ -97,7 +114,6 @@ void RobotLink::doubtIdentity() {
 
 void RobotLink::receive(const wire::Frame& frame, std::int64_t now) {
   ++counters_.received;
-  heard_utime_ = now;
   wire::Hello hello;
   wire::Telemetry telemetry;
   wire::State state;
@@ -106,8 +122,11 @@ void RobotLink::receive(const wire::Frame& frame, std::int64_t now) {
   wire::Pong pong;
   wire::Ack ack;
   wire::ParamValue param;
-  if (wire::unpack(frame, hello)) {
-    take(hello, now);
+  const bool is_hello = wire::unpack(frame, hello);
+  if (is_hello) take(hello, now);
+  heard_utime_ = now;
+  if (is_hello) {
+    // It has said all that it says.
   } else if (identity_in_doubt_) {
     // What it says may be another life's.
   } else if (wire::unpack(frame, telemetry)) {
@@ -129,15 +148,14 @@ void RobotLink::receive(const wire::Frame& frame, std::int64_t now) {
 }
 
 void RobotLink::take(const wire::Telemetry& telemetry, const wire::Frame& frame, std::int64_t now) {
-  const std::optional<Picture>& before = view_.picture();
-  const bool jumped = before && static_cast<std::int32_t>(before->telemetry.t_ms - telemetry.t_ms) >
-                                    static_cast<std::int32_t>(kLongestJump_ms);
+  const bool jumped = aged_ && msBetween(telemetry.t_ms, *aged_) > kLongestJump_ms;
   const bool forgot = config_ != 0 && telemetry.config == 0;
   if (jumped || forgot) {
     doubtIdentity();
     return;
   }
   clock_.hear(now, telemetry.t_ms, wire_us(wire::payloadSize<wire::Telemetry>()));
+  aged_ = telemetry.t_ms;
   view_.take(telemetry, frame.seq);
   config_ = telemetry.config;
   if (stop_.id != 0) {

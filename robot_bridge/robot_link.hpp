@@ -21,6 +21,7 @@ namespace lab::bridge {
 /// What does not change during a run.
 struct LinkSettings {
   std::int32_t id = 0;
+  bool simulated = true;          ///< it boots with its lab, and never before
   std::uint64_t seed = 1;         ///< of the experiment
   double max_wheel_speed = 0.27;  ///< [m/s]
   double sensor_period = 0.02;    ///< [s]
@@ -150,6 +151,7 @@ class RobotLink {
   void finishOrder(const wire::Frame& command, const wire::Ack& ack);
   void refuse(const wire::Ack& ack);
   void doubtIdentity();
+  [[nodiscard]] std::int32_t silence_ms(std::int64_t now) const;
 
   void convertOrder();
   void rememberPrograms(std::uint16_t config, const std::vector<program_t>& programs);
@@ -161,6 +163,8 @@ class RobotLink {
   bool sendWanted(std::int64_t now);
   void sendSettings(std::int64_t now);
   void sendOrder(std::int64_t now);
+  void shortenLease(wire::Frame& command, std::int64_t now) const;
+  [[nodiscard]] std::uint32_t leaseLeft_ms(std::int64_t now) const;
   void sendErrand(std::int64_t now);
   template <class Message>
   void send(const Message& message, std::uint8_t seq);
@@ -180,6 +184,7 @@ class RobotLink {
   // The robot, since it was switched on.
   bool plugged_ = false;
   std::optional<wire::Hello> hello_;
+  std::optional<std::uint32_t> aged_;  ///< [ms] the latest that its clock has said
   bool identity_in_doubt_ = false;
   std::int64_t asked_utime_ = 0;
   RobotView view_;

@@ -74,6 +74,7 @@ void RobotLink::tick(std::int64_t now) {
   switch (sender_.check(now)) {
     case CommandSender::Due::kSendAgain:
       ++counters_.retries;
+      shortenLease(sender_.command(), now);
       send(sender_.command());
       break;
     case CommandSender::Due::kGivenUp:
@@ -87,6 +88,18 @@ void RobotLink::tick(std::int64_t now) {
       break;
   }
   pump(now);
+}
+
+// An order that is sent again must not let the robot move for longer than the lab allows.
+void RobotLink::shortenLease(wire::Frame& command, std::int64_t now) const {
+  wire::Order order;
+  if (!wire::unpack(command, order)) return;
+  order.lease_ms = leaseLeft_ms(now);
+  wire::pack(order, command.seq, command);
+}
+
+std::uint32_t RobotLink::leaseLeft_ms(std::int64_t now) const {
+  return static_cast<std::uint32_t>(std::max<std::int64_t>(0, lease_end_ - now) / kMillisecond_us);
 }
 
 void RobotLink::pump(std::int64_t now) {
@@ -137,6 +150,8 @@ void RobotLink::sendNextCommand(std::int64_t now) {
 /// Whether the robot lacked something of what the lab wants.
 bool RobotLink::sendWanted(std::int64_t now) {
   if (!wants_ || now >= lease_end_ || refused_) return false;
+  // A robot that has not shown its stop yet is told nothing that could move it.
+  if (stop_.id != 0 && !stop_.release && !stop_.shown) return false;
   const bool needs_settings = mode_ != robot_order_t::STAND && !standing_;
   if (needs_settings && config_ != wanted_config_) {
     sendSettings(now);
@@ -155,9 +170,11 @@ void RobotLink::sendErrand(std::int64_t now) {
 /// Whether there was something that comes before any order.
 bool RobotLink::sendPreparation(std::int64_t now) {
   if (!seeded_) {
-    // After a restart other numbers, or the same draws would come again.
-    const std::string purpose =
-        counters_.reboots == 0 ? "program" : "program restart " + std::to_string(counters_.reboots);
+    // After a restart other numbers, or the same draws would come again. A real robot's boots are
+    // counted by itself, also while nobody listens; a simulated one begins with its lab.
+    std::string purpose = "program";
+    if (!settings_.simulated) purpose += " boot " + std::to_string(hello_->boot_id);
+    if (counters_.reboots > 0) purpose += " restart " + std::to_string(counters_.reboots);
     const std::uint64_t seed = deriveSeed(settings_.seed, settings_.id, purpose);
     wire::SetSeed message;
     message.high = static_cast<std::uint32_t>(seed >> 32U);
@@ -208,7 +225,7 @@ void RobotLink::sendOrder(std::int64_t now) {
   ordered_utime_ = now;
   wire::Order order;
   order.config = config_;
-  order.lease_ms = static_cast<std::uint32_t>((lease_end_ - now) / kMillisecond_us);
+  order.lease_ms = leaseLeft_ms(now);
   order.id = standing_ ? 0 : order_id_;
   if (!standing_ && mode_ == robot_order_t::TABLE) order.mode = wire::Order::kTable;
   if (!standing_ && mode_ == robot_order_t::DRIVE) {

@@ -31,26 +31,31 @@ fs::path firmwareOf(const FlashOptions& options) {
   return hex;
 }
 
-/// Through the bootloader nothing but the program can be written. A programmer sets the fuses as
-/// docs/robot.md explains them, and keeps the EEPROM with the robot's settings.
-std::vector<std::string> avrdudeLine(const FlashOptions& options, const fs::path& hex) {
-  std::vector<std::string> line{"avrdude", "-q", "-p", "m328p"};
-  const auto add = [&line](std::initializer_list<std::string> words) {
-    line.insert(line.end(), words);
+using Line = std::vector<std::string>;
+
+/// Through the bootloader nothing but the program can be written. A programmer first sets the fuses
+/// as docs/robot.md explains them: one of them keeps the EEPROM, with the robot's settings, when the
+/// second call erases the chip. In one call avrdude would erase before it writes any fuse.
+std::vector<Line> avrdudeLines(const FlashOptions& options, const fs::path& hex) {
+  const std::string program = fmt::format("flash:w:{}:i", hex.string());
+  Line line{"avrdude", "-q", "-p", "m328p"};
+  const auto with = [&line](const Line& words) {
+    Line longer = line;
+    longer.insert(longer.end(), words.begin(), words.end());
+    return longer;
   };
   if (options.isp.empty()) {
-    add({"-c", "arduino", "-P", options.port, "-b", std::to_string(options.baud), "-D"});
-  } else {
-    add({"-c", options.isp});
-    if (!options.isp_port.empty()) add({"-P", options.isp_port});
-    add({"-U", "lfuse:w:0xFF:m", "-U", "hfuse:w:0xD7:m", "-U", "efuse:w:0xFD:m"});
+    return {with({"-c", "arduino", "-P", options.port, "-b", std::to_string(options.baud), "-D",
+                  "-U", program})};
   }
-  add({"-U", fmt::format("flash:w:{}:i", hex.string())});
-  return line;
+  line = with({"-c", options.isp});
+  if (!options.isp_port.empty()) line = with({"-P", options.isp_port});
+  return {with({"-U", "lfuse:w:0xFF:m", "-U", "hfuse:w:0xD7:m", "-U", "efuse:w:0xFD:m"}),
+          with({"-U", program})};
 }
 
 /// Runs a program with our terminal to its end; its exit code.
-int execute(const std::vector<std::string>& line) {
+int execute(const Line& line) {
   std::vector<char*> arguments;
   for (const std::string& word : line) arguments.push_back(const_cast<char*>(word.c_str()));
   arguments.push_back(nullptr);
@@ -87,10 +92,11 @@ ExitCode flash(const FlashOptions& options) {
   } catch (const SerialError& error) {
     throw UserError(error.what());
   }
-  const std::vector<std::string> line = avrdudeLine(options, hex);
-  fmt::print("{}\n", fmt::join(line, " "));
-  std::fflush(stdout);
-  if (const int code = execute(line); code != 0) {
+  for (const Line& line : avrdudeLines(options, hex)) {
+    fmt::print("{}\n", fmt::join(line, " "));
+    std::fflush(stdout);
+    const int code = execute(line);
+    if (code == 0) continue;
     fmt::print(
         "NOT flashed: avrdude ended with code {} (above: why); the robot's old program may be gone\n",
         code);

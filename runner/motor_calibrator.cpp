@@ -97,9 +97,7 @@ void MotorCalibrator::tick() {
     case Phase::kStore:
     case Phase::kTakeBack:
       if (isHeld(calibration::fromMessage(request_.robots.front()))) return stored();
-      if (waited) {
-        refuse(fmt::format("robot {} does not say that it stored its calibration", report_.robot));
-      }
+      if (waited) giveUpStoring();
       return;
     case Phase::kDone: return;
   }
@@ -235,6 +233,17 @@ void MotorCalibrator::stored() {
   }
   drive(Phase::kCheckAfter, calibration::checkPattern(experiment_.hardware.max_wheel_speed),
         report_.stored);
+}
+
+// The robot may drive by the new values although it does not say so.
+void MotorCalibrator::giveUpStoring() {
+  if (phase_ == Phase::kStore) {
+    report_.refusal =
+        fmt::format("robot {} does not say that it stored its calibration", report_.robot);
+    return store(Phase::kTakeBack, report_.held);
+  }
+  refuse(report_.refusal + "; it does not say either that it took back what it held before: what "
+                           "it drives by is not known, calibrate it again");
 }
 
 void MotorCalibrator::refuse(const std::string& why) {

@@ -44,6 +44,7 @@ class MotorCalibrator final : public Service {
   void fit(const std::vector<calibration::CheckedSegment>& driven);
   void store(Phase phase, const calibration::Motors& motors);
   void stored();
+  void giveUpStoring();
   void refuse(const std::string& why);
   void finishRobot();
   void request(const std::vector<motor_calibration_t>& motors);

@@ -107,6 +107,28 @@ TEST_F(BridgeServiceTest, ARobotThatRestartsStandsUntilANewOrder) {
   EXPECT_EQ(last[1].command_seq, 2);
 }
 
+// As a simulated robot does whose simulator was restarted.
+TEST_F(BridgeServiceTest, ARobotThatBeginsAnewWithTheSameBootNumberStandsToo) {
+  WireRobot& robot = addRobot(1);
+  start();
+  command(drive({1}, 0.1, 0.1), 1);
+  runCommanded(6);
+  ASSERT_NE(robot.left(), 0);
+  robot.unplug();
+  robot.begin();
+  run(0.5);
+  robot.plug("robot_1");
+  const std::int64_t restarted = loop.now() - 500'000;
+  runCommanded(4);
+  EXPECT_EQ(robot.left(), 0) << "it moves by itself";
+  EXPECT_THAT(complaints, testing::Contains(HasSubstr("robot 1: restarted")));
+  EXPECT_NEAR(static_cast<double>(last.at(1).utime - loop.now()), 0, 100'000);
+  EXPECT_GE(last.at(1).program_start_utime, restarted - 10'000);
+  command(drive({1}, 0.1, 0.1), 2);
+  runCommanded(2);
+  EXPECT_NE(robot.left(), 0);
+}
+
 TEST_F(BridgeServiceTest, ReportsEveryDraw) {
   WireRobot& robot = addRobot(1);
   robot.sensors().light_front = robot.sensors().light_back = 200;

@@ -37,16 +37,21 @@ class WireRobot {
  public:
   WireRobot(Loop& loop, SerialPorts& ports, const WireRobotOptions& options)
       : loop_(loop), ports_(ports), options_(options), noise_(options.error_seed), board_(*this) {
-    firmware::Settings settings;
-    settings.uid = options.uid;
-    store_.fill(0xFF);
-    firmware::encodeStore(settings, store_.data());
-    boot(wire::kResetPower);
+    begin();
     loop_.every(1000, loop_.now() + 1000, [this] { runMillisecond(); });
   }
 
   void plug(const std::string& name) { port_ = ports_.offer(name); }
   void unplug() { port_.reset(); }
+
+  /// Boots for the first time ever, with the store as it was made.
+  void begin() {
+    firmware::Settings settings;
+    settings.uid = options_.uid;
+    store_.fill(0xFF);
+    firmware::encodeStore(settings, store_.data());
+    boot(wire::kResetPower);
+  }
 
   /// Restarts the program, as after a reset.
   void boot(std::uint8_t cause) {

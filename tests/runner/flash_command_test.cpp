@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cstdlib>
 #include <fstream>
+#include <iterator>
 #include <optional>
 #include <thread>
 
@@ -38,16 +39,17 @@ class FlashTest : public testing::Test {
 
   void setAvrdude(int exit_code) {
     const fs::path script = folder_ / "bin/avrdude";
-    std::ofstream(script) << "#!/bin/sh\necho \"$@\" >" << (folder_ / "called").string()
+    std::ofstream(script) << "#!/bin/sh\necho \"$@\" >>" << (folder_ / "called").string()
                           << "\nexit " << exit_code << "\n";
     fs::permissions(script, fs::perms::owner_all);
   }
 
+  /// The arguments of avrdude, a call a line.
   std::string called() const {
-    std::string line;
     std::ifstream file(folder_ / "called");
-    std::getline(file, line);
-    return line;
+    std::string lines{std::istreambuf_iterator<char>(file), {}};
+    if (!lines.empty()) lines.pop_back();  // the last end of line
+    return lines;
   }
 
   /// Flashes; what it printed.
@@ -128,8 +130,9 @@ TEST_F(FlashTest, ByAProgrammerSetsTheFuses) {
   const RobotThread robot(folder_ / "ports");
   options_.isp = "usbasp";
   flashed(kDone);
+  // Two calls: the chip is erased with the second, when the fuse that keeps the EEPROM is set.
   EXPECT_EQ(called(), "-q -p m328p -c usbasp -U lfuse:w:0xFF:m -U hfuse:w:0xD7:m -U "
-                      "efuse:w:0xFD:m -U flash:w:" +
+                      "efuse:w:0xFD:m\n-q -p m328p -c usbasp -U flash:w:" +
                           (folder_ / "bin/robot_firmware.hex").string() + ":i");
 }
 

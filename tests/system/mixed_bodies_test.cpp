@@ -39,6 +39,14 @@ class MixedBodies : public testing::Test {
     return onlyRun(out);
   }
 
+  /// The script has begun: every robot has taken its light table.
+  static bool waitUntilAllRun(Background& lab) {
+    return waitFor([&] { return lab.output().find("light half dark") != std::string::npos; },
+                   seconds(20));
+  }
+
+  static bool alive(pid_t process) { return kill(process, 0) == 0; }
+
   TemporaryFolder folder;
 
  private:
@@ -120,15 +128,13 @@ TEST_F(MixedBodies, RunLiveWithNothingLostAndNothingLeftRunning) {
   const Record record = recordOf(directory);
   EXPECT_EQ(record.owners.size(), 20U);
   for (const auto& [id, moving] : record.moving) EXPECT_GT(moving, 50) << id;
-  EXPECT_THAT(processesWith("robot_emulator"), IsEmpty());
+  EXPECT_THAT(processesWith(folder.path().string()), IsEmpty());
 }
 
 TEST_F(MixedBodies, AStopReachesEveryBody) {
   Background lab("exec lab run " + kMixed + " --no-report --set duration_s=20 --out " +
                  (folder.path() / "live").string());
-  ASSERT_TRUE(waitFor([&] { return lab.output().find("running ") != std::string::npos; },
-                      seconds(20)))
-      << lab.output();
+  ASSERT_TRUE(waitUntilAllRun(lab)) << lab.output();
   const Finished stop = run("lab stop");
   EXPECT_EQ(stop.exit_code, 0) << stop.output;
   EXPECT_THAT(stop.output, HasSubstr("confirmed by 20 robots"));
@@ -139,16 +145,17 @@ TEST_F(MixedBodies, AStopReachesEveryBody) {
 TEST_F(MixedBodies, AChipThatIsKilledIsRestartedAndStands) {
   Background lab("exec lab run " + kMixed + " --no-report --set duration_s=12 --out " +
                  (folder.path() / "live").string());
-  ASSERT_TRUE(waitFor([&] { return lab.output().find("running ") != std::string::npos; },
-                      seconds(20)))
-      << lab.output();
-  const auto emulators = processesWith("robot_emulator");
+  ASSERT_TRUE(waitUntilAllRun(lab)) << lab.output();
+  const auto simulators = childrenWith(lab.pid(), "/sim_svc");
+  ASSERT_EQ(simulators.size(), 1U);
+  const auto emulators = childrenWith(simulators.front(), "robot_emulator");
   ASSERT_EQ(emulators.size(), 1U);
   kill(emulators.front(), SIGKILL);
   const Finished ended = lab.wait(seconds(60));
   EXPECT_EQ(ended.exit_code, 0) << ended.output;
   EXPECT_THAT(ended.output, HasSubstr("robot_emulator"));
-  EXPECT_THAT(processesWith("robot_emulator"), IsEmpty());
+  EXPECT_FALSE(alive(emulators.front()));
+  EXPECT_THAT(processesWith(folder.path().string()), IsEmpty());
 }
 
 TEST_F(MixedBodies, AGhostDrivesAgainWhatItDrove) {
