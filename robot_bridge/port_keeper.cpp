@@ -41,6 +41,9 @@ void PortKeeper::tick() {
       if (line.found && now >= line.retry_utime) open(entry, now);
       continue;
     }
+    // After a stall of this machine the answers may be waiting: nobody is called silent unread.
+    read(entry);
+    if (!line.port) continue;
     line.session->tick(now);
     if (line.robot != nullptr) line.robot->tick(now);
     judge(entry, now);

@@ -154,6 +154,7 @@ TEST_F(MixedBodies, AChipThatIsKilledIsRestartedAndStands) {
   const Finished ended = lab.wait(seconds(60));
   EXPECT_EQ(ended.exit_code, 0) << ended.output;
   EXPECT_THAT(ended.output, HasSubstr("robot_emulator"));
+  EXPECT_THAT(ended.output, HasSubstr("robot 1: restarted; it stands"));
   EXPECT_FALSE(alive(emulators.front()));
   EXPECT_THAT(processesWith(folder.path().string()), IsEmpty());
 }
