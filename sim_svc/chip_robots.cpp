@@ -82,8 +82,8 @@ ChipRobots::ChipRobots(const World& world, std::vector<ChipRobotSetup> setups,
     if (std::filesystem::exists(programs / file)) continue;
     throw std::runtime_error(who + " has body = \"firmware\", which needs " +
                              (programs / file).string() +
-                             ": not there; install gcc-avr, avr-libc, libsimavr-dev and "
-                             "libelf-dev and build again, or say body = \"wire\"");
+                             ": not there; install gcc-avr, avr-libc and libsimavr-dev and "
+                             "build again, or say body = \"wire\"");
   }
   try {
     start(world.timeUs());
