@@ -1,0 +1,47 @@
+/// Pictures in memory: 8 bits a pixel, linear in light, the top row first.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace lab::optics {
+
+/// A place in a picture: x right, y down, pixel centres at whole numbers, (0, 0) the top left one.
+struct Pixel {
+  double x = 0;
+  double y = 0;
+};
+
+/// Somebody else's grey picture, read only.
+struct GreyView {
+  const std::uint8_t* data = nullptr;
+  int width = 0;
+  int height = 0;
+  std::ptrdiff_t stride = 0;  ///< bytes from one row to the next
+
+  [[nodiscard]] const std::uint8_t* row(int y) const { return data + y * stride; }
+  [[nodiscard]] bool contains(double x, double y, double margin = 0) const {
+    return x >= margin && y >= margin && x <= width - 1 - margin && y <= height - 1 - margin;
+  }
+};
+
+/// A grey picture of one's own.
+struct GreyImage {
+  int width = 0;
+  int height = 0;
+  std::vector<std::uint8_t> pixels;  ///< height rows of width
+
+  GreyImage() = default;
+  GreyImage(int the_width, int the_height, std::uint8_t value = 0)
+      : width(the_width),
+        height(the_height),
+        pixels(static_cast<std::size_t>(the_width) * static_cast<std::size_t>(the_height), value) {}
+
+  [[nodiscard]] std::uint8_t* row(int y) {
+    return pixels.data() + static_cast<std::ptrdiff_t>(y) * width;
+  }
+  [[nodiscard]] GreyView view() const { return {pixels.data(), width, height, width}; }
+};
+
+}  // namespace lab::optics

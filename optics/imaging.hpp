@@ -1,0 +1,16 @@
+/// What a sensor and a lens do to a picture.
+#pragma once
+
+namespace lab::optics {
+
+/// Noise and blur of an 8-bit camera with a linear response. [DN] are its grey steps, 0..255.
+struct Imaging {
+  double blur = 0.75;        ///< [px] standard deviation of the point spread, pixel box excluded
+  double read_noise = 1.2;   ///< [DN] standard deviation in the dark
+  double shot_gain = 0.026;  ///< [DN] variance for each DN of signal
+  double black = 2.0;        ///< [DN] where there is no light at all
+
+  bool operator==(const Imaging&) const = default;
+};
+
+}  // namespace lab::optics
