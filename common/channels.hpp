@@ -13,6 +13,8 @@ inline constexpr std::string_view kRobotSteps = "ROBOT_STEPS";
 inline constexpr std::string_view kRobotCalibration = "ROBOT_CALIBRATION";
 inline constexpr std::string_view kCalibrationStatus = "CALIBRATION_STATUS";
 inline constexpr std::string_view kTrackedFrame = "TRACKED_FRAME";
+inline constexpr std::string_view kTrackedDetails = "TRACKED_DETAILS";
+inline constexpr std::string_view kTrackerStatus = "TRACKER_STATUS";
 inline constexpr std::string_view kLightCommand = "LIGHT_COMMAND";
 inline constexpr std::string_view kLightStatus = "LIGHT_STATUS";
 inline constexpr std::string_view kAnalysis = "ANALYSIS";
@@ -23,8 +25,9 @@ inline constexpr std::string_view kSimTruth = "SIM_TRUTH";
 
 inline constexpr std::array kAll{
     kRobotCommand,      kRobotStop,    kRobotStatus,  kRobotSteps,  kRobotCalibration,
-    kCalibrationStatus, kTrackedFrame, kLightCommand, kLightStatus, kAnalysis,
-    kServiceStatus,     kExperimentEvent, kClock,     kSimTruth};
+    kCalibrationStatus, kTrackedFrame, kTrackedDetails, kTrackerStatus, kLightCommand,
+    kLightStatus,       kAnalysis,     kServiceStatus, kExperimentEvent, kClock,
+    kSimTruth};
 
 /// LCM's own probe, sent whenever a subscriber starts: not lab traffic.
 inline constexpr std::string_view kLcmSelfTest = "LCM_SELF_TEST";

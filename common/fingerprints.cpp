@@ -14,7 +14,9 @@
 #include <lab/robot_stop_t.hpp>
 #include <lab/service_status_t.hpp>
 #include <lab/sim_truth_t.hpp>
+#include <lab/tracked_details_t.hpp>
 #include <lab/tracked_frame_t.hpp>
+#include <lab/tracker_status_t.hpp>
 
 namespace lab {
 namespace {
@@ -33,7 +35,7 @@ const auto& allTypes() {
   static const auto all =
       types<analysis_t, clock_t, experiment_event_t, light_command_t, light_status_t,
             robot_calibration_t, robot_command_t, robot_status_t, robot_steps_t, robot_stop_t,
-            service_status_t, sim_truth_t, tracked_frame_t>();
+            service_status_t, sim_truth_t, tracked_details_t, tracked_frame_t, tracker_status_t>();
   return all;
 }
 

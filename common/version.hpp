@@ -7,9 +7,9 @@ namespace lab {
 inline constexpr const char* kVersion = "0.1.0";
 
 /// Version of the message contract (lcmtypes/, CHANGELOG.md). It rises with any change of a type.
-inline constexpr int kContractVersion = 2;
+inline constexpr int kContractVersion = 3;
 
-/// The oldest whose logs are read as they are: version 2 only adds types.
+/// The oldest whose logs are read as they are: versions 2 and 3 only add types.
 inline constexpr int kOldestContractVersion = 1;
 
 }  // namespace lab

@@ -14,7 +14,9 @@
 #include <lab/robot_steps_t.hpp>
 #include <lab/robot_stop_t.hpp>
 #include <lab/sim_truth_t.hpp>
+#include <lab/tracked_details_t.hpp>
 #include <lab/tracked_frame_t.hpp>
+#include <lab/tracker_status_t.hpp>
 #include <sstream>
 
 #include "common/channels.hpp"
@@ -39,6 +41,8 @@ const auto& channelTypes() {
       ChannelType{channels::kRobotCalibration, robot_calibration_t::getHash()},
       ChannelType{channels::kCalibrationStatus, robot_calibration_t::getHash()},
       ChannelType{channels::kTrackedFrame, tracked_frame_t::getHash()},
+      ChannelType{channels::kTrackedDetails, tracked_details_t::getHash()},
+      ChannelType{channels::kTrackerStatus, tracker_status_t::getHash()},
       ChannelType{channels::kLightCommand, light_command_t::getHash()},
       ChannelType{channels::kLightStatus, light_status_t::getHash()},
       ChannelType{channels::kAnalysis, analysis_t::getHash()},

@@ -18,7 +18,9 @@
 #include <lab/robot_stop_t.hpp>
 #include <lab/service_status_t.hpp>
 #include <lab/sim_truth_t.hpp>
+#include <lab/tracked_details_t.hpp>
 #include <lab/tracked_frame_t.hpp>
+#include <lab/tracker_status_t.hpp>
 #include <string>
 #include <tuple>
 #include <type_traits>
@@ -33,11 +35,12 @@ struct TypeList {};
 using ChannelTypes = TypeList<analysis_t, clock_t, experiment_event_t, light_command_t,
                               light_status_t, robot_calibration_t, robot_command_t,
                               robot_status_t, robot_steps_t, robot_stop_t, service_status_t,
-                              sim_truth_t, tracked_frame_t>;
+                              sim_truth_t, tracked_details_t, tracked_frame_t,
+                              tracker_status_t>;
 
 /// What travels inside those.
 using PartTypes =
-    TypeList<channel_count_t, curve_t, estimate_t, light_band_t, light_layer_t,
+    TypeList<cap_detail_t, channel_count_t, curve_t, estimate_t, light_band_t, light_layer_t,
              motor_calibration_t, program_t, robot_order_t, robot_state_t, robot_step_t,
              stream_count_t, tracked_pose_t, true_pose_t>;
 
@@ -47,6 +50,9 @@ void forEachType(TypeList<Types...> /*list*/, Visit visit) {
   (visit.template operator()<Types>(), ...);
 }
 
+inline auto fields(cap_detail_t& m) {
+  return std::tie(m.robot_id, m.track, m.used, m.spacing, m.white, m.u, m.v);
+}
 inline auto fields(channel_count_t& m) { return std::tie(m.channel, m.messages); }
 inline auto fields(curve_t& m) {
   return std::tie(m.name, m.unit, m.num_lags, m.lag, m.value, m.sigma, m.exact, m.paper, m.windows,
@@ -143,6 +149,17 @@ inline auto fields(sim_truth_t& m) {
 inline auto fields(tracked_frame_t& m) {
   return std::tie(m.utime, m.sender, m.instance, m.seq, m.origin, m.frame, m.frame_period,
                   m.num_robots, m.robots, m.num_unidentified, m.unidentified);
+}
+inline auto fields(tracked_details_t& m) {
+  return std::tie(m.utime, m.sender, m.instance, m.seq, m.frame, m.num_caps, m.caps);
+}
+inline auto fields(tracker_status_t& m) {
+  return std::tie(m.utime, m.sender, m.instance, m.seq, m.camera, m.state, m.trouble, m.width,
+                  m.height, m.fps, m.exposure, m.gain, m.pixels, m.locked, m.calibration_id,
+                  m.frames, m.dropped, m.dark, m.saturated, m.brightness, m.caps, m.unbound,
+                  m.bindings, m.unbindings, m.flips, m.lost, m.spacings, m.spacing_error,
+                  m.spacing_sigma, m.moved, m.warning, m.latency_p50, m.latency_p95,
+                  m.latency_p99);
 }
 
 /// Fills a message so that no two neighbours are equal: numbers count up, every array has `length`
