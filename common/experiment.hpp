@@ -174,11 +174,26 @@ struct LightScript {
   bool operator==(const LightScript&) const = default;
 };
 
-enum class Tracker : std::int8_t { kSimPoses };
+enum class Tracker : std::int8_t {
+  kSimPoses,  ///< sim_svc says where the robots are
+  kCamera,    ///< tracker_svc, from the frames of a camera
+};
+
+/// The camera that sim_svc paints.
+inline constexpr const char* kSimulatedCamera = "sim";
 
 struct Camera {
   Tracker tracker = Tracker::kSimPoses;
+  std::string source = kSimulatedCamera;  ///< which camera (docs/cameras.md)
   double fps = 50;            ///< [1/s]
+  int width = 1280;           ///< [px]
+  int height = 720;           ///< [px]
+  double exposure = 0.01;     ///< [s]
+  double gain = 1;            ///< of the simulated camera a factor, of a device its own units
+  std::string calibration;    ///< file as written, empty: the simulated camera's own
+  bool handshake = true;      ///< each robot turns before the script, so that the tracker knows it
+  int debug_port = 0;         ///< of the tracker's debug view on 127.0.0.1, 0: none
+  double ambient = 0.03;      ///< [1] room light in the simulated picture, of full projector light
   double position_noise = 0;  ///< [m] standard deviation per axis
   double heading_noise = 0;   ///< [rad] standard deviation
   double delay = 0.02;        ///< [s] from exposure to message
@@ -187,6 +202,11 @@ struct Camera {
 
   bool operator==(const Camera&) const = default;
 };
+
+/// Whether sim_svc paints the pictures that tracker_svc reads.
+[[nodiscard]] inline bool isPainted(const Camera& camera) {
+  return camera.tracker == Tracker::kCamera && camera.source == kSimulatedCamera;
+}
 
 struct AnalysisOptions {
   double max_lag = 100;  ///< [s]

@@ -16,6 +16,9 @@ void checkShorthand(const ExperimentForm& form, Problems& problems);
 /// `problems` already concern.
 void checkRobots(const ExperimentForm& form, Problems& problems);
 
+/// A camera that is not the simulated one has a calibration.
+void checkCamera(const ExperimentForm& form, Problems& problems);
+
 /// The light table and the light script make sense.
 /// @param directory of the image files; without it nobody looks for them.
 void checkLight(const ExperimentForm& form, const std::optional<std::filesystem::path>& directory,

@@ -261,6 +261,17 @@ void checkReversal(const ExperimentForm& form, Problems& problems) {
 
 }  // namespace
 
+void checkCamera(const ExperimentForm& form, Problems& problems) {
+  const Camera& camera = form.common.camera;
+  if (camera.tracker != Tracker::kCamera || problems.concern("camera")) return;
+  if (camera.source.empty()) {
+    problems.add("camera.camera", "found an empty text, allowed \"sim\", a device, a film, ...");
+  } else if (!isPainted(camera) && camera.calibration.empty()) {
+    problems.add("camera.calibration",
+                 "found none, needed for any camera but \"sim\" (lab calibrate camera)");
+  }
+}
+
 void checkRobots(const ExperimentForm& form, Problems& problems) {
   checkIds(form, problems);
   checkLines(form, problems);

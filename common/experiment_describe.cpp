@@ -237,6 +237,20 @@ std::string describeSize(double bytes) {
   return bytes < 1e9 ? rounded(std::ceil(bytes / 1e6)) + " MB" : rounded(bytes / 1e9) + " GB";
 }
 
+std::string describeCamera(const Experiment& e) {
+  const Camera& camera = e.camera;
+  const std::string frames = numberText(camera.fps) + " frames/s, " +
+                             numberText(std::floor(camera.fps * e.duration)) + " frames, ";
+  if (camera.tracker == Tracker::kCamera) {
+    const std::string name = isPainted(camera) ? "simulated" : camera.source;
+    return line("camera", frames + std::to_string(camera.width) + " x " +
+                              std::to_string(camera.height) + " pixels, " + name +
+                              (camera.calibration.empty() ? "" : ", " + camera.calibration));
+  }
+  return line("camera", frames + "noise " + cm(camera.position_noise) + " cm and " +
+                            fileText(camera.heading_noise, unitOf("_deg")) + " degrees");
+}
+
 }  // namespace
 
 std::string describeExperiment(const Experiment& e) {
@@ -249,10 +263,7 @@ std::string describeExperiment(const Experiment& e) {
   text += describeTable(e.light_table);
   text += describeLight(e);
   text += describeReversal(e.reversal);
-  text += line("camera", numberText(e.camera.fps) + " frames/s, " +
-                             numberText(std::floor(e.camera.fps * e.duration)) + " frames, noise " +
-                             cm(e.camera.position_noise) + " cm and " +
-                             fileText(e.camera.heading_noise, unitOf("_deg")) + " degrees");
+  text += describeCamera(e);
   text += line("log", "about " + describeSize(expectedLogBytes(e)));
   return text;
 }

@@ -87,6 +87,7 @@ Experiment parseExperiment(std::string_view text, const std::string& name,
   keys::checkShorthand(form, problems);
   keys::expandShorthand(form);
   keys::checkRobots(form, problems);
+  keys::checkCamera(form, problems);
   keys::checkLight(form, directory, problems);
   if (!problems.empty()) throw ExperimentError(problems.lines(kMostProblems));
   return keys::toExperiment(form);

@@ -4,6 +4,7 @@
 #include <array>
 #include <initializer_list>
 #include <limits>
+#include <utility>
 
 #include "dynamics/light_table.hpp"
 #include "light/layer.hpp"
@@ -18,9 +19,6 @@ template <typename Enum>
 Choice choiceOf(const char* name, Enum value) {
   return {name, static_cast<int>(value)};
 }
-
-constexpr const char* kTracksSimOnly =
-    "; this version of the lab has no camera: say tracker = \"sim\"";
 
 const std::array<Choice, 6> kModels = {
     {choiceOf("abp", Model::kAbp), choiceOf("noisy_abp", Model::kNoisyAbp),
@@ -37,7 +35,7 @@ const std::array<Choice, 3> kReverseOn = {{choiceOf("never", ReverseOn::kNever),
                                            choiceOf("walls", ReverseOn::kWalls),
                                            choiceOf("any", ReverseOn::kAny)}};
 const std::array<Choice, 2> kTrackers = {
-    {choiceOf("sim", Tracker::kSimPoses), {"camera", 1, kTracksSimOnly}}};
+    {choiceOf("sim", Tracker::kSimPoses), choiceOf("camera", Tracker::kCamera)}};
 const std::array<Choice, 9> kKinds = {
     {choiceOf("uniform", LayerKind::kUniform), choiceOf("half_plane", LayerKind::kHalfPlane),
      choiceOf("disk", LayerKind::kDisk), choiceOf("ring", LayerKind::kRing),
@@ -359,20 +357,51 @@ void visitLight(KeyVisitor& v, ExperimentForm& form) {
 }
 
 void visitCamera(KeyVisitor& v, Camera& camera) {
-  enumerate(v,
-            {"tracker",
-             "who tells where the robots are; sim: the simulator, with the errors "
-             "below"},
-            kTrackers, camera.tracker);
+  const Selector tracker(
+      v,
+      {"tracker",
+       "who tells where the robots are; sim: the simulator, with the errors below; camera: "
+       "tracker_svc, from pictures"},
+      kTrackers, camera.tracker);
+  const auto painted = [&](Key key) { return tracker.only({Tracker::kCamera}, std::move(key)); };
+  const auto modelled = [&](Key key) { return tracker.only({Tracker::kSimPoses}, std::move(key)); };
+  v.text(painted({"camera", "sim: the one that sim_svc paints; else a device, a movie or an "
+                               "address (docs/cameras.md)"}),
+         {.most = 400}, camera.source);
   v.number({"fps", "frames a second"}, {1, 500}, camera.fps);
-  v.number({"position_noise_cm", "standard deviation of x and of y"}, {0, 5},
+  std::int64_t width = camera.width;
+  std::int64_t height = camera.height;
+  v.integer(painted({"width_px", "of the pictures"}), 160, 8192, width);
+  v.integer(painted({"height_px", "of the pictures"}), 120, 8192, height);
+  camera.width = static_cast<int>(width);
+  camera.height = static_cast<int>(height);
+  v.number(painted({"exposure_ms", "of a frame"}), {.low = 0, .high = 1000, .above_low = true},
+           camera.exposure);
+  v.number(painted({"gain", "of the simulated camera a factor, of a device in its own units"}),
+           {0, 1e6}, camera.gain);
+  v.text(painted({.name = "calibration",
+                     .meaning = "camera.json of lab calibrate camera; the simulated camera's own "
+                                "where empty",
+                     .default_text = "empty"}),
+         {.most = 400}, camera.calibration);
+  v.flag(painted({"handshake", "before the script each robot turns for a moment, so that the "
+                                  "tracker knows which cap it is"}),
+         camera.handshake);
+  std::int64_t port = camera.debug_port;
+  v.integer(painted({"debug_port", "of the tracker's debug view on 127.0.0.1, 0: none"}), 0,
+            65535, port);
+  camera.debug_port = static_cast<int>(port);
+  v.number(painted({"ambient", "room light in the simulated picture, of the projector's white"}),
+           kShare, camera.ambient);
+  v.number(modelled({"position_noise_cm", "standard deviation of x and of y"}), {0, 5},
            camera.position_noise);
-  v.number({"heading_noise_deg", "standard deviation of the heading"}, {0, 90},
+  v.number(modelled({"heading_noise_deg", "standard deviation of the heading"}), {0, 90},
            camera.heading_noise);
-  v.number({"delay_ms", "from the exposure to the message"}, {0, 5000}, camera.delay);
-  v.number({"dropout", "chance that one robot is missing in one frame"},
+  v.number({"delay_ms", "from the exposure to the message, or to the picture where one is painted"},
+           {0, 5000}, camera.delay);
+  v.number(modelled({"dropout", "chance that one robot is missing in one frame"}),
            {.low = 0, .high = 1, .below_high = true}, camera.dropout);
-  v.number({"frame_loss", "chance that a whole frame is missing"},
+  v.number({"frame_loss", "chance that a whole simulated frame is missing"},
            {.low = 0, .high = 1, .below_high = true}, camera.frame_loss);
 }
 

@@ -7,6 +7,7 @@
 #include <lab/robot_command_t.hpp>
 #include <lab/robot_status_t.hpp>
 #include <lab/sim_truth_t.hpp>
+#include <lab/tracked_details_t.hpp>
 #include <lab/tracked_frame_t.hpp>
 #include <string>
 #include <string_view>
@@ -39,6 +40,15 @@ double frameBytes(std::int32_t robots) {
   message.num_robots = robots;
   message.robots.resize(static_cast<std::size_t>(robots));
   return eventBytes(channels::kTrackedFrame, message);
+}
+
+/// What tracker_svc says beside the poses.
+double detailsBytes(const Experiment& experiment, std::int32_t robots) {
+  if (experiment.camera.tracker != Tracker::kCamera) return 0;
+  tracked_details_t message{};
+  message.num_caps = robots;
+  message.caps.resize(static_cast<std::size_t>(robots));
+  return eventBytes(channels::kTrackedDetails, message);
 }
 
 double statusBytes(std::int32_t robots) {
@@ -106,7 +116,7 @@ double expectedLogBytes(const Experiment& experiment) {
                    kLightCommandRate * lightBytes<light_command_t>(channels::kLightCommand, step));
   }
   const double per_second =
-      experiment.camera.fps * frameBytes(robots) +
+      experiment.camera.fps * (frameBytes(robots) + detailsBytes(experiment, robots)) +
       experiment.hardware.status_rate * statusBytes(robots) + kTruthRate * truthBytes(robots) +
       light + kHousekeeping +
       kCommandRate * eventBytes(channels::kRobotCommand, lightTableCommand(experiment)) +
