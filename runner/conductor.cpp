@@ -18,6 +18,7 @@ namespace {
 
 constexpr std::int64_t kRobotPeriod_us = 200'000;     // 5 Hz
 constexpr std::int64_t kLightPeriod_us = 500'000;     // 2 Hz
+constexpr std::int64_t kHandshakePeriod_us = 20'000;
 constexpr std::int64_t kStopPeriod_us = 100'000;      // 10 Hz
 // Then the script starts without those that are missing. A board on a serial line needs 1.3 s for
 // its bootloader, up to 2.5 s until it is spoken to, and a second for its table.
@@ -43,7 +44,8 @@ Conductor::Conductor(const ServiceContext& context, std::string effective,
       effective_(std::move(effective)),
       over_(std::move(over)),
       images_(loadImages(context.experiment, context.directory)),
-      robots_(lightTableCommand(context.experiment)) {
+      robots_(lightTableCommand(context.experiment)),
+      handshake_(context.experiment) {
   node_.subscribe<robot_status_t>(channels::kRobotStatus,
                                   [this](const robot_status_t& status) { take(status); });
   node_.subscribe<tracked_frame_t>(channels::kTrackedFrame,
@@ -55,24 +57,78 @@ Conductor::Conductor(const ServiceContext& context, std::string effective,
   node_.subscribe<light_status_t>(channels::kLightStatus, [this](const light_status_t& status) {
     if (watch_) watch_->take(status);
     finishWatch();
+    const bool ours = status.command_instance == node_.identity().instance;
+    if (phase_ == Phase::kDimming && ours && status.command_seq == light_.seq) askRobots();
   });
 }
 
 void Conductor::begin() {
-  phase_ = Phase::kAskingRobots;
-  asked_utime_ = loop_.now();
-  ++robots_.seq;
+  const std::int64_t now = loop_.now();
   announceStart();
-  loop_.every(kStartEvery_us, asked_utime_ + kStartEvery_us, [this] {
+  loop_.every(kStartEvery_us, now + kStartEvery_us, [this] {
     if (phase_ != Phase::kConcluded) announceStart();
   });
-  loop_.every(kRobotPeriod_us, asked_utime_, [this] { sendRobots(); });
-  loop_.every(kLightPeriod_us, asked_utime_, [this] { sendLight(); });
-  loop_.every(kStopPeriod_us, asked_utime_, [this] { repeatStops(); });
+  if (handshake_.needed()) {
+    phase_ = Phase::kHandshake;
+    after_handshake_ = robots_;
+    setLight(1, "handshake");
+    loop_.every(kHandshakePeriod_us, now, [this] { shakeHands(); });
+  } else {
+    askRobots();
+  }
+  loop_.every(kRobotPeriod_us, now, [this] { sendRobots(); });
+  loop_.every(kLightPeriod_us, now, [this] { sendLight(); });
+  loop_.every(kStopPeriod_us, now, [this] { repeatStops(); });
+}
+
+void Conductor::setLight(double intensity, const std::string& label) {
+  LayerSpec uniform;
+  uniform.intensity = intensity;
+  ++light_.seq;
+  light_.from_utime = loop_.now();
+  light_.ramp = 0;
+  light_.label = label;
+  light_.layers = toMessages({uniform});
+  light_.num_layers = static_cast<std::int32_t>(light_.layers.size());
+  sendLight();
+}
+
+void Conductor::shakeHands() {
+  if (phase_ != Phase::kHandshake) return;
+  const bool somebody_else =
+      handshake_.advance(loop_.now(), [this](std::int32_t id) { return isObeyedBy(id); });
+  if (somebody_else) command(handshake_.command());
+  if (!handshake_.done()) return;
+  for (const std::int32_t id : handshake_.unknown()) {
+    fault("robot " + std::to_string(id) +
+          " was told to turn, and the tracker saw no cap that did: is it under the camera, does it "
+          "drive?");
+  }
+  dim();
+}
+
+/// No robot is to see the light of the handshake with a light table in its hands.
+void Conductor::dim() {
+  phase_ = Phase::kDimming;
+  command(standCommand(experiment_));
+  setLight(experiment_.light.safe_intensity, "after the handshake");
+  loop_.at(loop_.now() + kDeliveryPatience_us, [this] {
+    if (phase_ == Phase::kDimming) askRobots();
+  });
+}
+
+void Conductor::askRobots() {
+  const bool after = phase_ == Phase::kDimming;
+  phase_ = Phase::kAskingRobots;
+  if (after) {
+    command(after_handshake_);
+  } else {
+    ++robots_.seq;
+  }
   const bool on_wire = std::ranges::any_of(
       experiment_.robots, [](const RobotSpec& robot) { return isOnWire(robot.body); });
   const std::int64_t patience = on_wire ? kSerialEchoPatience_us : kEchoPatience_us;
-  loop_.at(asked_utime_ + patience, [this, patience] {
+  loop_.at(loop_.now() + patience, [this, patience] {
     if (phase_ != Phase::kAskingRobots) return;
     fault("robots that did not take their light table within " +
           std::to_string(patience / kSecond_us) + " s: " + silentRobots() +
@@ -258,6 +314,7 @@ void Conductor::checkOwner(const robot_status_t& status) {
 }
 
 void Conductor::take(const tracked_frame_t& frame) {
+  if (phase_ == Phase::kHandshake) handshake_.see(frame);
   for (const tracked_pose_t& pose : frame.robots) {
     poses_[pose.robot_id] = pose;
     seen_utime_[pose.robot_id] = frame.utime;

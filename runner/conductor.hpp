@@ -18,6 +18,7 @@
 #include "common/light_messages.hpp"
 #include "common/service_main.hpp"
 #include "runner/delivery_watch.hpp"
+#include "runner/handshake.hpp"
 
 namespace lab::runner {
 
@@ -31,8 +32,8 @@ struct Progress {
   std::int64_t lost = 0;                      ///< messages this process missed
 };
 
-/// Conducts one experiment. begin() puts the robots under their light table and waits until each
-/// has echoed it; then the script's clock starts. Robots, light and record go on until the script's
+/// Conducts one experiment. begin() lets the tracker learn which cap is which robot (handshake.hpp),
+/// under full light, then puts the robots under their light table and waits until each has echoed it; then the script's clock starts. Robots, light and record go on until the script's
 /// end, conclude(), or a fault that ends the run.
 class Conductor final : public Service {
  public:
@@ -75,6 +76,10 @@ class Conductor final : public Service {
   void take(const service_status_t& status);
   void latch(const robot_stop_t& stop);
   void repeatStops();
+  void setLight(double intensity, const std::string& label);
+  void shakeHands();
+  void dim();
+  void askRobots();
   void startScript();
   void showStep(int number);
   void finishWatch();
@@ -89,7 +94,7 @@ class Conductor final : public Service {
   [[nodiscard]] std::vector<light_layer_t> layersOf(const LightStep& step) const;
   [[nodiscard]] std::optional<program_t> expectedProgram(const LightStep& step) const;
 
-  enum class Phase { kIdle, kAskingRobots, kScript, kConcluded };
+  enum class Phase { kIdle, kHandshake, kDimming, kAskingRobots, kScript, kConcluded };
 
   Node& node_;
   Loop& loop_;
@@ -99,10 +104,11 @@ class Conductor final : public Service {
 
   ExperimentImages images_;
   Phase phase_ = Phase::kIdle;
-  std::int64_t asked_utime_ = 0;
   std::int64_t script_start_ = 0;
   double ended_ = 0;  ///< [s] of the script, once it is concluded
   robot_command_t robots_{};
+  robot_command_t after_handshake_{};
+  Handshake handshake_;
   light_command_t light_{};
   std::map<std::int32_t, std::int64_t> latched_;  ///< seq of the stop in force, by robot
   std::set<std::int64_t> stops_heard_;
