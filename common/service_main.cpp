@@ -7,6 +7,7 @@
 #include <csignal>
 #include <optional>
 
+#include "cameras/camera_devices.hpp"
 #include "common/asio_loop.hpp"
 #include "common/experiment_file.hpp"
 #include "common/lcm_bus.hpp"
@@ -30,10 +31,11 @@ void run(const ServiceDescription& description, const Options& options) {
   AsioLoop loop;
   LcmBus bus(options.lcm_url);
   SerialDevices ports(loop, options.ports);
+  CameraDevices cameras(loop, options.ports);
   Node node(bus, loop, {description.name, description.origin, loop.now()});
   const std::unique_ptr<Service> service = description.make(
       {node, loop, experiment, fs::path(options.experiment).parent_path(), ports,
-       fs::canonical("/proc/self/exe").parent_path()});
+       fs::canonical("/proc/self/exe").parent_path(), cameras});
   loop.onReadable(bus.fileDescriptor(), [&bus] { bus.drain(); });
   loop.onSignals({SIGINT, SIGTERM}, [&loop](int) { loop.stop(); });
   node.start();
@@ -59,7 +61,7 @@ int serviceMain(int argc, char** argv, const ServiceDescription& description) {
   app.add_option("--lcm-url", options.lcm_url, "The bus, as printed by lab run")
       ->capture_default_str();
   if (description.uses_ports) {
-    app.add_option("--ports", options.ports, "Folder of the lines to simulated robots")
+    app.add_option("--ports", options.ports, "Folder of the lines to simulated robots and of the simulated camera")
         ->capture_default_str();
   }
   if (description.add_options) description.add_options(app);
@@ -79,6 +81,9 @@ int serviceMain(int argc, char** argv, const ServiceDescription& description) {
     spdlog::error("{}", error.what());
     return 2;
   } catch (const SerialError& error) {
+    spdlog::error("{}", error.what());
+    return 2;
+  } catch (const CameraError& error) {
     spdlog::error("{}", error.what());
     return 2;
   } catch (const std::exception& error) {

@@ -7,6 +7,7 @@
 #include <memory>
 #include <string>
 
+#include "common/cameras.hpp"
 #include "common/experiment.hpp"
 #include "common/loop.hpp"
 #include "common/node.hpp"
@@ -35,6 +36,7 @@ struct ServiceContext {
   std::filesystem::path directory;  ///< of the experiment file: images lie beside it
   SerialPorts& ports = noSerialPorts();
   std::filesystem::path programs = {};  ///< folder of the lab's executables
+  Cameras& cameras = noCameras();
 };
 
 using ServiceFactory = std::function<std::unique_ptr<Service>(const ServiceContext&)>;

@@ -1,0 +1,40 @@
+#include "cameras/camera_devices.hpp"
+
+#include <utility>
+
+#include "cameras/film_source.hpp"
+#include "cameras/shared_camera.hpp"
+#include "cameras/v4l2_source.hpp"
+
+namespace lab {
+
+bool isFilm(const std::string& source) {
+  return source != "sim" && !cameras::namesVideoDevice(source) && !cameras::namesStream(source);
+}
+
+CameraDevices::CameraDevices(AsioLoop& loop, std::filesystem::path folder)
+    : loop_(loop), folder_(std::move(folder)) {}
+
+CameraDevices::~CameraDevices() = default;
+
+std::unique_ptr<FrameSource> CameraDevices::open(const std::string& source,
+                                                 const CameraFormat& wanted,
+                                                 CameraHandlers handlers) {
+  if (source == "sim") {
+    return cameras::openSharedCamera(loop_, folder_, wanted, std::move(handlers));
+  }
+  if (cameras::namesVideoDevice(source)) {
+    return cameras::openVideoDevice(loop_, cameras::systemV4l2Calls(), source, wanted,
+                                    std::move(handlers));
+  }
+  if (cameras::namesStream(source)) {
+    return cameras::openStream(loop_, source, wanted, std::move(handlers));
+  }
+  return cameras::openFilm(loop_, source, wanted, std::move(handlers));
+}
+
+std::unique_ptr<FrameSink> CameraDevices::offer(const CameraFormat& format) {
+  return cameras::offerSharedCamera(loop_, folder_, format);
+}
+
+}  // namespace lab

@@ -1,0 +1,33 @@
+/// Camera calibrations on disk: the camera.json that `lab calibrate camera` writes.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "optics/camera_model.hpp"
+#include "optics/cap.hpp"
+#include "optics/imaging.hpp"
+
+namespace lab {
+
+/// What is known of a camera over an arena.
+struct CameraCalibration {
+  optics::CameraParameters camera;
+  optics::CapGeometry cap;
+  std::optional<optics::Imaging> imaging;  ///< empty: not measured
+  double arena_width = 1.20;   ///< [m]
+  double arena_height = 0.90;  ///< [m]
+  std::optional<double> residual;  ///< [m] root mean square over the arena, at cap height
+  std::string id;  ///< first 12 digits of the file's SHA-256
+};
+
+/// Reads either form: this lab's own, in SI units ("form": "active-lab camera 1"), or K, dist, R, t
+/// and geometry in centimetres as OpenCV users write them (docs/cameras.md).
+/// @throws ExperimentError that names the file, the key, what was found and what was expected.
+[[nodiscard]] CameraCalibration readCameraFile(const std::filesystem::path& file);
+
+/// This lab's own form, as text.
+[[nodiscard]] std::string cameraFileText(const CameraCalibration& calibration);
+
+}  // namespace lab
