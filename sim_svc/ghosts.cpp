@@ -2,7 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+#include <numbers>
 #include <stdexcept>
+
+#include "common/units.hpp"
 
 namespace lab::sim {
 
@@ -59,6 +64,27 @@ void Ghosts::addTracked(std::int64_t exposure_utime, TrackerModel& tracker) cons
 void Ghosts::addStates(std::int64_t utime, std::vector<robot_state_t>& states) const {
   for (const Replayed& replayed : replayed_) {
     if (auto state = replayed.robot.state(utime)) states.push_back(*state);
+  }
+}
+
+/// Where the recorded tracker had lost a robot, it stands as it was seen last.
+void Ghosts::addPainted(std::int64_t exposure_utime, double exposure,
+                        std::vector<PaintedRobot>& robots) const {
+  const std::int64_t half = std::max<std::int64_t>(1, units::microseconds(exposure) / 2);
+  for (const Replayed& replayed : replayed_) {
+    const auto tracked = replayed.robot.trackedPose(exposure_utime);
+    const auto pose = tracked ? tracked : replayed.robot.lastPose(exposure_utime);
+    if (!pose) continue;
+    PaintedRobot robot{pose->x, pose->y, pose->theta};
+    const auto before = replayed.robot.trackedPose(exposure_utime - half);
+    const auto after = replayed.robot.trackedPose(exposure_utime + half);
+    if (before && after) {
+      const double time = units::seconds(2 * half);
+      robot.vx = (after->x - before->x) / time;
+      robot.vy = (after->y - before->y) / time;
+      robot.omega = std::remainder(after->theta - before->theta, 2 * std::numbers::pi) / time;
+    }
+    robots.push_back(robot);
   }
 }
 

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "common/experiment.hpp"
+#include "sim_svc/camera_painter.hpp"
 #include "sim_svc/replay_robot.hpp"
 #include "sim_svc/tracker_model.hpp"
 #include "sim_svc/world.hpp"
@@ -41,6 +42,8 @@ class Ghosts {
   /// Adds what is to be said of the recorded robots at a time.
   void addTracked(std::int64_t exposure_utime, TrackerModel& tracker) const;
   void addStates(std::int64_t utime, std::vector<robot_state_t>& states) const;
+  void addPainted(std::int64_t exposure_utime, double exposure,
+                  std::vector<PaintedRobot>& robots) const;
   void addTruth(std::int64_t utime, std::vector<true_pose_t>& robots) const;
 
  private:

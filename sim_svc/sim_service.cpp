@@ -114,6 +114,9 @@ SimService::SimService(const ServiceContext& context)
       // The robots were switched on a little earlier, each at an instant of its own.
       origin_utime_(start_utime_ - units::microseconds(world_.settings().boot_spread)),
       ghosts_(world_, context.experiment, context.directory, start_utime_) {
+  if (isPainted(experiment_.camera)) {
+    camera_ = std::make_unique<PaintedCamera>(experiment_, context.cameras, loop_);
+  }
   world_.setLight(&light_);
   const MotorCalibrations motors = motorsInForce(context);
   bus_robots_.take(toMessage(motors));
@@ -187,6 +190,7 @@ void SimService::show(const light_status_t& status) {
   }
   follow(loop_.now());
   light_.show(light::CompiledField(field));
+  if (camera_) camera_->show(std::move(field));
 }
 
 /// Whatever it is that moves the world on, the camera sees it at its own instants: a timer that
@@ -216,13 +220,33 @@ void SimService::sampleFrames(std::int64_t until_utime) {
     }
     advance(exposure);
     if (!seen) continue;
-    for (std::size_t i = 0; i < world_.size(); ++i) tracker_.see(world_.id(i), world_.pose(i));
-    ghosts_.addTracked(exposure, tracker_);
-    loop_.at(exposure + units::microseconds(experiment_.camera.delay),
-             [this, frame = tracker_.frame()]() mutable {
-               node_.publish(channels::kTrackedFrame, frame);
-             });
+    if (camera_) {
+      paintFrame(exposure);
+    } else {
+      trackFrame(exposure);
+    }
   }
+}
+
+void SimService::trackFrame(std::int64_t exposure) {
+  for (std::size_t i = 0; i < world_.size(); ++i) tracker_.see(world_.id(i), world_.pose(i));
+  ghosts_.addTracked(exposure, tracker_);
+  loop_.at(exposure + units::microseconds(experiment_.camera.delay),
+           [this, frame = tracker_.frame()]() mutable {
+             node_.publish(channels::kTrackedFrame, frame);
+           });
+}
+
+void SimService::paintFrame(std::int64_t exposure) {
+  std::vector<PaintedRobot> robots;
+  for (std::size_t i = 0; i < world_.size(); ++i) {
+    const dynamics::Pose pose = world_.pose(i);
+    const Motion motion = world_.motion(i);
+    robots.push_back({pose.x, pose.y, pose.theta, motion.speed * std::cos(pose.theta),
+                      motion.speed * std::sin(pose.theta), motion.turn});
+  }
+  ghosts_.addPainted(exposure, experiment_.camera.exposure, robots);
+  camera_->take(tracker_.frame().frame, exposure, std::move(robots));
 }
 
 void SimService::sampleRobots() {

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <lab/light_status_t.hpp>
+#include <memory>
 #include <vector>
 
 #include "common/light_messages.hpp"
@@ -12,6 +13,7 @@
 #include "sim_svc/bus_robots.hpp"
 #include "sim_svc/ghosts.hpp"
 #include "sim_svc/outer_robots.hpp"
+#include "sim_svc/painted_camera.hpp"
 #include "sim_svc/tracker_model.hpp"
 #include "sim_svc/world.hpp"
 
@@ -19,7 +21,8 @@ namespace lab::sim {
 
 /// Publishes exactly what robot_bridge and tracker_svc would: ROBOT_STATUS of the robots that are
 /// simulated as a whole and of those replayed, TRACKED_FRAME of all robots it moves, and, for tests
-/// alone, SIM_TRUTH. Robots on the wire speak through their serial lines. All see the light that
+/// alone, SIM_TRUTH. An experiment that tracks with a camera gets pictures of these robots instead
+/// of TRACKED_FRAME. Robots on the wire speak through their serial lines. All see the light that
 /// LIGHT_STATUS says is shown. What each kind of robot can feel: docs/bodies.md.
 ///
 /// World and robots follow the loop's clock. Cameras and electronics sample it on grids of their
@@ -47,6 +50,8 @@ class SimService final : public Service {
   void follow(std::int64_t utime);
   void advance(std::int64_t utime);
   void sampleFrames(std::int64_t until_utime);
+  void trackFrame(std::int64_t exposure);
+  void paintFrame(std::int64_t exposure);
   void sampleRobots();
   void sampleTruth();
 
@@ -62,6 +67,7 @@ class SimService final : public Service {
   std::int64_t start_utime_;
   std::int64_t origin_utime_;  ///< of world time 0
   Ghosts ghosts_;
+  std::unique_ptr<PaintedCamera> camera_;  ///< empty: poses are published, not pictures
   std::int64_t frame_number_ = 0;
   std::int64_t status_number_ = 0;
   std::int64_t truth_number_ = 0;

@@ -76,6 +76,12 @@ struct RobotState {
   std::int64_t wall_contacts = 0;   ///< Contacts with walls begun since the start.
 };
 
+/// How a robot moves.
+struct Motion {
+  double speed = 0;  ///< Forward, m/s.
+  double turn = 0;   ///< rad/s.
+};
+
 /// N robots, each with a RobotCore on a clock of its own, in one arena.
 ///
 /// Deterministic: the same settings, setups, light and calls give the same bits. Every random
@@ -166,6 +172,9 @@ class World {
   [[nodiscard]] const WorldSettings& settings() const { return settings_; }
   [[nodiscard]] RobotState state(std::size_t i) const;
   [[nodiscard]] dynamics::Pose pose(std::size_t i) const;
+
+  /// How robot i moves now. Held by a wall or another robot, it only turns.
+  [[nodiscard]] Motion motion(std::size_t i) const;
   [[nodiscard]] const dynamics::RobotCore& core(std::size_t i) const {
     return electronics_[i].core;
   }

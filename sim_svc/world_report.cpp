@@ -13,6 +13,12 @@ dynamics::Pose World::pose(std::size_t i) const {
   return {centres_[i].x, centres_[i].y, bodies_[i].theta};
 }
 
+Motion World::motion(std::size_t i) const {
+  const Body& body = bodies_[i];
+  const bool held = body.robot_contact.last_step == steps_ || body.wall_contact.last_step == steps_;
+  return {held ? 0 : body.speed, body.turn};
+}
+
 RobotState World::state(std::size_t i) const {
   const Electronics& robot = electronics_[i];
   const auto world_time = [&](std::uint32_t ms) {
