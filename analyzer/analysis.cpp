@@ -22,7 +22,8 @@ int Analysis::programOf(const ProgramLaw& law) {
   if (found != programs_.end()) {
     return static_cast<int>(found - programs_.begin());
   }
-  if (!ExactLaw(law).exists()) {
+  const bool free = config_.without_law && law.kind == ProgramKind::kNone;
+  if (!free && !ExactLaw(law).exists()) {
     return -1;
   }
   programs_.push_back(law);

@@ -33,6 +33,7 @@ struct AnalysisConfig {
   double max_lag = 100;     ///< s; bounds the memory.
   StitcherConfig stitcher;
   CurveOptions curves;
+  bool without_law = false;  ///< Robots with no program (kNone) are analysed: curves, and their speed.
 };
 
 struct AnalysisCounters {

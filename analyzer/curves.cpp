@@ -155,7 +155,7 @@ Curves curves(const ProgramLaw& law, const BlockData& data, const CurveOptions& 
   Curves result;
   const double observed = data.observed();
   const ExactLaw exact(law);
-  if (!exact.exists() || !(observed > 0)) {
+  if (!(observed > 0)) {
     return result;
   }
   const std::size_t n = data.lags.size();

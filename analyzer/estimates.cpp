@@ -199,6 +199,10 @@ class Report {
   }
 
   std::vector<Estimate> all() {
+    if (law_.kind == ProgramKind::kNone) {
+      direct(kSpeed, "v", "m/s", kNan, "forward displacement over time");
+      return std::move(list_);
+    }
     if (isHeldNoise(law_.kind)) {
       direct(kRotationalDiffusivity, "D_r", "rad^2/s", rotationalDiffusivity(law_),
              "[A(2 epsilon) - A(epsilon)] / (2 epsilon) of the angular MSD");
@@ -382,7 +386,7 @@ class Report {
 }  // namespace
 
 std::vector<Estimate> estimate(const ProgramLaw& law, const BlockData& data) {
-  if (!ExactLaw(law).exists() || !(data.observed() > 0)) {
+  if (!(data.observed() > 0)) {
     return {};
   }
   return Report(law, data).all();

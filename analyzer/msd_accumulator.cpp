@@ -176,6 +176,9 @@ void MsdAccumulator::addStep(const Fix& from, const Fix& to, double frames, bool
   // The step across a join counts too: robots meet walls while they move, so that leaving it out
   // would select slow steps.
   const double heading = 0.5 * (from.theta + to.theta);
+  if (!std::isfinite(heading)) {
+    return;
+  }
   const double c = std::cos(heading);
   const double s = std::sin(heading);
   const double dx = to.x - from.x;

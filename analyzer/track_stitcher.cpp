@@ -274,8 +274,10 @@ bool TrackStitcher::reachable(const TrackPoint& from, const TrackPoint& to) cons
   const double noise = kSigmas * std::hypot(from.sigma, to.sigma);
   const double turn = std::abs(wrapped(to.theta - from.theta));
   const double turn_noise = kSigmas * std::hypot(from.sigma_theta, to.sigma_theta);
-  return distance <= config_.max_wheel_speed * dt + noise + kPositionSlack &&
-         turn <= 2 * config_.max_wheel_speed / config_.wheel_base * dt + turn_noise + kHeadingSlack;
+  const bool turns = !config_.headings ||
+                     turn <= 2 * config_.max_wheel_speed / config_.wheel_base * dt + turn_noise +
+                                 kHeadingSlack;
+  return turns && distance <= config_.max_wheel_speed * dt + noise + kPositionSlack;
 }
 
 void TrackStitcher::drop(Fate fate, int program) {
@@ -351,6 +353,10 @@ void TrackStitcher::append(const TrackPoint& point, const Context& context, doub
       ++sample_.angular_segment;
     }
     sample_.theta += wrapped(point.theta - last_->theta);
+  }
+  if (!config_.headings) {
+    sample_.theta = std::numeric_limits<double>::quiet_NaN();
+    ++sample_.angular_segment;
   }
   cut_ = false;
   suspect_.reset();

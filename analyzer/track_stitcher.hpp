@@ -46,7 +46,7 @@ struct Sample {
   std::int64_t frame = 0;
   double x = 0;             ///< Stitched, m.
   double y = 0;             ///< Stitched, m.
-  double theta = 0;         ///< Unwrapped, rad.
+  double theta = 0;         ///< Unwrapped, rad; nan: headings are not known.
   int segment = 0;          ///< No window may cross a change of segment.
   int angular_segment = 0;  ///< No angular window may cross a change of this one.
   int piece = 0;     ///< Changes also where a reversal was removed: frames are aligned in it.
@@ -64,6 +64,7 @@ struct StitcherConfig {
   double max_angular_gap = 0.3;   ///< Without frames for longer, the heading is ambiguous, s.
   double max_wheel_speed = 0.27;  ///< m/s.
   double wheel_base = 0.075;      ///< m.
+  bool headings = true;           ///< False: theta of the frames means nothing.
 };
 
 /// What happened to the frames, over all programs.

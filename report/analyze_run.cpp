@@ -71,16 +71,8 @@ fs::path outputFolder(const fs::path& run_or_log, const fs::path& wanted) {
   return run_or_log.has_parent_path() ? run_or_log.parent_path() : fs::path(".");
 }
 
-}  // namespace
-
-AnalyzedRun analyzeRun(const fs::path& run_or_log, const fs::path& out_directory,
-                       const AnalyzeOptions& options) {
-  const std::vector<fs::path> files = logFiles(run_or_log);
-  const RunRecord record = readRun(files);
-  if (record.log.frames == 0 && options.needs_frames) {
-    throw ReportError(withoutFrames(files.front(), record));
-  }
-  const fs::path out = outputFolder(run_or_log, out_directory);
+/// Writes everything that a record gives, each file whole or not at all.
+AnalyzedRun writeResults(const RunRecord& record, const fs::path& out) {
   const Scratch scratch(out);
   const std::vector<Figure> figures = drawFigures(record, scratch.path());
 
@@ -103,6 +95,24 @@ AnalyzedRun analyzeRun(const fs::path& run_or_log, const fs::path& out_directory
   analyzed.report = out / "report.html";
   analyzed.headline = headlines(record);
   return analyzed;
+}
+
+}  // namespace
+
+AnalyzedRun analyzeRun(const fs::path& run_or_log, const fs::path& out_directory,
+                       const AnalyzeOptions& options) {
+  const std::vector<fs::path> files = logFiles(run_or_log);
+  const RunRecord record = readRun(files);
+  if (record.log.frames == 0 && options.needs_frames) {
+    throw ReportError(withoutFrames(files.front(), record));
+  }
+  return writeResults(record, outputFolder(run_or_log, out_directory));
+}
+
+AnalyzedRun analyzePoses(const fs::path& file, const fs::path& out_directory,
+                         const PoseFileOptions& options, const PoseProgram& program) {
+  const PoseFile poses = readPoses(file, options);
+  return writeResults(poseRun(poses, file.stem().string(), program), out_directory);
 }
 
 }  // namespace lab::report

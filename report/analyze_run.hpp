@@ -5,6 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "report/pose_file.hpp"
+#include "report/pose_run.hpp"
+
 namespace lab::report {
 
 struct AnalyzeOptions {
@@ -29,5 +32,13 @@ struct AnalyzedRun {
 [[nodiscard]] AnalyzedRun analyzeRun(const std::filesystem::path& run_or_log,
                                      const std::filesystem::path& out_directory = {},
                                      const AnalyzeOptions& options = {});
+
+/// The same of a file of poses (docs/track.md), without a light and without what robots report.
+/// @param out_directory where to; it is made where it is missing.
+/// @throws ReportError as above and where the file cannot be understood, ExperimentError where the
+/// program is not a valid one.
+[[nodiscard]] AnalyzedRun analyzePoses(const std::filesystem::path& file,
+                                       const std::filesystem::path& out_directory,
+                                       const PoseFileOptions& options, const PoseProgram& program);
 
 }  // namespace lab::report

@@ -53,6 +53,7 @@ struct CurveData {
   DataBlock robots = emptyBlock("robots");
   bool has_judged = false;
   bool has_open = false;
+  bool has_law = false;
   bool has_paper = false;
   bool has_robots = false;
   double largest_z = kLimitZ;
@@ -73,7 +74,10 @@ void CurveData::add(const CurvePoint& point, double factor) {
   (point.judged ? judged : open)
       .row(point.tau, point.value * factor, low * factor, (point.value + sigma - low) * factor);
   (point.judged ? has_judged : has_open) = true;
-  if (std::isfinite(point.exact)) law.row(point.tau, (point.exact + point.noise) * factor);
+  if (std::isfinite(point.exact)) {
+    law.row(point.tau, (point.exact + point.noise) * factor);
+    has_law = true;
+  }
   if (std::isfinite(point.paper)) {
     paper.row(point.tau, point.paper * factor);
     has_paper = true;
@@ -112,33 +116,39 @@ CurveData collect(const Finding& finding, const Quantity& quantity) {
 
 /// The curve with its laws, doubly logarithmic.
 std::string upperPanel(const CurveData& data, const Quantity& quantity) {
+  // Without a law there is no panel of deviations below it.
   std::string script = fmt::format(
-      "set logscale xy\nset format y '%g'\nset format x ''\n"
-      "set tmargin at screen 0.97\nset bmargin at screen 0.40\n"
+      "set logscale xy\nset format y '%g'\nset tmargin at screen 0.97\n{}"
       "set xrange [{:.6g}:{:.6g}]\nset ylabel '{}' offset 0.5\nset key top left Left reverse\n"
       "plot ",
+      data.has_law ? "set format x ''\nset bmargin at screen 0.40\n"
+                   : "set format x '%g'\nset bmargin at screen 0.13\nset xlabel 'lag (s)'\n",
       data.first / 1.4, data.last * 1.4, quantity.axis);
+  std::vector<std::string> plots;
   if (data.has_robots) {
-    script += "$robots using 1:2 with lines lw 0.8 lc rgb '#C8C8C8' title 'each robot', ";
+    plots.emplace_back("$robots using 1:2 with lines lw 0.8 lc rgb '#C8C8C8' title 'each robot'");
   }
   if (data.has_open) {
-    script +=
+    plots.emplace_back(
         "$open using 1:3:(0):4 with vectors nohead lw 1 lc rgb '#808080' notitle, "
         "$open using 1:2 with points pt 6 ps 0.5 lw 1 lc rgb '#707070' title 'measured, not "
-        "judged', ";
+        "judged'");
   }
   if (data.has_judged) {
-    script +=
+    plots.emplace_back(
         "$judged using 1:3:(0):4 with vectors nohead lw 1.2 lc rgb 'black' notitle, "
-        "$judged using 1:2 with points pt 7 ps 0.5 lc rgb 'black' title 'measured', ";
+        "$judged using 1:2 with points pt 7 ps 0.5 lc rgb 'black' title 'measured'");
   }
   if (data.has_paper) {
-    script += fmt::format(
-        "$paper using 1:2 with lines lw 2 dt (8,5) lc rgb '{}' title 'paper’s formula', ",
-        style::kVermillion);
+    plots.push_back(fmt::format(
+        "$paper using 1:2 with lines lw 2 dt (8,5) lc rgb '{}' title 'paper’s formula'",
+        style::kVermillion));
   }
-  return script + fmt::format("$law using 1:2 with lines lw 1.6 lc rgb '{}' title 'exact law'\n",
-                              style::kBlue);
+  if (data.has_law) {
+    plots.push_back(fmt::format("$law using 1:2 with lines lw 1.6 lc rgb '{}' title 'exact law'",
+                                style::kBlue));
+  }
+  return script + fmt::format("{}\n", fmt::join(plots, ", "));
 }
 
 /// The deviation in standard errors.
@@ -163,7 +173,7 @@ std::string curveScript(const Finding& finding, const Quantity& quantity, const 
   const CurveData data = collect(finding, quantity);
   return data.text() + style::preamble(file, 760, 640) +
          "set multiplot\nset lmargin at screen 0.15\nset rmargin at screen 0.97\n" +
-         upperPanel(data, quantity) + lowerPanel(data) + "unset multiplot\n";
+         upperPanel(data, quantity) + (data.has_law ? lowerPanel(data) : "") + "unset multiplot\n";
 }
 
 FigureScript curveFigure(const Finding& finding, const Quantity& quantity) {

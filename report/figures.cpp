@@ -41,8 +41,9 @@ TimeAxis timeAxis(double duration) {
 }  // namespace style
 
 std::vector<Figure> drawFigures(const RunRecord& record, const fs::path& scratch) {
-  std::vector<FigureScript> scripts{trajectoryByTime(record), trajectoryByProgram(record),
-                                    lightAndPrograms(record), speedTraces(record)};
+  std::vector<FigureScript> scripts{trajectoryByTime(record), trajectoryByProgram(record)};
+  if (!record.poses) scripts.push_back(lightAndPrograms(record));
+  scripts.push_back(speedTraces(record));
   for (const Finding& finding : findingsOf(record)) {
     scripts.push_back(msdFigure(finding));
     scripts.push_back(angularMsdFigure(finding));

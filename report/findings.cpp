@@ -41,6 +41,8 @@ std::string_view telling(analysis::ProgramKind kind) {
       return "D_t";
     case analysis::ProgramKind::kRtp:
       return "gamma";
+    case analysis::ProgramKind::kNone:
+      return "v";
     default:
       return "D_r";
   }
@@ -68,11 +70,14 @@ std::string nameOf(const RunRecord& record, const program_t& program) {
 std::string estimateText(const Estimate& estimate) {
   const PeopleUnit unit = peopleUnit(estimate.unit);
   const double error = (estimate.high95 - estimate.low95) / 2 * unit.factor;
-  return fmt::format("{} = {} {} (95 %: {} to {}; programmed {})", estimate.name,
+  const std::string programmed =
+      std::isfinite(estimate.theory)
+          ? fmt::format("; programmed {}", shortText(estimate.theory * unit.factor))
+          : "";
+  return fmt::format("{} = {} {} (95 %: {} to {}{})", estimate.name,
                      numberText(estimate.value * unit.factor, error), unit.text,
                      numberText(estimate.low95 * unit.factor, error),
-                     numberText(estimate.high95 * unit.factor, error),
-                     shortText(estimate.theory * unit.factor));
+                     numberText(estimate.high95 * unit.factor, error), programmed);
 }
 
 /// The curves are compared at the measured speed: a reader must know where that differs.
@@ -99,7 +104,8 @@ std::vector<Finding> findingsOf(const RunRecord& record) {
     if (result.result.robot == analysis::kPool) {
       Finding finding;
       finding.name = nameOf(record, result.program);
-      finding.model = modelName(result.program.kind);
+      const bool none = result.result.law.kind == analysis::ProgramKind::kNone;
+      finding.model = none ? "program not given" : modelName(result.program.kind);
       finding.file = uniqueFile(findings, finding.name);
       finding.pool = &result;
       findings.push_back(std::move(finding));
@@ -111,6 +117,7 @@ std::vector<Finding> findingsOf(const RunRecord& record) {
 }
 
 std::string verdictText(const ProgramResult& result) {
+  if (result.law.kind == analysis::ProgramKind::kNone) return "no law to compare with";
   switch (result.verdict.kind) {
     case VerdictKind::kAgrees:
       return "agrees with the exact law";
@@ -123,6 +130,10 @@ std::string verdictText(const ProgramResult& result) {
 
 std::string verdictReason(const ProgramResult& result) {
   const analysis::Verdict& verdict = result.verdict;
+  if (result.law.kind == analysis::ProgramKind::kNone) {
+    return "No program was given, so that there are curves and no theory: name it with --program and "
+           "--set.";
+  }
   if (verdict.kind == VerdictKind::kUndecided) {
     return fmt::format(
         "Not enough to tell: {} can be judged. A verdict needs five, with at least a hundred draws "
@@ -261,8 +272,23 @@ std::vector<std::string> headlines(const RunRecord& record) {
     }
     lines.push_back(line);
   }
+  if (lines.empty() && record.poses && record.poses->in_contact > 0) {
+    lines.push_back(fmt::format(
+        "no free motion: {} of {} touch another robot or a wall of the {:g} x {:g} cm arena (another "
+        "one: --set arena.width_cm=... --set arena.height_cm=...)",
+        groupedText(record.poses->in_contact), countText(record.poses->rows, "pose"),
+        record.experimentOrDefault().arena_width * kCm,
+        record.experimentOrDefault().arena_height * kCm));
+  }
   if (lines.empty())
     lines.emplace_back("no robot ran a program that has a law: nothing to compare");
+  if (record.poses) {
+    if (record.missing_frames > 0) {
+      lines.push_back(fmt::format("{} missing by their numbers",
+                                  countText(record.missing_frames, "frame")));
+    }
+    return lines;
+  }
   const std::string lost = lossText(record);
   lines.push_back(lost.empty() ? "no message was lost on the way to the log" : lost);
   for (const Remark& fault : record.faults) {

@@ -17,7 +17,11 @@ std::string lead(const RunRecord& record) {
   if (record.frame_period > 0) {
     parts.push_back(fmt::format("{} frames a second", shortText(1 / record.frame_period)));
   }
-  if (record.experiment) parts.push_back(fmt::format("seed {}", record.experiment->seed));
+  if (record.experiment && !record.poses) parts.push_back(fmt::format("seed {}", record.experiment->seed));
+  if (record.poses) {
+    parts.emplace_back("from poses alone");
+    return fmt::format("{}", fmt::join(parts, " · "));
+  }
   parts.push_back(record.log.virtual_time ? "virtual time" : utcText(record.start_utime));
   return fmt::format("{}", fmt::join(parts, " · "));
 }
@@ -39,6 +43,10 @@ std::string reportHtml(const RunRecord& record, const std::vector<Figure>& figur
   page += html::warnings(record);
   page += html::verdicts(findings);
   page += html::figureSection(figures);
+  if (record.poses) {
+    page += html::poseSource(record);
+    return page + "</body>\n</html>\n";
+  }
   page += html::lightSteps(record);
   page += html::robots(record);
   page += html::losses(record);

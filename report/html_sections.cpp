@@ -201,6 +201,36 @@ std::string losses(const RunRecord& record) {
   return html;
 }
 
+std::string poseSource(const RunRecord& record) {
+  const PoseSource& poses = *record.poses;
+  std::string html = fmt::format(
+      "<h2>Where this comes from</h2>\n<p>{} in {} of a file of poses, {}. Analyzed with Active Lab "
+      "{}.</p>\n<ul>\n",
+      countText(poses.rows, "row"), countText(record.log.frames, "frame"),
+      record.missing_frames == 0
+          ? "without a gap in the frame numbers"
+          : fmt::format("{} missing by their numbers",
+                        countText(record.missing_frames, "frame")),
+      kVersion);
+  if (poses.without_pose > 0) {
+    html += fmt::format("<li>{} without a number for the place or the heading: left out.</li>\n",
+                        countText(poses.without_pose, "row"));
+  }
+  if (poses.without_id > 0) {
+    html += fmt::format("<li>{} of no track (id 0): left out.</li>\n",
+                        countText(poses.without_id, "row"));
+  }
+  if (!poses.headings) {
+    html +=
+        "<li>The file has no headings: there is no angular curve, no speed along the heading, no "
+        "D<sub>r</sub>, and the tracker’s noise is neither measured nor taken out.</li>\n";
+  }
+  return html +
+         "<li>Contacts are known by distance only. Reversals at walls are not known: they are part of "
+         "the motion, and of its curves.</li>\n<li>No robot said what it did: that all ran one "
+         "program all the time is taken from whoever asked for this report.</li>\n</ul>\n";
+}
+
 std::string provenance(const RunRecord& record) {
   std::string html = "<h2>Where this comes from</h2>\n";
   Table services({"service", ">start", "kind", "version", "ended", "last error"});

@@ -19,6 +19,8 @@ namespace lab::report::html {
 [[nodiscard]] std::string robots(const RunRecord& record);
 [[nodiscard]] std::string losses(const RunRecord& record);
 [[nodiscard]] std::string provenance(const RunRecord& record);
+/// In place of the last two, of a run that has no log.
+[[nodiscard]] std::string poseSource(const RunRecord& record);
 
 /// A table; cells are HTML already.
 class Table {

@@ -85,7 +85,17 @@ struct RunProgram {
   std::string name;  ///< of the experiment file, else of the model
 };
 
+/// Where a run without a lab comes from: a file of poses.
+struct PoseSource {
+  bool headings = false;          ///< it says where robots head
+  std::int64_t rows = 0;          ///< of the file
+  std::int64_t without_pose = 0;  ///< of these, rows without numbers
+  std::int64_t without_id = 0;    ///< of these, rows that belong to no track
+  std::int64_t in_contact = 0;    ///< of these, poses that touch a robot or a wall
+};
+
 struct RunRecord {
+  std::optional<PoseSource> poses;  ///< where there is no log
   std::optional<Experiment> experiment;  ///< as run; nothing: the log has no readable START
   std::string experiment_text;           ///< the effective file
   std::string experiment_problem;        ///< why it is not there

@@ -222,6 +222,12 @@ std::string summaryJson(const RunRecord& record) {
   json["run_with_version"] = record.version;
   json["analyzed_with_version"] = kVersion;
   json["contract_version"] = record.contract_version;
+  if (record.poses) {
+    json["poses"] = {{"rows", record.poses->rows},
+                     {"rows_without_pose", record.poses->without_pose},
+                     {"rows_without_track", record.poses->without_id},
+                     {"headings", record.poses->headings}};
+  }
   json["duration_s"] = number(record.duration());
   json["ended"] = record.ended;
   json["end_reason"] = record.end_reason;

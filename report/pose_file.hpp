@@ -1,0 +1,51 @@
+/// Trajectories without a lab: a CSV file of poses, of `lab track` or of another tracker.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <istream>
+#include <optional>
+#include <string>
+
+#include "analyzer/analysis.hpp"
+
+namespace lab::report {
+
+/// What the file itself may not say.
+struct PoseFileOptions {
+  std::optional<double> scale;  ///< [m] of one unit of its columns x and y
+  std::optional<double> fps;    ///< [1/s] of its frames, where it has no column of times
+};
+
+/// Every pose, in order of time.
+struct PoseFile {
+  std::vector<analysis::Frame>
+      frames;             ///< SI units; a pose that its tracker did not trust is invalid
+  bool headings = false;  ///< it has a column of headings
+  bool in_arena = false;  ///< x_cm and y_cm: the origin is a corner of the arena
+  std::int64_t rows = 0;
+  std::int64_t without_pose = 0;    ///< rows left out: no number for x, y or the heading
+  std::int64_t without_id = 0;      ///< rows left out: id 0, belonging to no track
+  std::int64_t missing_frames = 0;  ///< gaps in the frame numbers
+  double frame_period = 0;          ///< [s] median, 0: fewer than two frames
+};
+
+/// Reads poses by the names of their columns, in any order, others ignored; fields are separated by
+/// commas, semicolons or tabs:
+///   frame                      a whole number
+///   id or particle             a whole number
+///   x_cm, y_cm; or x, y        the latter in units of options.scale
+///   theta_rad or theta         optional [rad]
+///   t_s, t or time             [s]; or frame / options.fps
+///   confidence                 optional, 0 to 1; below 0.5 the pose is not used
+/// A number may be nan or empty: then nothing is known of that robot in that frame.
+/// @param name of the file, for messages
+/// @throws ReportError: file, line, column, what was found and what was expected.
+[[nodiscard]] PoseFile readPoses(std::istream& text, const std::string& name,
+                                 const PoseFileOptions& options = {});
+
+/// The same of a file. @throws ReportError also where it cannot be read.
+[[nodiscard]] PoseFile readPoses(const std::filesystem::path& file,
+                                 const PoseFileOptions& options = {});
+
+}  // namespace lab::report

@@ -1,0 +1,126 @@
+#include "report/pose_file.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <sstream>
+
+#include "report/report_error.hpp"
+
+namespace lab::report {
+namespace {
+
+using testing::HasSubstr;
+
+PoseFile read(const std::string& text, const PoseFileOptions& options = {}) {
+  std::istringstream stream(text);
+  return readPoses(stream, "poses.csv", options);
+}
+
+std::string problemOf(const std::string& text, const PoseFileOptions& options = {}) {
+  try {
+    static_cast<void>(read(text, options));
+  } catch (const ReportError& error) {
+    return error.what();
+  }
+  return "none";
+}
+
+TEST(PoseFile, ReadsWhatLabTrackWrites) {
+  const PoseFile dut = read(
+      "frame,id,x_cm,y_cm,theta_rad,u,v,confidence,t_s\n"
+      "0,1,10.5,20,1.5,640.1,360.2,0.98,0.0\n"
+      "0,2,30,40,-3.1,1,2,0.3,0.0\n"
+      "1,1,11,20,1.6,641,360,0.97,0.033333\n");
+
+  ASSERT_EQ(dut.frames.size(), 2U);
+  ASSERT_EQ(dut.frames[0].poses.size(), 2U);
+  EXPECT_DOUBLE_EQ(dut.frames[0].poses[0].x, 0.105);
+  EXPECT_DOUBLE_EQ(dut.frames[0].poses[0].y, 0.2);
+  EXPECT_DOUBLE_EQ(dut.frames[0].poses[0].theta, 1.5);
+  EXPECT_TRUE(dut.frames[0].poses[0].valid);
+  EXPECT_FALSE(dut.frames[0].poses[1].valid);
+  EXPECT_DOUBLE_EQ(dut.frames[1].time, 0.033333);
+  EXPECT_DOUBLE_EQ(dut.frame_period, 0.033333);
+  EXPECT_TRUE(dut.headings);
+  EXPECT_TRUE(dut.in_arena);
+}
+
+TEST(PoseFile, ReadsWhatTrackpyWrites) {
+  const PoseFile dut = read(
+      ",y,x,mass,frame,particle\n"
+      "0,200.5,100.0,331.2,0.0,7\n"
+      "1,300,400,331.2,0.0,8\n"
+      "0,201,101,330.1,2.0,7\n",
+      {.scale = 0.001, .fps = 10});
+
+  ASSERT_EQ(dut.frames.size(), 2U);
+  EXPECT_EQ(dut.frames[0].poses[0].robot, 7);
+  EXPECT_DOUBLE_EQ(dut.frames[0].poses[0].x, 0.1);
+  EXPECT_DOUBLE_EQ(dut.frames[0].poses[0].y, 0.2005);
+  EXPECT_DOUBLE_EQ(dut.frames[1].time, 0.2);
+  EXPECT_FALSE(dut.headings);
+  EXPECT_FALSE(dut.in_arena);
+}
+
+TEST(PoseFile, SortsRowsThatComeRobotByRobot) {
+  const PoseFile dut = read(
+      "frame\tid\tx_cm\ty_cm\tt\n0\t1\t1\t1\t0\n1\t1\t2\t1\t0.1\n0\t2\t5\t5\t0\n1\t2\t6\t5\t0.1\n");
+
+  ASSERT_EQ(dut.frames.size(), 2U);
+  EXPECT_EQ(dut.frames[0].poses.size(), 2U);
+  EXPECT_EQ(dut.frames[1].poses.size(), 2U);
+}
+
+TEST(PoseFile, ReadsWindowsLineEndsAndMarks) {
+  const PoseFile dut = read(
+      "\xEF\xBB\xBF"
+      "frame;id;x_cm;y_cm;t\r\n0;1;1;2;0\r\n\r\n1;1;1;3;0.5\r\n");
+
+  EXPECT_EQ(dut.frames.size(), 2U);
+  EXPECT_DOUBLE_EQ(dut.frames[1].poses[0].y, 0.03);
+}
+
+TEST(PoseFile, LeavesOutRowsThatKnowNothing) {
+  const PoseFile dut =
+      read("frame,id,x_cm,y_cm,t\n0,1,1,1,0\n0,2,,,0\n1,1,nan,nan,0.1\n1,0,4,4,0.1\n2,1,3,1,0.2\n");
+
+  EXPECT_EQ(dut.rows, 5);
+  EXPECT_EQ(dut.without_pose, 2);
+  EXPECT_EQ(dut.without_id, 1);
+  EXPECT_EQ(dut.frames.size(), 2U);
+  EXPECT_EQ(dut.missing_frames, 0);
+}
+
+TEST(PoseFile, CountsFramesThatAreMissing) {
+  const std::string rows = "0,1,1,1,0\n2,1,1,1,0.2\n4,1,1,1,0.4\n10,1,1,1,1.0\n";
+
+  // Every second picture was tracked: 6 and 8 are missing, the odd ones are not.
+  EXPECT_EQ(read("frame,id,x_cm,y_cm,t\n" + rows).missing_frames, 2);
+}
+
+TEST(PoseFile, NamesLineColumnFoundAndExpected) {
+  const std::string head = "frame,id,x_cm,y_cm,t\n0,1,1,1,0\n";
+
+  EXPECT_EQ(problemOf(head + "1,1,abc,1,0.1\n"),
+            "poses.csv:3: x_cm: found \"abc\", expected a number");
+  EXPECT_EQ(problemOf(head + "1.5,1,1,1,0.1\n"),
+            "poses.csv:3: frame: found \"1.5\", expected a whole number");
+  EXPECT_EQ(problemOf(head + "1,1,1\n"),
+            "poses.csv:3: found 3 fields, expected 5 as in the first line");
+  EXPECT_THAT(problemOf(head + "1,1,1,1,0\n"), HasSubstr("poses.csv:3: t: found 0 s in frame 1"));
+  EXPECT_THAT(problemOf(head + "0,2,1,1,7\n"),
+              HasSubstr("poses.csv:3: t: found 7 s, expected 0 s"));
+}
+
+TEST(PoseFile, NamesWhatTheFirstLineLacks) {
+  EXPECT_THAT(problemOf("frame,id,x_cm\n0,1,1\n"), HasSubstr("poses.csv:1: found the columns"));
+  EXPECT_THAT(problemOf("frame,particle,x,y,t\n0,1,1,1,0\n"), HasSubstr("--scale-cm"));
+  EXPECT_THAT(problemOf("frame,particle,x,y\n0,1,1,1\n", {.scale = 0.01, .fps = {}}),
+              HasSubstr("--fps"));
+  EXPECT_THAT(problemOf(""), HasSubstr("poses.csv:1"));
+  EXPECT_THAT(problemOf("frame,id,x_cm,y_cm,t\n"), HasSubstr("no pose"));
+}
+
+}  // namespace
+}  // namespace lab::report

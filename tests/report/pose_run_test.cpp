@@ -1,0 +1,200 @@
+#include "report/pose_run.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <numbers>
+#include <random>
+
+#include "common/experiment_file.hpp"
+#include "report/analyze_run.hpp"
+#include "report/findings.hpp"
+#include "synthetic_lab.hpp"
+
+namespace lab::report {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr double kSpeed = 0.03;   // [m/s]
+constexpr double kEpsilon = 0.5;  // [s]
+constexpr double kEta = 3;        // [rad/s]
+constexpr double kNoise = 2e-5;   // [m]
+constexpr double kPeriod = 1.0 / 30;
+
+/// Active Brownian particles in an endless arena: the paper's ABP, and nothing else.
+PoseFile film(int robots, double duration, bool headings = true) {
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<double> turning(-kEta, kEta);
+  std::normal_distribution<double> noise(0, kNoise);
+  PoseFile poses;
+  poses.headings = headings;
+  poses.frame_period = kPeriod;
+  struct Robot {
+    double x, y, theta, omega, left;
+  };
+  std::vector<Robot> all;
+  for (int i = 0; i < robots; ++i) all.push_back({i * 50.0, 0, i * 1.0, turning(random), kEpsilon});
+  for (std::int64_t k = 0; static_cast<double>(k) * kPeriod < duration; ++k) {
+    analysis::Frame frame{static_cast<double>(k) * kPeriod, k, {}};
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      Robot& robot = all[i];
+      frame.poses.push_back({static_cast<int>(i) + 1, robot.x + noise(random),
+                             robot.y + noise(random),
+                             headings ? std::remainder(robot.theta, 2 * std::numbers::pi) : 0});
+      for (double left = kPeriod; left > 1e-12;) {
+        const double step = std::min(left, robot.left);
+        const double turn = robot.omega * step;
+        // The chord of an arc.
+        const double chord =
+            std::abs(turn) > 1e-9 ? kSpeed * step * std::sin(turn / 2) / (turn / 2) : kSpeed * step;
+        robot.x += chord * std::cos(robot.theta + turn / 2);
+        robot.y += chord * std::sin(robot.theta + turn / 2);
+        robot.theta += turn;
+        left -= step;
+        robot.left -= step;
+        if (robot.left <= 1e-12) {
+          robot.left = kEpsilon;
+          robot.omega = turning(random);
+        }
+      }
+    }
+    poses.frames.push_back(frame);
+  }
+  poses.rows = static_cast<std::int64_t>(poses.frames.size()) * robots;
+  return poses;
+}
+
+PoseProgram abp() { return {"abp", {"v_cm_s=3", "epsilon_s=0.5", "eta_rad_s=3"}}; }
+
+const analysis::Estimate& estimateOf(const RunRecord& record, const std::string& name) {
+  for (const analysis::Estimate& estimate : record.results.front().result.estimates) {
+    if (estimate.name == name) return estimate;
+  }
+  throw std::runtime_error("no " + name);
+}
+
+TEST(PoseRun, FindsTheLawThatTheRobotsFollow) {
+  const RunRecord dut = poseRun(film(4, 300), "film", abp());
+
+  ASSERT_EQ(dut.results.size(), 5U);
+  EXPECT_EQ(dut.results.front().result.verdict.kind, analysis::VerdictKind::kAgrees);
+  const analysis::Estimate& turning = estimateOf(dut, "D_r");
+  EXPECT_LT(std::abs(turning.value - kEpsilon * kEta * kEta / 6), 4 * turning.sigma);
+  EXPECT_EQ(dut.robots.size(), 4U);
+  EXPECT_EQ(dut.tracks.rows.size(), 4U * 9000U);
+  EXPECT_EQ(dut.tracks.rows.front().segment, dut.tracks.rows[400].segment);
+  EXPECT_GE(dut.tracks.rows.front().segment, 0);
+}
+
+TEST(PoseRun, DisagreesWithAnotherLaw) {
+  PoseProgram other = abp();
+  other.set.back() = "eta_rad_s=4";
+
+  const RunRecord dut = poseRun(film(4, 300), "film", other);
+
+  EXPECT_EQ(dut.results.front().result.verdict.kind, analysis::VerdictKind::kDisagrees);
+}
+
+TEST(PoseRun, HasCurvesWithoutALaw) {
+  const RunRecord dut = poseRun(film(2, 60), "film", {});
+
+  const analysis::ProgramResult& pool = dut.results.front().result;
+  ASSERT_FALSE(pool.curves.msd.empty());
+  EXPECT_NEAR(pool.curves.msd.front().value, kSpeed * kSpeed * kPeriod * kPeriod,
+              10 * kNoise * kNoise);
+  EXPECT_TRUE(std::isnan(pool.curves.msd.front().exact));
+  EXPECT_GT(pool.curves.msd.front().sigma, 0);
+  EXPECT_EQ(pool.verdict.judged, 0);
+  EXPECT_EQ(verdictText(pool), "no law to compare with");
+  EXPECT_NEAR(estimateOf(dut, "v").value, kSpeed, 1e-5);
+}
+
+TEST(PoseRun, ComparesTheMsdAloneWhereThereAreNoHeadings) {
+  const RunRecord dut = poseRun(film(4, 300, false), "film", abp());
+
+  const analysis::ProgramResult& pool = dut.results.front().result;
+  EXPECT_EQ(pool.verdict.kind, analysis::VerdictKind::kAgrees);
+  for (const analysis::CurvePoint& point : pool.curves.angular_msd) EXPECT_EQ(point.windows, 0);
+  EXPECT_TRUE(std::isnan(estimateOf(dut, "D_r").value));
+  EXPECT_TRUE(std::isnan(estimateOf(dut, "v").value));
+}
+
+TEST(PoseRun, LeavesTheTumblesOpen) {
+  const RunRecord dut =
+      poseRun(film(2, 60), "film", {"rtp", {"v_cm_s=3", "gamma_per_s=1", "tau_t_s=0.5"}});
+
+  EXPECT_TRUE(std::isnan(estimateOf(dut, "gamma").value));
+  EXPECT_THAT(estimateOf(dut, "gamma").note, HasSubstr("only the robots report"));
+}
+
+TEST(PoseRun, CutsWhereRobotsTouch) {
+  PoseFile poses = film(2, 10);
+  for (analysis::Frame& frame : poses.frames) {
+    if (frame.time < 4 || frame.time > 5) continue;
+    frame.poses[1].x = frame.poses[0].x + 0.075;
+    frame.poses[1].y = frame.poses[0].y;
+  }
+
+  const RunRecord dut = poseRun(poses, "film", abp());
+
+  EXPECT_GT(dut.results.front().result.contact_share, 0.09);
+  EXPECT_EQ(dut.tracks.rows[2 * 135].segment, -1);
+  EXPECT_NE(dut.tracks.rows[2 * 100].segment, dut.tracks.rows[2 * 200].segment);
+}
+
+TEST(PoseRun, CutsAtAJumpThatNoWheelMakes) {
+  PoseFile poses = film(1, 20);
+  for (analysis::Frame& frame : poses.frames) {
+    if (frame.time > 10) frame.poses[0].x += 0.5;
+  }
+
+  const RunRecord dut = poseRun(poses, "film", abp());
+
+  EXPECT_EQ(dut.results.front().result.segments, 2);
+}
+
+TEST(PoseRun, BridgesFramesThatAreMissing) {
+  PoseFile poses = film(1, 20);
+  std::erase_if(poses.frames, [](const analysis::Frame& frame) { return frame.frame % 10 == 5; });
+
+  const RunRecord dut = poseRun(poses, "film", abp());
+
+  EXPECT_EQ(dut.results.front().result.segments, 1);
+}
+
+TEST(PoseRun, RefusesAProgramThatIsNone) {
+  EXPECT_THROW((void)poseRun(film(1, 1), "film", {"abb", {}}), ExperimentError);
+  EXPECT_THROW((void)poseRun(film(1, 1), "film", {"abp", {"v_cm_s=3"}}), ExperimentError);
+  EXPECT_THROW((void)poseRun(film(1, 1), "film", {"", {"v_cm_s=3"}}), ExperimentError);
+}
+
+TEST(AnalyzePoses, WritesSummaryFiguresAndReport) {
+  const TemporaryFolder folder;
+  {
+    std::ofstream file(folder.path() / "poses.csv");
+    file << "frame,particle,x,y,theta,t\n";
+    for (const analysis::Frame& frame : film(2, 60).frames) {
+      for (const analysis::FramePose& pose : frame.poses) {
+        file << frame.frame << ',' << pose.robot << ',' << pose.x * 100 << ',' << pose.y * 100
+             << ',' << pose.theta << ',' << frame.time << '\n';
+      }
+    }
+  }
+
+  const AnalyzedRun dut = analyzePoses(folder.path() / "poses.csv", folder.path() / "out",
+                                       {.scale = 0.01, .fps = {}}, abp());
+
+  const std::string page = readFile(dut.report);
+  EXPECT_THAT(page, HasSubstr("from poses alone"));
+  EXPECT_THAT(page, testing::Not(HasSubstr("cut short")));
+  EXPECT_THAT(readFile(folder.path() / "out" / "summary.json"), HasSubstr("\"poses\""));
+  EXPECT_THAT(readFile(folder.path() / "out" / "msd_abp.svg"), HasSubstr("<svg"));
+  ASSERT_FALSE(dut.headline.empty());
+  EXPECT_THAT(dut.headline.front(), HasSubstr("abp: "));
+}
+
+}  // namespace
+}  // namespace lab::report
