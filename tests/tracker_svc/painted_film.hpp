@@ -1,0 +1,67 @@
+/// A small film of robots that drive circles, painted as a camera would see it.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <vector>
+
+#include "optics/simulated_camera.hpp"
+#include "sim_svc/camera_painter.hpp"
+
+namespace lab::tracker {
+
+class PaintedFilm {
+ public:
+  static constexpr int kWidth = 640;
+  static constexpr int kHeight = 480;
+  static constexpr double kFps = 30;
+
+  PaintedFilm() : painter_(settings()) {
+    light::Layer light;
+    light.intensity = 0.8;
+    painter_.setLight({{light}, {}, 1});
+  }
+
+  static sim::PainterSettings settings() {
+    sim::PainterSettings settings;
+    settings.camera = optics::simulatedCamera(kWidth, kHeight, 1.2, 0.9);
+    return settings;
+  }
+
+  /// Three robots on circles of 8 cm at 10 cm/s, far from each other.
+  [[nodiscard]] static std::vector<sim::PaintedRobot> robotsAt(double time) {
+    constexpr double kRadius = 0.08;
+    constexpr double kSpeed = 0.10;
+    std::vector<sim::PaintedRobot> robots;
+    for (int i = 0; i < 3; ++i) {
+      const double angle = kSpeed / kRadius * time + i;
+      const double heading = angle + std::numbers::pi / 2;
+      robots.push_back({0.25 + 0.35 * i + kRadius * std::cos(angle),
+                        0.3 + 0.15 * i + kRadius * std::sin(angle),
+                        std::remainder(heading, 2 * std::numbers::pi), kSpeed * std::cos(heading),
+                        kSpeed * std::sin(heading), kSpeed / kRadius});
+    }
+    return robots;
+  }
+
+  [[nodiscard]] optics::GreyImage paint(const std::vector<sim::PaintedRobot>& robots,
+                                        std::int64_t number) {
+    optics::GreyImage picture(kWidth, kHeight);
+    painter_.paint(robots, number, picture.pixels);
+    return picture;
+  }
+
+  [[nodiscard]] optics::GreyImage frame(std::int64_t number) {
+    return paint(robotsAt(timeOf(number)), number);
+  }
+
+  [[nodiscard]] static double timeOf(std::int64_t number) {
+    return static_cast<double>(number) / kFps;
+  }
+
+ private:
+  sim::CameraPainter painter_;
+};
+
+}  // namespace lab::tracker

@@ -1,0 +1,20 @@
+/// Is there a cap, and not two discs on the bare floor? The rim tells: around a cap there is a dark
+/// line, the gap to the body's edge, or the body's dark side, or its shadow.
+#pragma once
+
+#include "optics/cap.hpp"
+#include "optics/image.hpp"
+#include "optics/imaging.hpp"
+#include "tracker_svc/scale_map.hpp"
+
+namespace lab::tracker {
+
+/// Median over the directions of the contrast (inside - rim) / (inside + rim) at the rim of a cap
+/// with its axis at `middle`; about 0 on bare floor, 0.15 and more around a cap whatever the light.
+/// A light edge touches few directions, so the median does not see it. 0 where less than half of the
+/// rim lies in the picture.
+[[nodiscard]] float rimContrast(const optics::GreyView& picture, optics::Pixel middle,
+                                const LocalScale& scale, const optics::CapGeometry& cap,
+                                const optics::Imaging& imaging);
+
+}  // namespace lab::tracker

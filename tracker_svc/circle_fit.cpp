@@ -1,0 +1,160 @@
+#include "tracker_svc/circle_fit.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tracker_svc/circle_fit_edge.hpp"
+#include "tracker_svc/circle_fit_plain.hpp"
+#include "tracker_svc/circle_fit_sectors.hpp"
+
+namespace lab::tracker {
+namespace {
+
+using fit::GridPoint;
+using fit::Outcome;
+using fit::Task;
+using fit::Window;
+
+constexpr double kMostWay = 0.5;       // [radius] from the start
+constexpr double kMostError = 0.08;    // [radius] standard error of the centre, by x or y
+constexpr float kMostRatio = 0.2F;     // [1] dark / white: black paint on white has 0.08
+constexpr float kMostScale = 0.15F;    // [1]
+constexpr float kMostMisfit = 0.03F;   // [1] residuals that noise cannot explain over the white level
+constexpr float kLeastBelieved = 0.6F; // [1] share of the pixels that are of the model
+constexpr double kDoubtful = 0.02;      // [radius] standard error of the centre: looked at closely
+constexpr float kOddCorrelation = 0.25F;  // of residuals: something is there that is not in the model
+constexpr float kOddBelieved = 0.8F;
+constexpr float kOddScale = 0.06F;
+constexpr float kEdgePays = 0.7F;      // [1] of the cost must be left with a light edge in the model
+constexpr float kBlurOff = 1.3F;       // [1] blur beyond the one expected: looked at anew
+constexpr float kBlurStep = 0.25F;     // [px]
+
+FitFault faultOf(const Outcome& o, const fit::Constants& constants) {
+  if (!o.good) return FitFault::kDiverged;
+  const double radius = static_cast<double>(constants.radius);
+  const float noise = std::max(1.0F, o.noise);
+  if (o.covariance[0] + o.covariance[2] > 2 * kMostError * kMostError * radius * radius) {
+    return FitFault::kLowContrast;
+  }
+  // The black level may be off by a step, which counts where there is little light.
+  const float doubt = 3 * noise * o.ratio_error + 1 / o.white;
+  if (o.ratio - doubt > kMostRatio) return FitFault::kNotDark;
+  if (std::abs(o.scale - 1) > kMostScale || o.believed < kLeastBelieved) {
+    return FitFault::kNotRound;
+  }
+  // Noise is not shared by neighbouring pixels; what is shared is another shape.
+  const float by_chance = 3 / std::sqrt(static_cast<float>(std::max(1, o.pixels)));
+  const float expected =
+      std::sqrt(constants.floor_variance + constants.shot_gain * 0.5F * o.white);
+  const float misfit =
+      std::sqrt(std::max(0.0F, o.correlation - by_chance)) * o.noise * expected;
+  return misfit > kMostMisfit * o.white ? FitFault::kNotRound : FitFault::kNone;
+}
+
+// Out of focus: a wider band, from a blur that does not depend on how the first one was found.
+std::optional<Task> widerFor(const Task& task, const Outcome& outcome) {
+  if (!outcome.good || outcome.sigma < kBlurOff * task.sigma) return std::nullopt;
+  Task wide = task;
+  wide.setSigma(kBlurStep * std::round(outcome.sigma / kBlurStep));
+  return wide;
+}
+
+bool isOdd(const Outcome& o) {
+  return !o.good || o.correlation > kOddCorrelation || o.believed < kOddBelieved ||
+         std::abs(o.scale - 1) > kOddScale;
+}
+
+Outcome plainFrom(const Task& task, GridPoint start, Window& window,
+                  std::optional<GridPoint>& point) {
+  fit::Disc disc;
+  point = fit::settlePlain(task, start, window, disc);
+  if (!point) return {};
+  const Outcome out = fit::fitPlain(task, window, disc);
+  const std::optional<Task> wide = widerFor(task, out);
+  if (!wide) return out;
+  const std::optional<GridPoint> again =
+      fit::settlePlain(*wide, fit::nearest({out.x, out.y}), window, disc);
+  if (!again) return out;
+  const Outcome better = fit::fitPlain(*wide, window, disc);
+  if (!better.good) return out;
+  point = again;
+  return better;
+}
+
+Outcome litFrom(const Task& task, GridPoint start, Window& window) {
+  Outcome out;
+  fit::settleLit(task, start, window, out);
+  const std::optional<Task> wide = widerFor(task, out);
+  if (!wide) return out;
+  Outcome better;
+  fit::settleLit(*wide, fit::nearest({out.x, out.y}), window, better);
+  if (better.good && better.cost * static_cast<float>(out.pixels) <
+                         out.cost * static_cast<float>(better.pixels)) {
+    return better;
+  }
+  fit::settleLit(task, start, window, out);  // the window and its light once more
+  return out;
+}
+
+}  // namespace
+
+float DiscShape::radius() const {
+  return 1.0F / std::sqrt(std::abs(m[0] * m[3] - m[1] * m[2]));
+}
+
+CircleFit fitCircle(const optics::GreyView& picture, optics::Pixel start, const DiscShape& shape,
+                    const optics::Imaging& imaging) {
+  CircleFit out;
+  out.x = start.x;
+  out.y = start.y;
+  const Task task(picture, shape, imaging);
+  const double radius = static_cast<double>(task.constants.radius);
+  if (!picture.contains(start.x, start.y, 0.5 * radius)) {
+    out.fault = FitFault::kOutside;
+    return out;
+  }
+  Window window;
+  std::optional<GridPoint> point;
+  Outcome best = plainFrom(task, fit::nearest(start), window, point);
+  const bool odd = isOdd(best);
+  if (odd) {
+    const Outcome lit = litFrom(task, point.value_or(fit::nearest(start)), window);
+    if (lit.good && (!best.good || lit.cost * static_cast<float>(best.pixels) <
+                                      kEdgePays * best.cost * static_cast<float>(lit.pixels))) {
+      best = lit;
+      out.edge = true;
+    } else {
+      best = plainFrom(task, fit::nearest(start), window, point);  // for what it leaves in the window
+    }
+  }
+  out.fault = faultOf(best, task.constants);
+  if (!best.good) return out;
+  const bool doubtful =
+      best.covariance[0] + best.covariance[2] > 2 * kDoubtful * kDoubtful * radius * radius;
+  if (out.fault == FitFault::kNone && (odd || doubtful)) {
+    fit::Disc disc;
+    disc.x = static_cast<float>(best.x - window.base_x);
+    disc.y = static_cast<float>(best.y - window.base_y);
+    disc.scale = best.scale;
+    disc.sigma = best.sigma;
+    if (!fit::darkAllAround(window, task.constants, disc, std::max(1.0F, best.noise))) {
+      out.fault = FitFault::kNotRound;
+    }
+  }
+  const double way_x = best.x - start.x;
+  const double way_y = best.y - start.y;
+  const double most = kMostWay * radius;
+  if (way_x * way_x + way_y * way_y > most * most) {
+    out.fault = FitFault::kDiverged;
+  }
+  out.x = best.x;
+  out.y = best.y;
+  out.covariance = best.covariance;
+  out.white = best.white;
+  out.ratio = best.ratio;
+  out.scale = best.scale;
+  out.residual = best.noise;
+  return out;
+}
+
+}  // namespace lab::tracker

@@ -1,0 +1,49 @@
+/// The centre of one black circle on a white cap, to a hundredth of a pixel.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "optics/image.hpp"
+#include "optics/imaging.hpp"
+
+namespace lab::tracker {
+
+/// The outline that a circle has in the picture: an ellipse around its centre. A pixel at offset
+/// (dx, dy) from the centre lies inside where |M (dx, dy)| < 1.
+struct DiscShape {
+  float m[4] = {1, 0, 0, 1};  ///< M, row by row [1/px]
+
+  /// Geometric mean of the half axes [px].
+  [[nodiscard]] float radius() const;
+};
+
+/// Why a fit was not accepted.
+enum class FitFault : std::uint8_t {
+  kNone,
+  kOutside,      ///< too near to the edge of the picture
+  kLowContrast,  ///< not dark enough inside for the noise around
+  kNotDark,      ///< inside is not the share of outside that black paint has
+  kNotRound,     ///< the residuals say that this is something else
+  kDiverged,     ///< the fit ran away from where it began
+};
+
+struct CircleFit {
+  FitFault fault = FitFault::kNone;
+  double x = 0;  ///< [px] centre
+  double y = 0;
+  std::array<double, 3> covariance{};  ///< [px^2] xx, xy, yy, with the floor from the residuals
+  float white = 0;     ///< [DN] of the cap at the centre
+  float ratio = 0;     ///< [1] dark / white, black level taken off: about 0.08 at any light
+  float residual = 0;  ///< [1] root mean square of the residuals over the expected noise
+  float scale = 1;     ///< [1] fitted radius over the expected one
+  bool edge = false;   ///< a light edge crosses the circle and was fitted with it
+};
+
+/// Fits position, radius scale, dark level and a tilted white plane under the given outline, blurred;
+/// where the residuals ask for it, a straight light edge as well. Starts at `start`; a start within a
+/// quarter of the radius of the centre leads to the same centre, whatever the start.
+[[nodiscard]] CircleFit fitCircle(const optics::GreyView& picture, optics::Pixel start,
+                                  const DiscShape& shape, const optics::Imaging& imaging);
+
+}  // namespace lab::tracker

@@ -1,0 +1,188 @@
+#include "tracker_svc/circle_fit_edge.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tracker_svc/circle_fit_edge_model.hpp"
+#include "tracker_svc/circle_fit_solve.hpp"
+#include "tracker_svc/circle_fit_split.hpp"
+
+namespace lab::tracker::fit {
+namespace {
+
+constexpr int kPasses = 8;
+constexpr int kTrusting = 2;  // passes until residuals may count for less: a guess may be a side off
+constexpr double kDoubt = 0.03;   // [px] as in the plain fit
+constexpr double kFloor = 0.0045; // [px] as in the plain fit, with light edges that are not quite straight
+constexpr float kClean = 0.25F;   // [1] correlation of residuals below which one line is enough
+constexpr float kFits = 0.82F;    // [1] and the share of pixels that are of the model
+constexpr float kBetter = 0.9F;   // [1] of the cost, for three more unknowns
+
+template <std::size_t kLines>
+void know(Sums<litUnknowns(kLines)>& sums, std::size_t i, float off, float spread) {
+  const double weight = 1.0 / (static_cast<double>(spread) * static_cast<double>(spread));
+  sums.normal[i * (i + 1) / 2 + i] += weight;
+  sums.right[i] += weight * static_cast<double>(off);
+}
+
+void turn(Line& line, float by) {
+  const float nx = line.nx - by * line.ny;
+  const float ny = line.ny + by * line.nx;
+  const float length = std::sqrt(nx * nx + ny * ny);
+  line.nx = nx / length;
+  line.ny = ny / length;
+}
+
+std::size_t brightest(const LitDisc& lit, std::size_t levels) {
+  return static_cast<std::size_t>(
+      std::max_element(lit.level.begin(), lit.level.begin() + static_cast<std::ptrdiff_t>(levels)) -
+      lit.level.begin());
+}
+
+struct LitFit {
+  Outcome outcome;
+  LitDisc lit;
+};
+
+template <std::size_t kLines>
+LitFit fitLines(const Task& task, Window& window, const LitDisc& from) {
+  constexpr std::size_t kCount = litUnknowns(kLines);
+  constexpr std::size_t kLevels = levelsOf(kLines);
+  LitFit out;
+  out.lit = from;
+  LitDisc& lit = out.lit;
+  const Constants& constants = task.constants;
+  const float sigma = task.sigma;
+  const float most_step = 0.25F * constants.radius;
+  float cutoff = kNoCutoff;
+  for (int pass = 0; pass < kPasses; ++pass) {
+    Sums<kCount> sums;
+    sumLitDisc<kLines>(window, constants, lit, cutoff, sums);
+    const float white = std::max(1.0F, lit.level[brightest(lit, kLevels)]);
+    know<kLines>(sums, kLitSlopeX, -lit.disc.slope_x, 0.005F * white);
+    know<kLines>(sums, kLitSlopeY, -lit.disc.slope_y, 0.005F * white);
+    know<kLines>(sums, kLitScale, 1 - lit.disc.scale, 0.03F);
+    know<kLines>(sums, kLitRatio, 0.08F - lit.disc.ratio, 0.05F);
+    know<kLines>(sums, kLitSigma, sigma - lit.disc.sigma, 0.25F * sigma);
+    for (std::size_t i = 0; i < kLevels; ++i) {
+      know<kLines>(sums, kLitLevel + i, 0.5F * white - lit.level[i], 2 * white);
+    }
+    for (std::size_t i = 0; i < kLines; ++i) {
+      know<kLines>(sums, kLitLevel + kLevels + 2 * i, 0, 0.5F);
+      know<kLines>(sums, kLitLevel + kLevels + 2 * i + 1, 0, 2.0F);
+    }
+    know<kLines>(sums, kLitLevel + kLevels + 2 * kLines, 1.2F * sigma - lit.edge_sigma,
+                 0.3F * sigma);
+    if constexpr (kLines == 1) know<kLines>(sums, kCount - 1, -lit.bend, 0.02F);
+    const Factor<kCount> factor(sums.normal);
+    if (!factor.good()) return out;
+    const auto by = factor.solve(sums.right);
+    double left = sums.squares;
+    for (std::size_t i = 0; i < kCount; ++i) left -= by[i] * sums.right[i];
+    const bool robust = pass > kTrusting;
+    const float noise = noiseOver(
+        left, (robust ? sums.counts.weight : sums.counts.pixels) - static_cast<double>(kCount), robust);
+    if (pass >= kTrusting) cutoff = kCutoff * std::max(1.0F, noise);
+
+    const auto step = [&](std::size_t i, float most) {
+      return std::clamp(static_cast<float>(by[i]), -most, most);
+    };
+    lit.disc.x += step(kLitX, most_step);
+    lit.disc.y += step(kLitY, most_step);
+    lit.disc.slope_x += step(kLitSlopeX, white);
+    lit.disc.slope_y += step(kLitSlopeY, white);
+    lit.disc.scale = std::clamp(lit.disc.scale + step(kLitScale, 0.1F), 0.7F, 1.4F);
+    lit.disc.ratio = std::clamp(lit.disc.ratio + step(kLitRatio, 0.1F), -0.2F, 0.9F);
+    lit.disc.sigma =
+        std::clamp(lit.disc.sigma + step(kLitSigma, 0.3F * sigma), 0.5F * sigma, 2 * sigma);
+    for (std::size_t i = 0; i < kLevels; ++i) lit.level[i] += step(kLitLevel + i, white);
+    for (std::size_t i = 0; i < kLines; ++i) {
+      turn(lit.line[i], step(kLitLevel + kLevels + 2 * i, 0.3F));
+      lit.line[i].offset += step(kLitLevel + kLevels + 2 * i + 1, most_step);
+    }
+    lit.edge_sigma = std::clamp(
+        lit.edge_sigma + step(kLitLevel + kLevels + 2 * kLines, 0.3F * sigma), 0.8F * sigma,
+        3 * sigma);
+    if constexpr (kLines == 1) {
+      lit.bend = std::clamp(lit.bend + step(kCount - 1, 0.03F), -0.1F, 0.1F);
+    }
+    if (pass == kPasses - 1) {
+      Outcome& o = out.outcome;
+      const auto cx = factor.inverseColumn(kLitX);
+      const auto cy = factor.inverseColumn(kLitY);
+      const double size = static_cast<double>(noise * noise);
+      o.covariance = {size * cx[kLitX] + kFloor * kFloor, size * cx[kLitY],
+                      size * cy[kLitY] + kFloor * kFloor};
+      o.ratio_error = static_cast<float>(std::sqrt(factor.inverseColumn(kLitRatio)[kLitRatio]));
+      o.x = window.base_x + static_cast<double>(lit.disc.x);
+      o.y = window.base_y + static_cast<double>(lit.disc.y);
+      o.white = lit.level[brightest(lit, kLevels)];
+      o.ratio = lit.disc.ratio;
+      o.scale = lit.disc.scale;
+      o.sigma = lit.disc.sigma;
+      o.noise = noise;
+      o.cost = static_cast<float>(sums.counts.cost);
+      o.pixels = static_cast<int>(sums.counts.pixels);
+      o.believed = static_cast<float>(sums.counts.weight / std::max(1.0, sums.counts.pixels));
+      o.correlation = static_cast<float>(correlation(window));
+      o.good = std::isfinite(o.x) && std::isfinite(o.y);
+    }
+  }
+  return out;
+}
+
+LitDisc litFrom(const Disc& disc, const Split& split, float sigma) {
+  LitDisc lit;
+  lit.disc = disc;
+  lit.disc.slope_x = 0;
+  lit.disc.slope_y = 0;
+  lit.disc.scale = 1;
+  lit.disc.ratio = 0.08F;
+  lit.disc.sigma = sigma;
+  lit.level = split.level;
+  lit.line = split.line;
+  lit.edge_sigma = 1.2F * sigma;
+  return lit;
+}
+
+Outcome fitLit(const Task& task, Window& window, const Disc& rough) {
+  const Surroundings around(window, task.constants, rough);
+  LitFit best;
+  if (const Split split = around.oneLine(); split.good) {
+    best = fitLines<1>(task, window, litFrom(rough, split, task.sigma));
+    const Outcome& one = best.outcome;
+    if (one.good && one.correlation < kClean && one.believed > kFits) return one;
+  }
+  const Disc better = best.outcome.good ? best.lit.disc : rough;
+  const TwoLines lines = around.twoLines();
+  for (const Split& split : {lines.parallel, lines.crossing}) {
+    if (!split.good) continue;
+    const LitFit two = fitLines<2>(task, window, litFrom(better, split, task.sigma));
+    if (!two.outcome.good) continue;
+    if (!best.outcome.good || two.outcome.cost < kBetter * best.outcome.cost) best = two;
+  }
+  return best.outcome;
+}
+
+}  // namespace
+
+std::optional<GridPoint> settleLit(const Task& task, GridPoint start, Window& window,
+                                   Outcome& outcome) {
+  GridPoint last;
+  const auto estimate = [&](GridPoint point) -> std::optional<optics::Pixel> {
+    const optics::Pixel at = point.pixel();
+    outcome = {};
+    if (!gather(*task.picture, at.x, at.y, *task.shape, task.margin, window)) return std::nullopt;
+    Disc rough;
+    rough.sigma = task.sigma;
+    outcome = fitLit(task, window, rough);
+    if (!outcome.good) return std::nullopt;
+    last = point;
+    return optics::Pixel{outcome.x, outcome.y};
+  };
+  const std::optional<GridPoint> chosen = settle(start, kDoubt, estimate);
+  if (chosen && !(last == *chosen)) static_cast<void>(estimate(*chosen));
+  return chosen;
+}
+
+}  // namespace lab::tracker::fit

@@ -1,0 +1,132 @@
+#include "tracker_svc/circle_fit_edge_model.hpp"
+
+#include <cmath>
+
+#include "tracker_svc/circle_fit_lanes.hpp"
+
+namespace lab::tracker::fit {
+namespace {
+
+struct Side {
+  Lanes share;   // 0 behind the line, 1 beyond
+  Lanes rise;    // d share / d distance [1/px]
+  Lanes along;   // [px]
+  Lanes z;
+};
+
+LAB_INLINE void sideOf(const Line& line, float bend, float edge_sigma, const Lanes& x,
+                       const Lanes& y, Side& side) {
+  const float nx = line.nx;
+  const float ny = line.ny;
+  side.along = nx * y - ny * x;
+  const Lanes distance =
+      nx * x + ny * y - line.offset + side.along * side.along * (0.5F * bend);
+  side.z = distance / edge_sigma;
+  Lanes slope;
+  edgeProfile(side.z, side.share, slope);
+  side.rise = slope / edge_sigma;
+}
+
+template <std::size_t kLines>
+LAB_INLINE void sumAll(Window& window, const Constants& constants, const LitDisc& lit,
+                       float cutoff, Sums<litUnknowns(kLines)>& sums) {
+  constexpr std::size_t kCount = litUnknowns(kLines);
+  constexpr std::size_t kLevels = levelsOf(kLines);
+  const Disc& disc = lit.disc;
+  const float over_sigma = 1.0F / disc.sigma;
+  const float over_cutoff = 1.0F / (cutoff * cutoff);
+  const float contrast = 1.0F - disc.ratio;
+  const float outline = constants.radius * disc.scale;
+  const float* rm = constants.rm;
+  LaneSums<kCount> lanes;
+  LaneCounts counts;
+  for (int at = 0; at < window.count; at += kLanes) {
+    const Lanes x = loadLanes(window.x + at);
+    const Lanes y = loadLanes(window.y + at);
+    const Lanes value = loadLanes(window.value + at);
+    Paint paint;
+    paintAt(x, y, disc, rm, outline, over_sigma, paint);
+
+    Side side[kLines];
+    for (std::size_t i = 0; i < kLines; ++i) {
+      sideOf(lit.line[i], kLines == 1 ? lit.bend : 0.0F, lit.edge_sigma, x, y, side[i]);
+    }
+    Lanes basis[kLevels];
+    Lanes jump[kLines];  // d W / d share of each line
+    if constexpr (kLines == 1) {
+      basis[0] = 1.0F - side[0].share;
+      basis[1] = side[0].share;
+      jump[0] = Lanes{} + (lit.level[1] - lit.level[0]);
+    } else {
+      const Lanes& a = side[0].share;
+      const Lanes& b = side[1].share;
+      basis[0] = (1.0F - a) * (1.0F - b);
+      basis[1] = a * (1.0F - b);
+      basis[2] = (1.0F - a) * b;
+      basis[3] = a * b;
+      jump[0] = (lit.level[1] - lit.level[0]) * (1.0F - b) + (lit.level[3] - lit.level[2]) * b;
+      jump[1] = (lit.level[2] - lit.level[0]) * (1.0F - a) + (lit.level[3] - lit.level[1]) * a;
+    }
+    Lanes white = disc.slope_x * x + disc.slope_y * y;
+    for (std::size_t i = 0; i < kLevels; ++i) white += lit.level[i] * basis[i];
+
+    const Lanes lightness = disc.ratio + contrast * paint.share;
+    const Lanes outward = paint.slope * over_sigma * paint.over_distance * contrast;
+    const Lanes paint_x = outward * paint.out_x;
+    const Lanes paint_y = outward * paint.out_y;
+    Lanes crossing = {};
+    for (std::size_t i = 0; i < kLines; ++i) {
+      crossing += jump[i] * side[i].rise * (lit.line[i].nx * paint_x + lit.line[i].ny * paint_y);
+    }
+    const Lanes signal = white * lightness + crossing * (disc.sigma * disc.sigma);
+    Lanes residual;
+    Lanes weight;
+    weigh(value, signal, constants, over_cutoff, counts, residual, weight);
+
+    const Lanes rise = white * paint.slope * (contrast * over_sigma);
+    Lanes slopes[kCount];
+    slopes[kLitX] = -white * paint_x;
+    slopes[kLitY] = -white * paint_y;
+    slopes[kLitSlopeX] = lightness * x;
+    slopes[kLitSlopeY] = lightness * y;
+    slopes[kLitScale] = rise * (-constants.radius);
+    slopes[kLitRatio] = white * (1.0F - paint.share);
+    slopes[kLitSigma] = rise * (disc.sigma * paint.over_distance - paint.z);
+    for (std::size_t i = 0; i < kLevels; ++i) slopes[kLitLevel + i] = lightness * basis[i];
+    Lanes softness = {};
+    for (std::size_t i = 0; i < kLines; ++i) {
+      const Lanes moved = lightness * jump[i] * side[i].rise;
+      slopes[kLitLevel + kLevels + 2 * i] = moved * side[i].along;
+      slopes[kLitLevel + kLevels + 2 * i + 1] = -moved;
+      softness -= moved * side[i].z;
+    }
+    slopes[kLitLevel + kLevels + 2 * kLines] = softness;
+    if constexpr (kLines == 1) {
+      slopes[kCount - 1] = lightness * jump[0] * side[0].rise * side[0].along * side[0].along * 0.5F;
+    }
+    lanes.add(slopes, residual, weight);
+    storeLanes(window.residual + at, residual * weight);
+    storeLanes(window.light + at, white);
+  }
+  lanes.writeTo(sums);
+  counts.writeTo(sums.counts);
+  sums.counts.cost = total(counts.cost);
+}
+
+}  // namespace
+
+template <>
+__attribute__((target_clones("avx2", "default")))
+void sumLitDisc<1>(Window& window, const Constants& constants, const LitDisc& disc,
+                   float cutoff, Sums<litUnknowns(1)>& sums) {
+  sumAll<1>(window, constants, disc, cutoff, sums);
+}
+
+template <>
+__attribute__((target_clones("avx2", "default")))
+void sumLitDisc<2>(Window& window, const Constants& constants, const LitDisc& disc,
+                   float cutoff, Sums<litUnknowns(2)>& sums) {
+  sumAll<2>(window, constants, disc, cutoff, sums);
+}
+
+}  // namespace lab::tracker::fit

@@ -1,0 +1,149 @@
+/// Arithmetic on eight lanes, for the sources of the circle fit only.
+#pragma once
+
+#include <cmath>
+
+#include "tracker_svc/circle_fit_model.hpp"
+
+#define LAB_INLINE __attribute__((always_inline)) inline
+#define LAB_INLINE_LAMBDA __attribute__((always_inline))
+
+namespace lab::tracker::fit {
+
+LAB_INLINE Lanes loadLanes(const float* from) {
+  Lanes lanes;
+  __builtin_memcpy(&lanes, from, sizeof lanes);
+  return lanes;
+}
+
+LAB_INLINE Lanes rootOf(const Lanes& v) {
+  Lanes out;
+  for (int lane = 0; lane < kLanes; ++lane) out[lane] = std::sqrt(v[lane]);
+  return out;
+}
+
+LAB_INLINE Lanes clamped(const Lanes& v, float low, float high) {
+  const Lanes lows = Lanes{} + low;
+  const Lanes highs = Lanes{} + high;
+  const Lanes above = v > lows ? v : lows;
+  return above < highs ? above : highs;
+}
+
+LAB_INLINE void storeLanes(float* to, const Lanes& lanes) {
+  __builtin_memcpy(to, &lanes, sizeof lanes);
+}
+
+/// Sum of the lanes, always in the same order.
+LAB_INLINE double total(const Lanes& v) {
+  const float a = (v[0] + v[4]) + (v[2] + v[6]);
+  const float b = (v[1] + v[5]) + (v[3] + v[7]);
+  return static_cast<double>(a + b);
+}
+
+/// Phi(z) and its slope: odd polynomial of degree 11 on [-3, 3], least squares, error 5e-5 (slope
+/// 2e-3); constant outside.
+LAB_INLINE void edgeProfile(const Lanes& z, Lanes& share, Lanes& slope) {
+  constexpr float kEnd = 3.0F;
+  constexpr float c[6] = {0.39874916F, -0.065853863F,  0.0093591116F,
+                          -0.00092187574F, 5.48147e-5F, -1.4486048e-6F};
+  const Lanes near = clamped(z, -kEnd, kEnd);
+  const Lanes q = near * near;
+  const Lanes odd = c[0] + q * (c[1] + q * (c[2] + q * (c[3] + q * (c[4] + q * c[5]))));
+  share = 0.5F + near * odd;
+  const Lanes even = c[0] + q * (3 * c[1] +
+                     q * (5 * c[2] + q * (7 * c[3] + q * (9 * c[4] + q * (11 * c[5])))));
+  slope = near == z ? even : Lanes{};
+}
+
+template <std::size_t kCount>
+struct LaneSums {
+  static constexpr std::size_t kPairs = kCount * (kCount + 1) / 2;
+  Lanes normal[kPairs] = {};
+  Lanes right[kCount] = {};
+  Lanes squares = {};
+
+  LAB_INLINE void add(const Lanes* slopes, const Lanes& residual, const Lanes& weights) {
+    std::size_t pair = 0;
+#pragma GCC unroll 16
+    for (std::size_t i = 0; i < kCount; ++i) {
+      const Lanes weighted = slopes[i] * weights;
+      right[i] += weighted * residual;
+#pragma GCC unroll 16
+      for (std::size_t j = 0; j <= i; ++j) normal[pair++] += weighted * slopes[j];
+    }
+    squares += weights * residual * residual;
+  }
+
+  LAB_INLINE void writeTo(Sums<kCount>& sums) const {
+    for (std::size_t i = 0; i < kPairs; ++i) sums.normal[i] = total(normal[i]);
+    for (std::size_t i = 0; i < kCount; ++i) sums.right[i] = total(right[i]);
+    sums.squares = total(squares);
+  }
+};
+
+/// What is counted at every pixel.
+struct LaneCounts {
+  Lanes weight = {};
+  Lanes pixels = {};
+  Lanes cost = {};
+  Lanes full = {};
+
+  LAB_INLINE void writeTo(Counts& counts) const {
+    counts.weight = total(weight);
+    counts.pixels = total(pixels);
+    counts.full = total(full);
+  }
+};
+
+/// The paint at some pixels.
+struct Paint {
+  Lanes share;          ///< 0 black, 1 white
+  Lanes slope;          ///< d share / d z
+  Lanes z;
+  Lanes over_distance;  ///< [1/px]
+  Lanes out_x, out_y;   ///< [px] over_distance times this is the gradient of the distance
+};
+
+LAB_INLINE void paintAt(const Lanes& x, const Lanes& y, const Disc& disc, const float* rm,
+                        float outline, float over_sigma, Paint& paint) {
+  const Lanes dx = x - disc.x;
+  const Lanes dy = y - disc.y;
+  const Lanes qx = rm[0] * dx + rm[1] * dy;
+  const Lanes qy = rm[2] * dx + rm[3] * dy;
+  const Lanes distance = rootOf(qx * qx + qy * qy + disc.sigma * disc.sigma);
+  paint.over_distance = 1.0F / distance;
+  paint.z = (distance - outline) * over_sigma;
+  edgeProfile(paint.z, paint.share, paint.slope);
+  paint.out_x = rm[0] * qx + rm[2] * qy;
+  paint.out_y = rm[1] * qx + rm[3] * qy;
+}
+
+constexpr float kFull = 253.0F;        // [DN] expected above: clipped, or nearly so
+constexpr float kNearlyFull = 240.0F;  // [DN] a clipped pixel never reads less, with noise
+
+/// Residuals, and weights: one over the expected variance, less for what cannot be of this model.
+LAB_INLINE void weigh(const Lanes& value, const Lanes& signal, const Constants& constants,
+                      float over_cutoff, LaneCounts& counts, Lanes& residual, Lanes& weight) {
+  const Lanes expected = signal + constants.black;
+  residual = value - expected;
+  const Lanes lit = signal > 0.0F ? signal : Lanes{};
+  const Lanes variance = constants.floor_variance +
+                         lit * (constants.shot_gain + lit * constants.texture);
+  // Where the model says that the pixel is full, or nearly so, it tells nothing; the model decides,
+  // and not the pixel, since picking by what is to be measured would shift the result.
+  const LaneMask some = value != kNoPixel;
+  const LaneMask full = some & (expected > kFull) & (value > kNearlyFull);
+  const Lanes used = some & ~full ? Lanes{} + 1.0F : Lanes{};
+  const Lanes certain = used / variance;
+  const Lanes square = residual * residual * certain;
+  const Lanes far = clamped(1.0F - square * over_cutoff, 0.0F, 1.0F);
+  const Lanes belief = far * far;
+  weight = certain * belief;
+  const Lanes limited = clamped(1.0F - square * (1.0F / (kLimit * kLimit)), 0.0F, 1.0F);
+  counts.cost += (1.0F - limited * limited * limited) * (kLimit * kLimit / 3.0F);
+  counts.full += full ? Lanes{} + 1.0F : Lanes{};
+  counts.weight += belief * used;
+  counts.pixels += used;
+}
+
+}  // namespace lab::tracker::fit

@@ -1,0 +1,244 @@
+#include "tracker_svc/circle_fit_plain.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tracker_svc/circle_fit_solve.hpp"
+
+namespace lab::tracker::fit {
+namespace {
+
+constexpr double kDoubt = 0.06;        // [px] rough estimates of neighbouring grid points differ by less
+constexpr float kMarginSigmas = 4.0F;  // outside the outline: wide, since the slopes of the light must
+                                       // be told from a shift of the circle
+constexpr float kRoughSigmas = 1.8F;   // the same for the rough step, which holes must not draw
+constexpr float kMostMargin = 0.8F;    // [radius]
+constexpr float kTexture = 0.006F * 0.006F;  // grain of paint and sensor, variance over signal^2
+
+constexpr double kFreedoms = kUnknowns;
+constexpr int kMostPasses = 6;
+constexpr double kSettled = 0.06;      // [px] a last step of the whole disc is shorter
+constexpr double kSettledBlur = 0.15;  // [1] and changes the blur by less
+// What the biweight with a cutoff of 5 deviations takes off the normal matrix.
+constexpr double kBelief = 1 / 0.925;
+constexpr double kSettledScale = 0.03;
+constexpr float kLeastNoise = 0.5F;
+
+// Beyond what the residuals show: paint that is not quite round, scuffs, grain that neighbouring
+// pixels share. Measured as what is left of the errors at full light.
+constexpr double kFloor = 0.0028;  // [px]
+// What the biweight (1.39 at a cutoff of 5 deviations) and the unknowns take off the scatter.
+constexpr double kScatterLoss = 1.5;
+
+// Weak knowledge that keeps a fit to something else, or to an overexposed circle, finite.
+constexpr double kScaleSpread = 0.1;
+constexpr double kRatioSpread = 0.15;
+constexpr float kUsualRatio = 0.08F;
+constexpr double kSlopeSpread = 0.02;  // [1/px] of the white level
+constexpr double kFullSlope = 50;      // [1] how much less where every pixel is full
+constexpr double kSigmaSpread = 0.5;   // [of sigma]
+
+struct Rough {
+  bool good = false;
+  Disc disc;
+};
+
+Rough roughAt(const Task& task, GridPoint point, Window& window) {
+  Rough out;
+  const optics::Pixel at = point.pixel();
+  if (!gather(*task.picture, at.x, at.y, *task.shape, kRoughSigmas * task.sigma, window)) {
+    return out;
+  }
+  Sums<4> sums;
+  sumLinear(window, task.constants, task.sigma, sums);
+  const Factor<4> factor(sums.normal);
+  if (!factor.good()) return out;
+  const auto u = factor.solve(sums.right);
+  const double contrast = u[2] - u[3];
+  if (!(contrast > 0.5)) return out;
+  // A step longer than this is not linear any more.
+  const double most = 0.3 * static_cast<double>(task.constants.radius);
+  const double length = std::sqrt(u[0] * u[0] + u[1] * u[1]) / contrast;
+  const double shortened = (length > most ? most / length : 1.0) / contrast;
+  out.disc.x = static_cast<float>(u[0] * shortened);
+  out.disc.y = static_cast<float>(u[1] * shortened);
+  out.disc.white = static_cast<float>(u[2]);
+  out.disc.ratio = static_cast<float>(std::clamp(u[3] / u[2], 0.0, 0.5));
+  out.disc.sigma = task.sigma;
+  out.good = true;
+  return out;
+}
+
+// What is known beforehand: unknown i is `off` from there, and known to `spread`.
+struct Known {
+  std::size_t i;
+  float off;
+  double spread;
+};
+
+// @param full share of the pixels that are full: they say that the light is even, as far as anybody
+//   can see
+std::array<Known, 5> knownOf(const Disc& disc, float sigma, double full) {
+  const double slope =
+      kSlopeSpread * std::max(1.0, static_cast<double>(disc.white)) / (1 + kFullSlope * full);
+  return {{{kSlopeX, -disc.slope_x, slope},
+           {kSlopeY, -disc.slope_y, slope},
+           {kScale, 1.0F - disc.scale, kScaleSpread},
+           {kRatio, kUsualRatio - disc.ratio, kRatioSpread},
+           {kSigma, sigma - disc.sigma, kSigmaSpread * static_cast<double>(sigma)}}};
+}
+
+void addKnown(Row& right, const std::array<Known, 5>& known) {
+  for (const Known& k : known) {
+    right[k.i] += static_cast<double>(k.off) / (k.spread * k.spread);
+  }
+}
+
+void step(Disc& disc, const Row& by, float sigma) {
+  disc.x += static_cast<float>(by[kX]);
+  disc.y += static_cast<float>(by[kY]);
+  disc.white += static_cast<float>(by[kWhite]);
+  disc.slope_x += static_cast<float>(by[kSlopeX]);
+  disc.slope_y += static_cast<float>(by[kSlopeY]);
+  disc.scale = std::clamp(disc.scale + static_cast<float>(by[kScale]), 0.6F, 1.5F);
+  disc.ratio = std::clamp(disc.ratio + static_cast<float>(by[kRatio]), -0.5F, 0.9F);
+  disc.sigma = std::clamp(disc.sigma + static_cast<float>(by[kSigma]), 0.4F * sigma, 3.0F * sigma);
+}
+
+}  // namespace
+
+Task::Task(const optics::GreyView& the_picture, const DiscShape& the_shape,
+           const optics::Imaging& imaging)
+    : picture(&the_picture), shape(&the_shape) {
+  constants.radius = the_shape.radius();
+  for (int i = 0; i < 4; ++i) constants.rm[i] = constants.radius * the_shape.m[i];
+  constants.black = static_cast<float>(imaging.black);
+  constants.floor_variance =
+      static_cast<float>(imaging.read_noise * imaging.read_noise + 1.0 / 12.0);
+  constants.shot_gain = static_cast<float>(imaging.shot_gain);
+  constants.texture = kTexture;
+  setSigma(static_cast<float>(std::sqrt(imaging.blur * imaging.blur + 1.0 / 12.0)));
+}
+
+void Task::setSigma(float the_sigma) {
+  sigma = the_sigma;
+  margin = std::max(2.0F * sigma, std::min(kMarginSigmas * sigma, kMostMargin * constants.radius));
+}
+
+float noiseOver(double squares, double freedom, bool robust) {
+  constexpr double kLeft = 0.848;  // of the variance, by a biweight with a cutoff of 5 deviations
+  const double variance = std::max(0.0, squares) / std::max(1.0, freedom);
+  return std::max(kLeastNoise, static_cast<float>(std::sqrt(robust ? variance / kLeft : variance)));
+}
+
+std::array<double, 3> covarianceOf(const std::array<double, 3>& expected,
+                                   const std::array<double, 3>& scatter) {
+  // The normal matrix holds if the noise is as expected; how the residuals pull the centre holds in
+  // any case, but is known from few pixels: so the shape of one and the size of the other.
+  const double size = kScatterLoss * 0.5 * (scatter[0] / expected[0] + scatter[2] / expected[2]);
+  return {size * expected[0] + kFloor * kFloor, size * expected[1],
+          size * expected[2] + kFloor * kFloor};
+}
+
+std::optional<GridPoint> settlePlain(const Task& task, GridPoint start, Window& window,
+                                     Disc& disc) {
+  GridPoint last;
+  const auto estimate = [&](GridPoint point) -> std::optional<optics::Pixel> {
+    const Rough rough = roughAt(task, point, window);
+    if (!rough.good) return std::nullopt;
+    last = point;
+    disc = rough.disc;
+    const optics::Pixel at = point.pixel();
+    return optics::Pixel{at.x + static_cast<double>(disc.x), at.y + static_cast<double>(disc.y)};
+  };
+  const std::optional<GridPoint> chosen = settle(start, kDoubt, estimate);
+  if (!chosen) return chosen;
+  if (!(last == *chosen)) static_cast<void>(estimate(*chosen));
+  const optics::Pixel at = chosen->pixel();
+  if (!gather(*task.picture, at.x, at.y, *task.shape, task.margin, window)) return std::nullopt;
+  return chosen;
+}
+
+Outcome fitPlain(const Task& task, Window& window, const Disc& rough) {
+  Outcome out;
+  Disc disc = rough;
+  float cutoff = kNoCutoff;
+  const auto cutoffAfter = [](double squares, const Row& by, const Row& right, double pixels,
+                              bool robust) {
+    // What the sum of squares will be after the step.
+    for (std::size_t i = 0; i < kUnknowns; ++i) squares -= by[i] * right[i];
+    return kCutoff * std::max(1.0F, noiseOver(squares, pixels - kFreedoms, robust));
+  };
+  // Whole steps until they are small: one, mostly.
+  std::optional<Factor<kBlock>> odd;
+  std::optional<Factor<kBlock>> even;
+  const auto solve = [&](const Row& right) {
+    const auto a = odd->solve({right[0], right[1], right[2], right[3]});
+    const auto b = even->solve({right[4], right[5], right[6], right[7]});
+    return Row{a[0], a[1], a[2], a[3], b[0], b[1], b[2], b[3]};
+  };
+  double full = 0;
+  for (int pass = 0; pass < kMostPasses; ++pass) {
+    Blocks blocks;
+    sumBlocks(window, task.constants, disc, cutoff, blocks);
+    Right& right = blocks.right;
+    full = right.counts.full / std::max(1.0, right.counts.pixels);
+    const auto known = knownOf(disc, task.sigma, full);
+    addKnown(right.right, known);
+    for (const Known& k : known) {
+      const std::size_t i = k.i % kBlock;
+      (k.i < kBlock ? blocks.odd : blocks.even)[i * (i + 1) / 2 + i] += 1 / (k.spread * k.spread);
+    }
+    odd.emplace(blocks.odd);
+    even.emplace(blocks.even);
+    if (!odd->good() || !even->good()) return out;
+    const Row by = solve(right.right);
+    cutoff = cutoffAfter(right.squares, by, right.right,
+                         pass > 0 ? right.counts.weight : right.counts.pixels, pass > 0);
+    step(disc, by, task.sigma);
+    // Full pixels move in and out of what is known while the white level is found.
+    if (by[kX] * by[kX] + by[kY] * by[kY] < kSettled * kSettled && right.counts.full < 0.5 &&
+        std::abs(by[kSigma]) < kSettledBlur * static_cast<double>(disc.sigma) &&
+        std::abs(by[kScale]) < kSettledScale) {
+      break;
+    }
+  }
+  // One more, robust, with the same matrix: its slopes have hardly changed.
+  Right right;
+  sumRight(window, task.constants, disc, cutoff, right);
+  addKnown(right.right, knownOf(disc, task.sigma, full));
+  Row by = solve(right.right);
+  for (double& b : by) b *= kBelief;
+  cutoff = cutoffAfter(right.squares, by, right.right, right.counts.weight, true);
+  step(disc, by, task.sigma);
+  // And one of the centre alone, which also says how well it is known.
+  BlockRow row_x = odd->inverseColumn(kX);
+  BlockRow row_y = odd->inverseColumn(kY);
+  for (double& r : row_x) r *= kBelief;
+  for (double& r : row_y) r *= kBelief;
+  LastStep last;
+  sumLast(window, task.constants, disc, cutoff, row_x, row_y, last);
+  disc.x += static_cast<float>(last.x);
+  disc.y += static_cast<float>(last.y);
+  // Light that rises by g across an edge blurred by sigma moves it by sigma^2 g / white: the blur of
+  // the product is not quite the product of the blurs.
+  const float white = disc.white + disc.slope_x * disc.x + disc.slope_y * disc.y;
+  const float moved = white > 0 ? disc.sigma * disc.sigma / white : 0.0F;
+  out.x = window.base_x + static_cast<double>(disc.x + moved * disc.slope_x);
+  out.y = window.base_y + static_cast<double>(disc.y + moved * disc.slope_y);
+  out.covariance = covarianceOf({row_x[kX], row_x[kY], row_y[kY]}, last.variance);
+  out.white = white;
+  out.ratio = disc.ratio;
+  out.scale = disc.scale;
+  out.sigma = disc.sigma;
+  out.noise = noiseOver(last.squares, last.counts.weight - kFreedoms, true);
+  out.believed = static_cast<float>(last.counts.weight / std::max(1.0, last.counts.pixels));
+  out.pixels = static_cast<int>(last.counts.pixels);
+  out.cost = static_cast<float>(last.counts.cost);
+  out.correlation = static_cast<float>(correlation(window));
+  out.ratio_error = static_cast<float>(std::sqrt(even->inverseColumn(kRatio - kBlock)[kRatio - kBlock]));
+  out.good = std::isfinite(out.x) && std::isfinite(out.y);
+  return out;
+}
+
+}  // namespace lab::tracker::fit

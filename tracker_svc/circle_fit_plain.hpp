@@ -1,0 +1,60 @@
+/// The fit in even light: a rough step on a grid, then the eight unknowns of Disc. Internal to the
+/// circle fit.
+#pragma once
+
+#include <array>
+
+#include "optics/imaging.hpp"
+#include "tracker_svc/circle_fit_grid.hpp"
+#include "tracker_svc/circle_fit_model.hpp"
+
+namespace lab::tracker::fit {
+
+/// One circle to be fitted.
+struct Task {
+  const optics::GreyView* picture = nullptr;
+  const DiscShape* shape = nullptr;
+  Constants constants;
+  float sigma = 1;   ///< [px] the whole blur, as far as known
+  float margin = 3;  ///< [px] outside the outline that is looked at
+
+  Task(const optics::GreyView& the_picture, const DiscShape& the_shape,
+       const optics::Imaging& imaging);
+  void setSigma(float the_sigma);
+};
+
+/// What a fit found, with or without light edges.
+struct Outcome {
+  bool good = false;
+  double x = 0;  ///< [px] in the picture
+  double y = 0;
+  std::array<double, 3> covariance{};  ///< [px^2] xx, xy, yy
+  float white = 0;                     ///< [DN] at the centre
+  float ratio = 0;
+  float scale = 1;
+  float sigma = 1;         ///< [px]
+  float noise = 1;         ///< residuals over the expected noise
+  float correlation = 0;   ///< of neighbouring residuals
+  float believed = 1;      ///< [1] share of the pixels
+  float cost = 0;          ///< Sums::cost
+  int pixels = 0;
+  float ratio_error = 0;   ///< [1] standard error
+};
+
+/// Deviation of the residuals over the expected noise. The biweight takes some off, which is put back.
+float noiseOver(double squares, double freedom, bool robust);
+constexpr float kCutoff = 5.0F;      ///< [expected deviations] farther off is not of the model
+constexpr float kNoCutoff = 1e3F;
+
+/// The centre's covariance: that of the expected noise, with the size that the residuals say, and the
+/// floor.
+std::array<double, 3> covarianceOf(const std::array<double, 3>& expected,
+                                   const std::array<double, 3>& scatter);
+
+/// Where the circle near `start` is, to a tenth of a pixel, as a point of the grid.
+std::optional<GridPoint> settlePlain(const Task& task, GridPoint start, Window& window, Disc& disc);
+
+/// The fit from there; `window` and `disc` as settlePlain() left them.
+Outcome fitPlain(const Task& task, Window& window, const Disc& rough);
+
+}  // namespace lab::tracker::fit

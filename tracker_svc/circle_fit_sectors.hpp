@@ -1,0 +1,15 @@
+/// A look at the pixels that no model can talk away: is it darker inside than outside, all around?
+/// Internal to the circle fit.
+#pragma once
+
+#include "tracker_svc/circle_fit_model.hpp"
+
+namespace lab::tracker::fit {
+
+/// Whether, in five of eight sectors, the pixels just inside the outline return much less of
+/// the light (window.light, of the last fit) than those just outside, and the middle is dark as well.
+/// @param disc uses its place, scale and blur only
+/// @param noise residuals over the expected noise
+bool darkAllAround(const Window& window, const Constants& constants, const Disc& disc, float noise);
+
+}  // namespace lab::tracker::fit

@@ -1,0 +1,43 @@
+/// Where the light on the white around a circle jumps: first guesses for the edge model. Internal to
+/// the circle fit.
+#pragma once
+
+#include <array>
+
+#include "tracker_svc/circle_fit_edge_model.hpp"
+
+namespace lab::tracker::fit {
+
+/// Borders between light and shade, and the light on their sides.
+struct Split {
+  bool good = false;
+  std::array<Line, 2> line{};
+  std::array<float, 4> level{};  ///< [DN] as in LitDisc
+};
+
+struct TwoLines {
+  Split parallel;  ///< two parallel lines: a stripe
+  Split crossing;  ///< two lines at a right angle: the corner of a checker
+};
+
+/// The pixels around a circle that are just white.
+class Surroundings {
+ public:
+  Surroundings(const Window& window, const Constants& constants, const Disc& disc);
+
+  /// The line that parts them best into two levels.
+  [[nodiscard]] Split oneLine() const;
+
+  /// The two lines that part them best into three or four levels.
+  [[nodiscard]] TwoLines twoLines() const;
+
+ private:
+  struct Sample {
+    float x, y, light;
+  };
+  std::array<Sample, kMostPixels> samples_;
+  int count_ = 0;
+  float reach_ = 0;  ///< [px] of the farthest
+};
+
+}  // namespace lab::tracker::fit

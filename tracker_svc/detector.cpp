@@ -1,0 +1,301 @@
+#include "tracker_svc/detector.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+#include <optional>
+#include <tuple>
+
+#include "tracker_svc/cap_check.hpp"
+
+namespace lab::tracker {
+namespace {
+
+constexpr float kRoughSpacing = 0.004F;   // [m] by which two rough centres may miss the spacing
+constexpr double kScaleDoubt = 0.0009;    // [m] of the spacing: a camera that is 2.5 % off
+constexpr double kMostDoubt = 0.0015;     // [m] whatever the covariance says
+constexpr double kSigmas = 4;
+constexpr double kMostUncertain = 0.06;   // [radii] standard deviation of a centre
+constexpr float kLeastRim = 0.05F;        // [1] contrast around a cap; bare floor has 0 +- 0.03
+constexpr float kUsualRim = 0.15F;        // [1]
+constexpr double kOverlap = 1.7;          // [cap radii] between two axes, at least
+
+double wrapped(double angle) { return std::remainder(angle, 2 * std::numbers::pi); }
+
+}  // namespace
+
+std::string_view toText(Reason reason) {
+  switch (reason) {
+    case Reason::kCircleFit: return "no clean circle";
+    case Reason::kSize: return "wrong size";
+    case Reason::kNoPartner: return "no partner";
+    case Reason::kSpacing: return "wrong spacing";
+    case Reason::kNoCap: return "no cap around it";
+    case Reason::kTaken: return "belongs to another";
+  }
+  return "?";
+}
+
+Detector::Detector(const optics::CameraModel& camera, const optics::CapGeometry& cap,
+                   const optics::Imaging& imaging)
+    : camera_(camera),
+      cap_(cap),
+      imaging_(imaging),
+      scale_(camera, cap),
+      search_(scale_, cap, imaging, camera.parameters().width, camera.parameters().height) {}
+
+const std::vector<Detection>& Detector::search(const optics::GreyView& picture,
+                                               std::vector<Rejection>* rejected) {
+  if (rejected != nullptr) rejected->clear();
+  found_.clear();
+  if (!canRead(picture)) return found_;
+  const Region all{0, 0, picture.width - 1, picture.height - 1};
+  look(picture, {&all, 1}, rejected);
+  found_ = seen_;
+  return found_;
+}
+
+const std::vector<Detection>& Detector::follow(const optics::GreyView& picture,
+                                               std::span<const Expected> expected) {
+  found_.assign(expected.size(), Detection{});
+  if (!canRead(picture)) return found_;
+  regions_.clear();
+  // All of both circles, and the neighbours that they are held against.
+  const double around = std::max(std::abs(cap_.big_offset), std::abs(cap_.small_offset)) +
+                        1.5 * cap_.big_radius;
+  for (const Expected& cap : expected) {
+    optics::PlaneScale scale;
+    const optics::Pixel at = camera_.project(cap.x, cap.y, cap_.height, scale);
+    const double half = around + std::max(cap.reach, 0.0);
+    const double across = half * std::hypot(scale.ux, scale.uy) + 2;
+    const double along = half * std::hypot(scale.vx, scale.vy) + 2;
+    if (!picture.contains(at.x, at.y, -across - along)) continue;
+    regions_.push_back({static_cast<int>(at.x - across), static_cast<int>(at.y - along),
+                        static_cast<int>(at.x + across), static_cast<int>(at.y + along)});
+  }
+  look(picture, regions_, nullptr);
+
+  struct Match {
+    double distance;
+    std::size_t expected;
+    std::size_t seen;
+  };
+  std::vector<Match> matches;
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    for (std::size_t j = 0; j < seen_.size(); ++j) {
+      const double distance = std::hypot(seen_[j].x - expected[i].x, seen_[j].y - expected[i].y);
+      if (!(distance <= expected[i].reach)) continue;
+      if (std::abs(wrapped(seen_[j].theta - expected[i].theta)) > expected[i].turn) continue;
+      matches.push_back({distance, i, j});
+    }
+  }
+  std::sort(matches.begin(), matches.end(), [](const Match& a, const Match& b) {
+    return std::tie(a.distance, a.expected, a.seen) < std::tie(b.distance, b.expected, b.seen);
+  });
+  std::vector<bool> given(seen_.size(), false);
+  for (const Match& match : matches) {
+    if (given[match.seen] || found_[match.expected].quality > 0) continue;
+    given[match.seen] = true;
+    found_[match.expected] = seen_[match.seen];
+  }
+  return found_;
+}
+
+bool Detector::canRead(const optics::GreyView& picture) const {
+  return picture.data != nullptr && picture.width == camera_.parameters().width &&
+         picture.height == camera_.parameters().height && picture.stride >= picture.width;
+}
+
+void Detector::look(const optics::GreyView& picture, std::span<const Region> regions,
+                    std::vector<Rejection>* rejected) {
+  refused_.clear();
+  search_.find(picture, regions, spots_, rejected != nullptr ? &refused_ : nullptr);
+  circles_.assign(2 * spots_.size(), Circle{});
+  gatherCouples(picture, rejected);
+
+  std::vector<Couple> good;
+  for (Couple& couple : couples_) {
+    if (measure(picture, couple, rejected)) good.push_back(couple);
+  }
+  const std::size_t count = chooseCouples(good, static_cast<int>(spots_.size()));
+  seen_.clear();
+  for (std::size_t i = 0; i < count; ++i) {
+    const Detection pose = poseOf(good[i], good[i].rim);
+    const bool overlaps = std::any_of(seen_.begin(), seen_.end(), [&](const Detection& other) {
+      return std::hypot(pose.x - other.x, pose.y - other.y) < kOverlap * cap_.cap_radius;
+    });
+    if (!overlaps) seen_.push_back(pose);
+    if (overlaps && rejected != nullptr) {
+      rejected->push_back({pose.middle, Reason::kTaken, good[i].cost, 0});
+    }
+  }
+  if (rejected != nullptr) explainTheRest(*rejected);
+}
+
+void Detector::gatherCouples(const optics::GreyView& picture, std::vector<Rejection>* rejected) {
+  couples_.clear();
+  const auto spacing = static_cast<float>(cap_.spacing());
+  const float reach = (spacing + kRoughSpacing) * scale_.largest();
+  const auto small_share = static_cast<float>(cap_.big_offset / cap_.spacing());
+  for (std::size_t i = 0; i < spots_.size(); ++i) {
+    const Spot& big = spots_[i];
+    if (!big.can_be_big) continue;
+    for (std::size_t j = 0; j < spots_.size(); ++j) {
+      const Spot& small = spots_[j];
+      const float dx = big.x - small.x;
+      const float dy = big.y - small.y;
+      if (i == j || !small.can_be_small || dx * dx + dy * dy > reach * reach) continue;
+      const optics::Pixel middle{static_cast<double>(big.x - dx * small_share),
+                                 static_cast<double>(big.y - dy * small_share)};
+      const LocalScale scale = scale_.at(middle.x, middle.y);
+      if (scale.mean <= 0) continue;
+      const float distance = std::hypot(scale.inverse[0] * dx + scale.inverse[1] * dy,
+                                        scale.inverse[2] * dx + scale.inverse[3] * dy);
+      if (std::abs(distance - spacing) > kRoughSpacing) continue;
+      const float rim = rimContrast(picture, middle, scale, cap_, imaging_);
+      if (rim < kLeastRim) {
+        if (rejected != nullptr) rejected->push_back({middle, Reason::kNoCap, rim, kLeastRim});
+        continue;
+      }
+      couples_.push_back({static_cast<int>(i), static_cast<int>(j), 0, rim});
+    }
+  }
+}
+
+Detector::Circle& Detector::circleOf(int spot, bool big) {
+  return circles_[2 * static_cast<std::size_t>(spot) + (big ? 0 : 1)];
+}
+
+const Detector::Circle& Detector::circleOf(int spot, bool big) const {
+  return circles_[2 * static_cast<std::size_t>(spot) + (big ? 0 : 1)];
+}
+
+const Detector::Circle& Detector::fit(const optics::GreyView& picture, int spot, bool big) {
+  Circle& circle = circleOf(spot, big);
+  if (circle.fitted) return circle;
+  circle.fitted = true;
+  const Spot& from = spots_[static_cast<std::size_t>(spot)];
+  const optics::Pixel start{static_cast<double>(from.x), static_cast<double>(from.y)};
+  const double radius = big ? cap_.big_radius : cap_.small_radius;
+  const LocalScale scale = scale_.at(start.x, start.y);
+  circle.fit = fitCircle(picture, start, discShape(scale, radius), imaging_);
+  if (circle.fit.fault != FitFault::kNone) return circle;
+  const auto bent = static_cast<float>(radius * radius);
+  const optics::Pixel centre{circle.fit.x - static_cast<double>(scale.bend[0] * bent),
+                             circle.fit.y - static_cast<double>(scale.bend[1] * bent)};
+  const std::optional<optics::Place> place = camera_.toPlane(centre, cap_.height);
+  if (!place) {
+    circle.fit.fault = FitFault::kOutside;
+    return circle;
+  }
+  circle.place = *place;
+  const auto& c = circle.fit.covariance;
+  // Known so badly that the spacing would fit too easily: noise, not a circle.
+  const double doubtful = kMostUncertain * static_cast<double>(discShape(scale, radius).radius());
+  if (c[0] + c[2] > 2 * doubtful * doubtful) {
+    circle.fit.fault = FitFault::kLowContrast;
+    return circle;
+  }
+  const double a = static_cast<double>(scale.inverse[0]);
+  const double b = static_cast<double>(scale.inverse[1]);
+  const double d = static_cast<double>(scale.inverse[2]);
+  const double e = static_cast<double>(scale.inverse[3]);
+  circle.covariance = {a * a * c[0] + 2 * a * b * c[1] + b * b * c[2],
+                       a * d * c[0] + (a * e + b * d) * c[1] + b * e * c[2],
+                       d * d * c[0] + 2 * d * e * c[1] + e * e * c[2]};
+  return circle;
+}
+
+bool Detector::measure(const optics::GreyView& picture, Couple& couple,
+                       std::vector<Rejection>* rejected) {
+  const Circle& big = fit(picture, couple.big, true);
+  if (big.fit.fault != FitFault::kNone) return false;
+  const Circle& small = fit(picture, couple.small, false);
+  if (small.fit.fault != FitFault::kNone) return false;
+  const double dx = big.place.x - small.place.x;
+  const double dy = big.place.y - small.place.y;
+  const double spacing = std::hypot(dx, dy);
+  const double variance =
+      ((big.covariance[0] + small.covariance[0]) * dx * dx +
+       2 * (big.covariance[1] + small.covariance[1]) * dx * dy +
+       (big.covariance[2] + small.covariance[2]) * dy * dy) / (spacing * spacing);
+  const double doubt = std::min(kMostDoubt, kScaleDoubt + kSigmas * std::sqrt(variance));
+  const double off = spacing - cap_.spacing();
+  if (!(std::abs(off) <= doubt)) {
+    if (rejected != nullptr) {
+      rejected->push_back({{(big.fit.x + small.fit.x) / 2, (big.fit.y + small.fit.y) / 2},
+                           Reason::kSpacing, static_cast<float>(spacing),
+                           static_cast<float>(cap_.spacing() + (off > 0 ? doubt : -doubt))});
+    }
+    return false;
+  }
+  couple.cost = static_cast<float>(std::abs(off) / doubt) +
+                std::max(0.0F, 1 - couple.rim / kUsualRim);
+  return true;
+}
+
+Detection Detector::poseOf(const Couple& couple, float rim) const {
+  const Circle& big = circleOf(couple.big, true);
+  const Circle& small = circleOf(couple.small, false);
+  Detection out;
+  const double dx = big.place.x - small.place.x;
+  const double dy = big.place.y - small.place.y;
+  const double square = dx * dx + dy * dy;
+  // The axis divides the line between the centres in the ratio of the offsets.
+  const double of_big = -cap_.small_offset / cap_.spacing();
+  const double of_small = 1 - of_big;
+  out.x = of_big * big.place.x + of_small * small.place.x;
+  out.y = of_big * big.place.y + of_small * small.place.y;
+  out.theta = std::atan2(dy, dx);
+  // d theta = (-dy, dx) / square (d big - d small).
+  const double tx = -dy / square;
+  const double ty = dx / square;
+  const auto& b = big.covariance;
+  const auto& s = small.covariance;
+  const double sum[3] = {b[0] + s[0], b[1] + s[1], b[2] + s[2]};
+  const double mix[3] = {of_big * b[0] - of_small * s[0], of_big * b[1] - of_small * s[1],
+                         of_big * b[2] - of_small * s[2]};
+  const double bb = of_big * of_big;
+  const double ss = of_small * of_small;
+  out.covariance = {bb * b[0] + ss * s[0],
+                    bb * b[1] + ss * s[1],
+                    mix[0] * tx + mix[1] * ty,
+                    bb * b[2] + ss * s[2],
+                    mix[1] * tx + mix[2] * ty,
+                    sum[0] * tx * tx + 2 * sum[1] * tx * ty + sum[2] * ty * ty};
+  out.spacing = static_cast<float>(std::sqrt(square));
+  out.white = (big.fit.white + small.fit.white) / 2;
+  out.big = {big.fit.x, big.fit.y};
+  out.small = {small.fit.x, small.fit.y};
+  out.middle = camera_.project(out.x, out.y, cap_.height);
+  out.used = kUsedBig | kUsedSmall;
+  if (big.fit.edge || small.fit.edge) out.used |= kUsedEdge;
+  const float clean = 1 / std::max({1.0F, big.fit.residual, small.fit.residual});
+  out.quality = 0.5F + 0.5F * std::min(1.0F, rim / kUsualRim) * std::exp(-couple.cost / 2) *
+                           std::sqrt(clean);
+  return out;
+}
+
+void Detector::explainTheRest(std::vector<Rejection>& rejected) const {
+  for (std::size_t i = 0; i < spots_.size(); ++i) {
+    const optics::Pixel where{static_cast<double>(spots_[i].x), static_cast<double>(spots_[i].y)};
+    const Circle& big = circles_[2 * i];
+    const Circle& small = circles_[2 * i + 1];
+    if (!big.fitted && !small.fitted) {
+      rejected.push_back({where, Reason::kNoPartner, 0, 0});
+    }
+    for (const Circle* circle : {&big, &small}) {
+      if (circle->fit.fault != FitFault::kNone) {
+        rejected.push_back(
+            {where, Reason::kCircleFit, static_cast<float>(circle->fit.fault), 0});
+      }
+    }
+  }
+  for (const Refused& spot : refused_) {
+    rejected.push_back({{static_cast<double>(spot.x), static_cast<double>(spot.y)},
+                        Reason::kSize, spot.seen, spot.wanted});
+  }
+}
+
+}  // namespace lab::tracker

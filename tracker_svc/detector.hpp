@@ -1,0 +1,124 @@
+/// One picture in, the caps in it out. Knows nothing of earlier pictures.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "optics/camera_model.hpp"
+#include "optics/cap.hpp"
+#include "optics/image.hpp"
+#include "optics/imaging.hpp"
+#include "tracker_svc/circle_fit.hpp"
+#include "tracker_svc/circle_search.hpp"
+#include "tracker_svc/pairing.hpp"
+#include "tracker_svc/scale_map.hpp"
+
+namespace lab::tracker {
+
+/// What a pose was made from.
+enum Used : std::uint8_t {
+  kUsedBig = 1,    ///< the big circle
+  kUsedSmall = 2,  ///< the small circle
+  kUsedRim = 4,    ///< the rim of the cap, in place of one circle: a degraded pose
+  kUsedEdge = 8,   ///< a light edge was fitted together with a circle
+};
+
+struct Detection {
+  double x = 0;      ///< [m] arena frame, the robot's axis
+  double y = 0;      ///< [m]
+  double theta = 0;  ///< [rad] (-pi, pi]
+  std::array<double, 6> covariance{};  ///< [m^2, m rad, rad^2] xx, xy, xt, yy, yt, tt
+  float quality = 0;   ///< [1] 0..1; a degraded pose stays below 0.5
+  std::uint8_t used = 0;
+  float spacing = 0;   ///< [m] measured between the two circles, 0: not both were seen
+  float white = 0;     ///< [DN] of the cap, black level taken off
+  optics::Pixel big;   ///< centres in the picture, as far as seen
+  optics::Pixel small;
+  optics::Pixel middle;  ///< where the axis appears at cap height
+};
+
+/// Why something that looked like a cap, or a part of one, is none.
+enum class Reason : std::uint8_t {
+  kCircleFit,  ///< `value`: FitFault
+  kSize,       ///< [1] radius over the expected one
+  kNoPartner,  ///< a circle without the other one at the right distance
+  kSpacing,    ///< [m] distance of the best partner
+  kNoCap,      ///< [1] score of the cap around the pair: circles on the bare floor
+  kTaken,      ///< its circle belongs to a better pair
+};
+[[nodiscard]] std::string_view toText(Reason reason);
+
+struct Rejection {
+  optics::Pixel where;
+  Reason reason = Reason::kCircleFit;
+  float value = 0;  ///< found
+  float limit = 0;  ///< allowed
+};
+
+/// Where a cap is expected.
+struct Expected {
+  double x = 0;      ///< [m]
+  double y = 0;      ///< [m]
+  double theta = 0;  ///< [rad]
+  double reach = 0;  ///< [m] how far it may be from there
+  double turn = 0;   ///< [rad] how far it may have turned
+};
+
+class Detector {
+ public:
+  Detector(const optics::CameraModel& camera, const optics::CapGeometry& cap,
+           const optics::Imaging& imaging = {});
+
+  /// Every cap in the picture.
+  /// @param rejected where not null, filled with what was looked at and refused
+  /// @return valid until the next call
+  const std::vector<Detection>& search(const optics::GreyView& picture,
+                                       std::vector<Rejection>* rejected = nullptr);
+
+  /// The cap near each expected pose, and nothing else: result i belongs to expected[i], with
+  /// quality 0 where there is none. A cap found this way is the same, to the last bit, as search()
+  /// finds. No cap is given twice.
+  const std::vector<Detection>& follow(const optics::GreyView& picture,
+                                       std::span<const Expected> expected);
+
+  [[nodiscard]] const optics::CameraModel& camera() const { return camera_; }
+  [[nodiscard]] const optics::CapGeometry& cap() const { return cap_; }
+
+ private:
+  struct Circle {  // a spot taken for a big or a small circle; fitted once that is needed
+    bool fitted = false;
+    CircleFit fit;
+    optics::Place place;                 // [m] of its centre on the cap plane
+    std::array<double, 3> covariance{};  // [m^2] xx, xy, yy
+  };
+
+  [[nodiscard]] bool canRead(const optics::GreyView& picture) const;
+  void look(const optics::GreyView& picture, std::span<const Region> regions,
+            std::vector<Rejection>* rejected);
+  void gatherCouples(const optics::GreyView& picture, std::vector<Rejection>* rejected);
+  [[nodiscard]] Circle& circleOf(int spot, bool big);
+  [[nodiscard]] const Circle& circleOf(int spot, bool big) const;
+  const Circle& fit(const optics::GreyView& picture, int spot, bool big);
+  [[nodiscard]] bool measure(const optics::GreyView& picture, Couple& couple,
+                             std::vector<Rejection>* rejected);
+  [[nodiscard]] Detection poseOf(const Couple& couple, float rim) const;
+  void explainTheRest(std::vector<Rejection>& rejected) const;
+
+  optics::CameraModel camera_;
+  optics::CapGeometry cap_;
+  optics::Imaging imaging_;
+  ScaleMap scale_;
+  CircleSearch search_;
+  std::vector<Spot> spots_;
+  std::vector<Refused> refused_;
+  std::vector<Circle> circles_;  // two for each spot: as a big one, as a small one
+  std::vector<Couple> couples_;
+  std::vector<Region> regions_;
+  std::vector<Detection> seen_;
+  std::vector<Detection> found_;
+};
+
+}  // namespace lab::tracker

@@ -1,0 +1,100 @@
+#include "tracker_svc/film_tracking.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace lab::tracker {
+namespace {
+
+constexpr float kDegradedBelow = 0.5F;  // quality, see Detection
+constexpr double kMoment = 1e-3;        // [s] between pictures without times of their own
+constexpr double kCm = 100;
+
+/// The track that a detection of this picture went to, 0: none.
+std::int64_t numberOf(const Detection& detection, const std::vector<Track>& tracks) {
+  // A track keeps where in the picture its cap is; a pose may have been changed for what is known
+  // of the track.
+  for (const Track& track : tracks) {
+    if (track.seen && track.pose.middle.x == detection.middle.x &&
+        track.pose.middle.y == detection.middle.y) {
+      return track.number;
+    }
+  }
+  return 0;
+}
+
+}  // namespace
+
+const std::vector<FilmRow>& FilmTracking::take(std::int64_t number, double time,
+                                               const optics::GreyView& picture,
+                                               std::vector<Rejection>* rejected) {
+  found_ = detector_.search(picture, rejected);
+  if (most_robots_ > 0 && found_.size() > most_robots_) {
+    std::stable_sort(found_.begin(), found_.end(),
+                     [](const Detection& a, const Detection& b) { return a.quality > b.quality; });
+    total_.surplus += static_cast<std::int64_t>(found_.size() - most_robots_);
+    found_.resize(most_robots_);
+  }
+  tracker_time_ = total_.frames == 0 ? time : std::max(time, tracker_time_ + kMoment);
+  const std::vector<Track>& tracks = tracker_.update(tracker_time_, found_);
+
+  rows_.clear();
+  for (const Detection& detection : found_) {
+    rows_.push_back({number, numberOf(detection, tracks), time, detection});
+  }
+  std::stable_sort(rows_.begin(), rows_.end(),
+                   [](const FilmRow& a, const FilmRow& b) { return a.id < b.id; });
+  count(number);
+  return rows_;
+}
+
+void FilmTracking::count(std::int64_t number) {
+  const auto robots = static_cast<std::int64_t>(rows_.size());
+  if (total_.frames == 0) {
+    total_.fewest = robots;
+  } else {
+    total_.missing += std::max<std::int64_t>(0, number - next_number_);
+  }
+  next_number_ = number + 1;
+  ++total_.frames;
+  total_.rows += robots;
+  total_.fewest = std::min(total_.fewest, robots);
+  total_.most = std::max(total_.most, robots);
+  for (const FilmRow& row : rows_) {
+    confidences_ += static_cast<double>(row.pose.quality);
+    if (row.pose.quality < kDegradedBelow) ++total_.degraded;
+    // Numbers of tracks only grow.
+    if (row.id > highest_id_) {
+      highest_id_ = row.id;
+      ++total_.ids;
+    }
+    if (row.pose.spacing > 0) {
+      const double off = static_cast<double>(row.pose.spacing) - spacing_mean_;
+      spacing_mean_ += off / static_cast<double>(++spacings_);
+      spacing_squares_ += off * (static_cast<double>(row.pose.spacing) - spacing_mean_);
+    }
+  }
+}
+
+FilmSummary FilmTracking::summary() const {
+  FilmSummary summary = total_;
+  if (summary.rows > 0) summary.confidence = confidences_ / static_cast<double>(summary.rows);
+  summary.spacing = spacing_mean_;
+  if (spacings_ > 1) {
+    summary.spacing_spread = std::sqrt(spacing_squares_ / static_cast<double>(spacings_ - 1));
+  }
+  return summary;
+}
+
+std::string_view filmCsvHeader() { return "frame,id,x_cm,y_cm,theta_rad,u,v,confidence,t_s\n"; }
+
+std::string filmCsvLine(const FilmRow& row) {
+  const Detection& pose = row.pose;
+  return fmt::format("{},{},{:.6f},{:.6f},{:.8f},{:.5f},{:.5f},{:.4f},{:.6f}\n", row.frame, row.id,
+                     pose.x * kCm, pose.y * kCm, pose.theta, pose.middle.x, pose.middle.y,
+                     static_cast<double>(pose.quality), row.time);
+}
+
+}  // namespace lab::tracker

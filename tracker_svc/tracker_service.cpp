@@ -1,0 +1,331 @@
+#include "tracker_svc/tracker_service.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <lab/cap_detail_t.hpp>
+#include <lab/robot_state_t.hpp>
+
+#include "cameras/camera_devices.hpp"
+#include "common/channels.hpp"
+#include "common/units.hpp"
+#include "optics/simulated_camera.hpp"
+
+namespace lab::tracker {
+namespace {
+
+constexpr std::int64_t kReportEvery_us = 1'000'000;
+constexpr std::int64_t kSearchEvery_us = 1'000'000;
+constexpr std::int64_t kOtherTracker_us = 2'000'000;
+constexpr double kFullScale = 255;   // [DN]
+constexpr double kLeastSigma = 1e-6; // [m] of a spacing, against a division by nothing
+
+CameraCalibration calibrationInForce(const ServiceContext& context) {
+  const Experiment& experiment = context.experiment;
+  const Camera& camera = experiment.camera;
+  if (!camera.calibration.empty()) return readCameraFile(context.directory / camera.calibration);
+  CameraCalibration calibration;
+  calibration.camera = optics::simulatedCamera(camera.width, camera.height,
+                                               experiment.arena_width, experiment.arena_height);
+  calibration.arena_width = experiment.arena_width;
+  calibration.arena_height = experiment.arena_height;
+  calibration.id = "simulated";
+  return calibration;
+}
+
+/// Which robots stand under the camera: a real one sees real robots.
+std::vector<std::int32_t> robotsInView(const Experiment& experiment) {
+  const bool painted = isPainted(experiment.camera);
+  std::vector<std::int32_t> ids;
+  for (const RobotSpec& robot : experiment.robots) {
+    if ((robot.body == Body::kSerial) != painted) ids.push_back(robot.id);
+  }
+  return ids;
+}
+
+TrackerSettings trackerSettings(const Experiment& experiment) {
+  TrackerSettings settings;
+  settings.wheel_base = experiment.hardware.diameter;
+  settings.max_wheel_speed = experiment.hardware.max_wheel_speed;
+  settings.arena_width = experiment.arena_width;
+  settings.arena_height = experiment.arena_height;
+  settings.robot_radius = experiment.hardware.diameter / 2;
+  return settings;
+}
+
+CameraFormat wantedFormat(const Camera& camera) {
+  CameraFormat format;
+  format.width = camera.width;
+  format.height = camera.height;
+  format.fps = isFilm(camera.source) ? 0 : camera.fps;  // a film has a rate of its own
+  format.exposure = camera.exposure;
+  format.gain = camera.gain;
+  return format;
+}
+
+tracked_pose_t toPose(const Track& track) {
+  tracked_pose_t pose{};
+  pose.robot_id = track.robot_id;
+  pose.x = track.pose.x;
+  pose.y = track.pose.y;
+  pose.theta = track.pose.theta;
+  std::copy(track.pose.covariance.begin(), track.pose.covariance.end(), pose.covariance);
+  pose.confidence = track.pose.quality;
+  return pose;
+}
+
+cap_detail_t toDetail(const Track& track) {
+  cap_detail_t detail{};
+  detail.robot_id = track.robot_id;
+  detail.track = track.number;
+  detail.used = static_cast<std::int8_t>(track.pose.used);
+  detail.spacing = track.pose.spacing;
+  detail.white = track.pose.white / static_cast<float>(kFullScale);
+  detail.u = static_cast<float>(track.pose.middle.x);
+  detail.v = static_cast<float>(track.pose.middle.y);
+  return detail;
+}
+
+calibration::SpacingSettings spacingSettings(const CameraCalibration& calibration) {
+  calibration::SpacingSettings settings;
+  settings.spacing = calibration.cap.spacing();
+  settings.arena_width = calibration.arena_width;
+  settings.arena_height = calibration.arena_height;
+  settings.camera_height =
+      optics::CameraModel(calibration.camera).centre()[2] - calibration.cap.height;
+  return settings;
+}
+
+std::int8_t originOf(const Camera& camera) {
+  if (isPainted(camera)) return robot_state_t::SIM;
+  return isFilm(camera.source) ? robot_state_t::REPLAY : robot_state_t::REAL;
+}
+
+std::string sizeText(int width, int height) {
+  return std::to_string(width) + " x " + std::to_string(height);
+}
+
+}  // namespace
+
+TrackerService::TrackerService(const ServiceContext& context)
+    : node_(context.node),
+      loop_(context.loop),
+      experiment_(context.experiment),
+      calibration_(calibrationInForce(context)),
+      detector_(optics::CameraModel(calibration_.camera), calibration_.cap,
+                calibration_.imaging.value_or(optics::Imaging{})),
+      tracker_(trackerSettings(context.experiment), robotsInView(context.experiment)),
+      spacing_(spacingSettings(calibration_)),
+      pictures_(calibration_.imaging.value_or(optics::Imaging{}).black),
+      debug_(openDebugPort(context.loop, context.experiment.camera.debug_port, detector_.camera(),
+                            detector_.cap())),
+      robots_(robotsInView(context.experiment).size()),
+      origin_(originOf(experiment_.camera)),
+      origin_utime_(context.loop.now()) {
+  status_.camera = experiment_.camera.source;
+  status_.state = tracker_status_t::WAITING;
+  status_.calibration_id = calibration_.id;
+  node_.subscribe<robot_status_t>(channels::kRobotStatus,
+                                  [this](const robot_status_t& status) { take(status); });
+  node_.subscribe<tracked_frame_t>(channels::kTrackedFrame,
+                                   [this](const tracked_frame_t& frame) { notice(frame); });
+  source_ = context.cameras.open(
+      experiment_.camera.source, wantedFormat(experiment_.camera),
+      {.frame = [this](const CameraFrame& frame) { take(frame); },
+       .trouble = [this](const std::string& what) { trouble(what); },
+       .end = [this](const std::string& problem) { ended(problem); }});
+  loop_.every(kReportEvery_us, loop_.now() + kReportEvery_us, [this] { report(); });
+  loop_.soon([this] { node_.ready(); });
+}
+
+double TrackerService::seconds(std::int64_t utime) const {
+  return units::seconds(utime - origin_utime_);
+}
+
+void TrackerService::take(const robot_status_t& status) {
+  wheels_.clear();
+  for (const robot_state_t& robot : status.robots) {
+    wheels_.push_back(
+        {robot.robot_id, seconds(robot.utime), robot.wheel_left, robot.wheel_right});
+  }
+  tracker_.take(wheels_);
+}
+
+void TrackerService::notice(const tracked_frame_t& frame) {
+  const NodeIdentity& own = node_.identity();
+  if (frame.sender != own.name || frame.instance == own.instance) return;
+  const bool first = loop_.now() >= other_until_;
+  // The one that was there first goes on.
+  if (frame.instance < own.instance) other_until_ = loop_.now() + kOtherTracker_us;
+  if (!first || frame.instance > own.instance) return;
+  silent_ = true;
+  complain("another tracker (instance " + std::to_string(frame.instance) +
+           ") publishes on this lab: this one keeps silent until that one is stopped");
+}
+
+void TrackerService::take(const CameraFrame& frame) {
+  const optics::CameraParameters& camera = calibration_.camera;
+  if (frame.grey.width != camera.width || frame.grey.height != camera.height) {
+    trouble("pictures of " + sizeText(frame.grey.width, frame.grey.height) + " pixels, but the "
+            "calibration " + calibration_.id + " is of " + sizeText(camera.width, camera.height) +
+            ": set width_px and height_px, or run lab calibrate camera again");
+    return;
+  }
+  if (status_.state == tracker_status_t::GONE) trouble("");
+  const std::int64_t arrived = loop_.now();
+  std::int64_t utime = frame.utime;
+  if (origin_ == robot_state_t::REPLAY) {  // a film counts from its first picture
+    if (file_utime_ == 0) file_utime_ = arrived - frame.utime;
+    utime += file_utime_;
+  }
+  if (utime <= last_utime_) return;  // a camera that came back with an older picture
+  last_utime_ = utime;
+  const bool begins = status_.state != tracker_status_t::RUNNING;
+  status_.state = tracker_status_t::RUNNING;
+  ++status_.frames;
+  const Exposure exposure = pictures_.look(frame.grey);
+  status_.brightness = exposure.brightness;
+  const std::vector<Track>& tracks = track(frame.grey, seconds(utime));
+  if (loop_.now() >= other_until_) {
+    if (silent_) trouble("");
+    silent_ = false;
+    publish(frame, utime, tracks);
+  }
+  latency_.add(units::seconds(loop_.now() - arrived));
+  if (begins) report();
+}
+
+const std::vector<Track>& TrackerService::track(const optics::GreyView& picture, double time) {
+  const std::vector<Expected>& expected = tracker_.expect(time);
+  const bool draw = debug_ && debug_->wanted();
+  const std::int64_t now = loop_.now();
+  std::vector<Rejection> rejected;
+  const std::vector<Detection>* found = nullptr;
+  if (draw || !all_seen_ || now >= next_search_) {
+    found = &detector_.search(picture, draw ? &rejected : nullptr);
+    next_search_ = now + kSearchEvery_us;
+  } else {
+    found = &detector_.follow(picture, expected);
+    const auto missing = [](const Detection& cap) { return cap.quality <= 0; };
+    if (std::ranges::any_of(*found, missing)) found = &detector_.search(picture);
+  }
+  const std::vector<Track>& tracks = tracker_.update(time, *found);
+  std::size_t seen = 0;
+  for (const Track& one : tracks) {
+    if (!one.seen) continue;
+    ++seen;
+    if (one.pose.spacing <= 0 || (one.pose.used & kUsedEdge) != 0) continue;
+    const double turn = std::sqrt(std::max(0.0, one.pose.covariance[5]));
+    const double sigma = std::max(turn * calibration_.cap.spacing(), kLeastSigma);
+    ++status_.spacings;
+    spacing_.add(time, one.pose.x, one.pose.y, one.pose.spacing, sigma);
+  }
+  all_seen_ = seen >= robots_ && seen == tracks.size();
+  if (draw) {
+    debug_->show(picture, tracks, rejected,
+                 std::to_string(seen) + " caps of " + std::to_string(robots_));
+  }
+  return tracks;
+}
+
+void TrackerService::publish(const CameraFrame& frame, std::int64_t utime,
+                             const std::vector<Track>& tracks) {
+  std::vector<const Track*> seen;
+  for (const Track& track : tracks) {
+    if (track.seen) seen.push_back(&track);
+  }
+  std::ranges::stable_sort(seen, [](const Track* a, const Track* b) {
+    const bool bound_a = a->robot_id >= 0;
+    const bool bound_b = b->robot_id >= 0;
+    if (bound_a != bound_b) return bound_a;
+    return bound_a ? a->robot_id < b->robot_id : a->number < b->number;
+  });
+  tracked_frame_t message{};
+  tracked_details_t details{};
+  message.utime = utime;
+  message.origin = origin_;
+  message.frame = frame.number;
+  const double fps = source_ ? source_->format().fps : 0;
+  message.frame_period = 1 / (fps > 0 ? fps : experiment_.camera.fps);
+  for (const Track* track : seen) {
+    (track->robot_id >= 0 ? message.robots : message.unidentified).push_back(toPose(*track));
+    details.caps.push_back(toDetail(*track));
+  }
+  message.num_robots = static_cast<std::int32_t>(message.robots.size());
+  message.num_unidentified = static_cast<std::int32_t>(message.unidentified.size());
+  node_.publish(channels::kTrackedFrame, message);
+  details.utime = utime;
+  details.frame = frame.number;
+  details.num_caps = static_cast<std::int32_t>(details.caps.size());
+  node_.publish(channels::kTrackedDetails, details);
+  status_.caps = details.num_caps;
+  status_.unbound = message.num_unidentified;
+}
+
+void TrackerService::complain(const std::string& what) {
+  status_.trouble = what;
+  node_.fault(what);
+  report();
+}
+
+void TrackerService::trouble(const std::string& what) {
+  if (what == status_.trouble) return;
+  if (what.empty()) {
+    status_.trouble.clear();
+    node_.ready();
+    return;
+  }
+  status_.state = tracker_status_t::GONE;
+  all_seen_ = false;
+  complain(what);
+}
+
+void TrackerService::ended(const std::string& problem) {
+  status_.state = tracker_status_t::ENDED;
+  if (!problem.empty()) return complain(problem);
+  report();
+}
+
+void TrackerService::report() {
+  const CameraFormat format = source_ ? source_->format() : wantedFormat(experiment_.camera);
+  status_.width = format.width;
+  status_.height = format.height;
+  status_.fps = format.fps;
+  status_.exposure = format.exposure;
+  status_.gain = format.gain;
+  status_.pixels = format.pixels;
+  status_.locked = format.locked ? 1 : 0;
+  status_.dropped = source_ ? source_->dropped() : 0;
+  status_.dark = pictures_.dark();
+  status_.saturated = pictures_.saturated();
+  const TrackerCounts& counts = tracker_.counts();
+  status_.bindings = counts.bound;
+  status_.unbindings = counts.unbound;
+  status_.flips = counts.flips;
+  status_.lost = counts.lost;
+  const calibration::SpacingReport spacing = spacing_.report(seconds(loop_.now()));
+  status_.spacing_error = spacing.mean_error;
+  status_.spacing_sigma = spacing.sigma;
+  if (!spacing.text.empty() && status_.warning.empty()) node_.noteError(spacing.text);
+  status_.moved = spacing.moved || !spacing.fits ? 1 : 0;
+  status_.warning = spacing.text;
+  status_.latency_p50 = latency_.percentile(0.50);
+  status_.latency_p95 = latency_.percentile(0.95);
+  status_.latency_p99 = latency_.percentile(0.99);
+  status_.utime = 0;
+  node_.publish(channels::kTrackerStatus, status_);
+}
+
+ServiceDescription serviceDescription() {
+  return {.name = "tracker_svc",
+          .summary = "A camera's pictures to poses of all robots",
+          .origin = robot_state_t::UNKNOWN,
+          .make = [](const ServiceContext& context) -> std::unique_ptr<Service> {
+            return std::make_unique<TrackerService>(context);
+          },
+          .uses_ports = true,
+          .wanted = [](const Experiment& experiment) {
+            return experiment.camera.tracker == Tracker::kCamera;
+          }};
+}
+
+}  // namespace lab::tracker
