@@ -54,11 +54,45 @@ void addCheck(CLI::App& app, Chosen& chosen) {
   command->callback([&chosen, file, set] { chosen = [=] { return check(*file, *set); }; });
 }
 
+void addCalibrateCamera(CLI::App& calibrate, Chosen& chosen) {
+  auto options = std::make_shared<CalibrateCameraOptions>();
+  CLI::App* command = calibrate.add_subcommand(
+      "camera", "Lens and pose, from the arena's corners and the caps in a film");
+  command->add_option("SOURCE", options->source,
+                      "Robots that drive about: movie, folder or pattern of pictures");
+  command->add_option("--corners", options->corners,
+                      "\"u,v u,v u,v u,v\": pixels of the arena's inner corners on the floor, "
+                      "(0, 0), (width, 0), (width, height), (0, height)");
+  command->add_option("--board", options->board, "Columns x rows of discs, spacing in cm")
+      ->capture_default_str();
+  command->add_option("--board-pictures", options->board_pictures,
+                      "Movie or pictures of the board in several poses");
+  command->add_option("--print-board", options->print_board, "Only draw the board: NAME.svg");
+  command->add_option("--out", options->out, "The calibration")->capture_default_str();
+  command->add_option("--arena-cm", options->arena_cm, "Width x height")->capture_default_str();
+  command->add_option("--cap-height-cm", options->cap_height_cm, "Above the floor")
+      ->check(between(0, 100))
+      ->capture_default_str();
+  command->add_option("--spacing-cm", options->spacing_cm, "Between the two circles of a cap")
+      ->check(between(0.5, 50))
+      ->capture_default_str();
+  command->add_option("--camera-height-cm", options->camera_height_cm,
+                      "Above the floor, measured to 1 cm: makes it more certain")
+      ->check(between(10, 5000));
+  command->add_option("--corner-px", options->corner_px, "How well the corners are marked")
+      ->check(between(0.02, 20))
+      ->capture_default_str();
+  command->add_flag("--k3", options->k3, "Fit k3 too: for lenses of short focal length");
+  command->add_flag("--force", options->force, "Replace a file that is there");
+  command->callback([&chosen, options] { chosen = [options] { return calibrateCamera(*options); }; });
+}
+
 void addCalibrate(CLI::App& app, Chosen& chosen, const fs::path& programs) {
   auto options = std::make_shared<CalibrateOptions>();
   options->programs = programs;
-  CLI::App* command = app.add_subcommand("calibrate", "Measure what a robot has to know of itself");
+  CLI::App* command = app.add_subcommand("calibrate", "Measure robots and the camera");
   command->require_subcommand(1);
+  addCalibrateCamera(*command, chosen);
   CLI::App* motors = command->add_subcommand(
       "motors", "Gain and dead band of each wheel, and the wheel base, by driving");
   motors->add_option("FILE", options->file, "Experiment file (TOML)")->required();
@@ -72,13 +106,42 @@ void addCalibrate(CLI::App& app, Chosen& chosen, const fs::path& programs) {
 }
 
 void addAnalyze(CLI::App& app, Chosen& chosen) {
-  auto input = std::make_shared<fs::path>();
-  auto out = std::make_shared<std::optional<fs::path>>();
+  auto options = std::make_shared<AnalyzeOptions>();
+  CLI::App* command = app.add_subcommand(
+      "analyze", "Summary, report, trajectories, figures from a log or a file of poses");
+  command->add_option("RUN|LOG|POSES.csv", options->input,
+                      "Folder of a run, a log, or a file of poses (docs/track.md)")
+      ->required();
+  command->add_option("--out", options->out, "Folder for the results (default: beside the input)");
+  command->add_option("--program", options->program,
+                      "Poses: what all robots ran: abp, noisy_abp, bp, rtp (default: not known)");
+  command->add_option("--set", options->set,
+                      "Poses: key=value of the program, v_cm_s=3 (repeatable)")
+      ->allow_extra_args(false);
+  command->add_option("--scale-cm", options->scale_cm, "Poses: one unit of columns x and y in cm")
+      ->check(between(1e-9, 1e9));
+  command->add_option("--fps", options->fps, "Poses: frames a second, where there are no times")
+      ->check(between(1e-6, 1e6));
+  command->callback([&chosen, options] { chosen = [options] { return analyze(*options); }; });
+}
+
+void addTrack(CLI::App& app, Chosen& chosen) {
+  auto options = std::make_shared<TrackOptions>();
   CLI::App* command =
-      app.add_subcommand("analyze", "Rebuild summary, report, trajectories, figures from a log");
-  command->add_option("RUN|LOG", *input, "Folder of a run, or a log")->required();
-  command->add_option("--out", *out, "Folder for the results (default: beside the log)");
-  command->callback([&chosen, input, out] { chosen = [=] { return analyze(*input, *out); }; });
+      app.add_subcommand("track", "Poses of all robots in a movie or in pictures, without a lab");
+  command->add_option("SOURCE", options->source, "Movie, folder or pattern of pictures")->required();
+  command->add_option("--calibration", options->calibration, "Of the camera")->required();
+  command->add_option("--out", options->out, "File of poses (CSV)")->required();
+  command->add_option("--overlay", options->overlay,
+                      "What was found and refused: NAME.png a contact sheet; .mp4, .mkv, .avi a "
+                      "movie; else a folder of pictures");
+  command->add_option("--every", options->every, "Only each so many-th frame")
+      ->check(CLI::Range(1, 1'000'000))
+      ->capture_default_str();
+  command->add_option("--robots", options->robots, "How many there are: the best so many are taken")
+      ->check(CLI::Range(1, 100'000));
+  command->add_flag("--force", options->force, "Replace files that are there");
+  command->callback([&chosen, options] { chosen = [options] { return track(*options); }; });
 }
 
 void addReplay(CLI::App& app, Chosen& chosen) {
@@ -177,6 +240,7 @@ int runCommandLine(int argc, char** argv) {
   addCheck(app, chosen);
   addCalibrate(app, chosen, fs::canonical("/proc/self/exe").parent_path());
   addAnalyze(app, chosen);
+  addTrack(app, chosen);
   addReplay(app, chosen);
   addLight(app, chosen);
   addStop(app, chosen);

@@ -25,8 +25,27 @@ ExitCode run(const RunOptions& options);
 
 ExitCode check(const std::filesystem::path& file, const std::vector<std::string>& set);
 
-ExitCode analyze(const std::filesystem::path& run_or_log,
-                 const std::optional<std::filesystem::path>& out);
+struct AnalyzeOptions {
+  std::filesystem::path input;  ///< folder of a run, log, or file of poses (.csv)
+  std::optional<std::filesystem::path> out;
+  /// Of a file of poses alone:
+  std::string program;            ///< model that all robots ran, empty: not known
+  std::vector<std::string> set;   ///< key=value: its parameters
+  std::optional<double> scale_cm;  ///< one unit of its columns x and y [cm]
+  std::optional<double> fps;       ///< where it has no times [1/s]
+};
+ExitCode analyze(const AnalyzeOptions& options);
+
+struct TrackOptions {
+  std::string source;                 ///< a folder or pattern of pictures, or a movie
+  std::filesystem::path calibration;  ///< of the camera
+  std::filesystem::path out;          ///< the file of poses
+  std::filesystem::path overlay;      ///< picture, movie or folder with what was found; empty: none
+  std::int64_t every = 1;             ///< only each so many-th frame
+  std::size_t robots = 0;             ///< how many there are at most, 0: not known
+  bool force = false;                 ///< replaces files that are there
+};
+ExitCode track(const TrackOptions& options);
 
 struct CalibrateOptions {
   std::filesystem::path file;
@@ -37,6 +56,23 @@ struct CalibrateOptions {
   bool virtual_time = false;
 };
 ExitCode calibrateMotors(const CalibrateOptions& options);
+
+struct CalibrateCameraOptions {
+  std::string source;                         ///< film of robots that drive about; empty: none
+  std::string corners;                        ///< [px] "u,v u,v u,v u,v" (docs/calibration.md)
+  std::string board = "9x6,2.8";               ///< columns x rows of discs, spacing in cm
+  std::string board_pictures;                 ///< of the board in several poses, empty: none
+  std::filesystem::path print_board;          ///< only draws the board, empty: no
+  std::filesystem::path out = "camera.json";
+  std::string arena_cm = "120x90";
+  double cap_height_cm = 5;
+  double spacing_cm = 3.6;  ///< between the circles of a cap
+  double corner_px = 0.5;   ///< how well the corners are marked, along each axis
+  std::optional<double> camera_height_cm;  ///< above the floor, known to 1 cm
+  bool k3 = false;
+  bool force = false;
+};
+ExitCode calibrateCamera(const CalibrateCameraOptions& options);
 
 struct ReplayOptions {
   std::filesystem::path log;  ///< or the folder of a run

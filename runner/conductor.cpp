@@ -95,9 +95,9 @@ void Conductor::setLight(double intensity, const std::string& label) {
 
 void Conductor::shakeHands() {
   if (phase_ != Phase::kHandshake) return;
-  const bool somebody_else =
+  const bool another =
       handshake_.advance(loop_.now(), [this](std::int32_t id) { return isObeyedBy(id); });
-  if (somebody_else) command(handshake_.command());
+  if (another) command(handshake_.command());
   if (!handshake_.done()) return;
   for (const std::int32_t id : handshake_.unknown()) {
     fault("robot " + std::to_string(id) +

@@ -1,6 +1,7 @@
 #include "runner/handshake.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "common/experiment_messages.hpp"
 
@@ -11,6 +12,7 @@ constexpr double kTurnRate = 2;                       // [rad/s]
 constexpr std::int64_t kTurnPatience_us = 3'000'000;  // some six times what the tracker needs
 // A board on a serial line needs 2.5 s until it is spoken to, and a second for its settings.
 constexpr std::int64_t kEchoPatience_us = 10'000'000;
+constexpr std::int64_t kSwing_us = 600'000;  // 70 degrees
 constexpr int kTries = 2;
 
 }  // namespace
@@ -33,7 +35,7 @@ void Handshake::see(const tracked_frame_t& frame) {
 
 bool Handshake::advance(std::int64_t utime, const std::function<bool(std::int32_t)>& obeyed) {
   if (waiting_.empty()) return false;
-  if (begun_ && !isOver(utime, obeyed)) return false;
+  if (begun_ && !isOver(utime, obeyed)) return swing(utime);
   begun_ = true;
   std::erase_if(waiting_, [this](const Turn& turn) { return known_.contains(turn.robot_id); });
   if (waiting_.empty()) return false;
@@ -44,7 +46,10 @@ bool Handshake::advance(std::int64_t utime, const std::function<bool(std::int32_
 bool Handshake::isOver(std::int64_t utime, const std::function<bool(std::int32_t)>& obeyed) {
   const Turn current = waiting_.front();
   if (known_.contains(current.robot_id)) return true;
-  if (obeyed_utime_ == 0 && obeyed(current.robot_id)) obeyed_utime_ = utime;
+  if (obeyed_utime_ == 0 && obeyed(current.robot_id)) {
+    obeyed_utime_ = utime;
+    swung_utime_ = utime;
+  }
   const bool turned = obeyed_utime_ != 0;
   const std::int64_t since = turned ? obeyed_utime_ : told_utime_;
   if (utime - since < (turned ? kTurnPatience_us : kEchoPatience_us)) return false;
@@ -58,6 +63,23 @@ bool Handshake::isOver(std::int64_t utime, const std::function<bool(std::int32_t
 }
 
 void Handshake::turn(std::int64_t utime) {
+  speed_ = std::abs(speed_);
+  tell();
+  told_utime_ = utime;
+  obeyed_utime_ = 0;
+}
+
+/// Back, and forth again: that a cap changes its turn when the robot does says more than that it
+/// turns.
+bool Handshake::swing(std::int64_t utime) {
+  if (obeyed_utime_ == 0 || utime - swung_utime_ < kSwing_us) return false;
+  speed_ = -speed_;
+  swung_utime_ = utime;
+  tell();
+  return true;
+}
+
+void Handshake::tell() {
   const std::int32_t chosen = waiting_.front().robot_id;
   command_ = standCommand(experiment_);
   for (robot_order_t& order : command_.orders) {
@@ -73,8 +95,6 @@ void Handshake::turn(std::int64_t utime) {
   drive.wheel_right = speed_;
   command_.orders.push_back(drive);
   command_.num_orders = static_cast<std::int32_t>(command_.orders.size());
-  told_utime_ = utime;
-  obeyed_utime_ = 0;
 }
 
 }  // namespace lab::runner

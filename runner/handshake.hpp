@@ -13,7 +13,8 @@
 
 namespace lab::runner {
 
-/// Decides who turns and for how long; the conductor does what it says. All others stand meanwhile.
+/// Decides who turns, to and fro, and for how long; the conductor does what it says. All others stand
+/// meanwhile.
 /// A robot that the tracker already knows is left out. One that it does not recognise has a second
 /// turn when all others are through.
 class Handshake {
@@ -28,7 +29,7 @@ class Handshake {
 
   /// Moves on where it is time.
   /// @param obeyed whether a robot does what it was told last
-  /// @return whether somebody else has to turn now: then command() has changed
+  /// @return whether somebody else has to turn now, or back: then command() has changed
   [[nodiscard]] bool advance(std::int64_t utime, const std::function<bool(std::int32_t)>& obeyed);
 
   [[nodiscard]] const robot_command_t& command() const { return command_; }
@@ -44,10 +45,12 @@ class Handshake {
   };
 
   void turn(std::int64_t utime);
+  [[nodiscard]] bool swing(std::int64_t utime);
+  void tell();
   [[nodiscard]] bool isOver(std::int64_t utime, const std::function<bool(std::int32_t)>& obeyed);
 
   const Experiment& experiment_;
-  double speed_;
+  double speed_;  ///< [m/s] of the right wheel of who turns, minus that of the left one
   std::vector<Turn> waiting_;  ///< the first one turns
   std::set<std::int32_t> known_;
   std::vector<std::int32_t> unknown_;
@@ -55,6 +58,7 @@ class Handshake {
   bool begun_ = false;
   std::int64_t told_utime_ = 0;
   std::int64_t obeyed_utime_ = 0;  ///< 0: not yet
+  std::int64_t swung_utime_ = 0;   ///< when it turned back last
 };
 
 }  // namespace lab::runner

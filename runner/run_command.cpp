@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "common/experiment_file.hpp"
+#include "common/units.hpp"
 #include "report/analyze_run.hpp"
 #include "report/report_error.hpp"
 #include "runner/commands.hpp"
@@ -16,6 +17,11 @@ namespace {
 void tell(const report::AnalyzedRun& analyzed) {
   for (const std::string& line : analyzed.headline) fmt::print("{}\n", line);
   fmt::print("report   {}\n", fs::absolute(analyzed.report).lexically_normal().string());
+}
+
+bool isPoseFile(const fs::path& path) {
+  const std::string ending = path.extension().string();
+  return fs::is_regular_file(path) && (ending == ".csv" || ending == ".CSV" || ending == ".tsv");
 }
 
 }  // namespace
@@ -54,14 +60,35 @@ ExitCode check(const fs::path& file, const std::vector<std::string>& set) {
   return kDone;
 }
 
-ExitCode analyze(const fs::path& run_or_log, const std::optional<fs::path>& out) {
-  if (!fs::is_directory(run_or_log) && !fs::is_regular_file(run_or_log)) {
-    throw UserError(run_or_log.string() + " is neither the folder of a run nor a log");
+ExitCode analyze(const AnalyzeOptions& options) {
+  const fs::path& input = options.input;
+  if (!fs::is_directory(input) && !fs::is_regular_file(input)) {
+    throw UserError(input.string() +
+                    " is neither the folder of a run nor a log nor a file of poses");
   }
   // The results of two logs in one folder must not replace each other.
-  const fs::path beside =
-      fs::is_directory(run_or_log) ? run_or_log : fs::path(run_or_log.string() + "-report");
-  tell(report::analyzeRun(run_or_log, out.value_or(beside)));
+  const bool poses = isPoseFile(input);
+  fs::path beside = input;
+  if (poses) {
+    beside.replace_extension();
+    beside += "-report";
+  } else if (!fs::is_directory(input)) {
+    beside += "-report";
+  }
+  const fs::path out = options.out.value_or(beside);
+  if (poses) {
+    report::PoseFileOptions columns;
+    if (options.scale_cm) columns.scale = *options.scale_cm * units::kCentimetre;
+    columns.fps = options.fps;
+    tell(report::analyzePoses(input, out, columns, {options.program, options.set}));
+    return kDone;
+  }
+  if (!options.program.empty() || !options.set.empty() || options.scale_cm || options.fps) {
+    throw UserError(input.string() +
+                    ": found no file of poses (.csv); --program, --set, --scale-cm and --fps are for "
+                    "these, a log knows what its robots ran");
+  }
+  tell(report::analyzeRun(input, out));
   return kDone;
 }
 

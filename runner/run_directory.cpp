@@ -6,9 +6,11 @@
 #include <fstream>
 #include <iterator>
 
+#include "common/camera_file.hpp"
 #include "common/experiment_file.hpp"
 #include "common/motor_file.hpp"
 #include "light/image.hpp"
+#include "optics/simulated_camera.hpp"
 #include "runner/exit_code.hpp"
 
 namespace lab::runner {
@@ -50,6 +52,36 @@ void adoptMotors(Experiment& experiment, const fs::path& motors, const fs::path&
   fs::create_directories(run / files::kCalibration);
   fs::copy_file(motors, run / name);
   experiment.hardware.motors = name.string();
+}
+
+/// The calibration that the tracker is to use: as the file says it, or the simulated camera's own.
+std::string cameraInForce(const Experiment& experiment, const fs::path& source) {
+  const Camera& camera = experiment.camera;
+  if (camera.calibration.empty()) {
+    CameraCalibration calibration;
+    calibration.camera = optics::simulatedCamera(camera.width, camera.height,
+                                                 experiment.arena_width, experiment.arena_height);
+    calibration.arena_width = experiment.arena_width;
+    calibration.arena_height = experiment.arena_height;
+    return cameraFileText(calibration);
+  }
+  const fs::path file = source / camera.calibration;
+  const optics::CameraParameters calibrated = readCameraFile(file).camera;
+  if (calibrated.width != camera.width || calibrated.height != camera.height) {
+    throw UserError(fmt::format(
+        "{}: found a calibration of {} x {} pixels, expected {} x {} as width_px and height_px say; "
+        "change them, or calibrate at that size",
+        file.string(), calibrated.width, calibrated.height, camera.width, camera.height));
+  }
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+void adoptCamera(Experiment& experiment, const std::string& calibration, const fs::path& run) {
+  const fs::path name = fs::path(files::kCalibration) / "camera_in_force.json";
+  fs::create_directories(run / files::kCalibration);
+  writeNewFile(run / name, calibration);
+  experiment.camera.calibration = name.string();
 }
 
 /// Recordings stay where they are, as they are large: the run's file names them from its own folder.
@@ -107,8 +139,11 @@ PreparedRun prepareRun(Experiment experiment, const fs::path& source, const fs::
   const std::vector<fs::path> recordings = findRecordings(experiment, source);
   const fs::path motors = experiment.hardware.motors;
   if (!motors.empty()) static_cast<void>(readMotorFile(source / motors));  // or say why not, now
+  const bool by_camera = experiment.camera.tracker == Tracker::kCamera;
+  const std::string camera = by_camera ? cameraInForce(experiment, source) : std::string();
   run.directory = makeRunDirectory(parent, experiment.name, utime);
   if (!motors.empty()) adoptMotors(experiment, source / motors, run.directory);
+  if (by_camera) adoptCamera(experiment, camera, run.directory);
   adoptRecordings(experiment, recordings, run.directory);
   adoptImages(experiment, source, run.directory);
   run.effective = writeExperiment(experiment);

@@ -3,6 +3,7 @@
 #include <lab/clock_t.hpp>
 #include <list>
 
+#include "cameras/memory_cameras.hpp"
 #include "common/channels.hpp"
 #include "common/log_file.hpp"
 #include "common/memory_bus.hpp"
@@ -18,11 +19,12 @@ constexpr std::int64_t kSettle_us = 500'000;  // for what is still under way at 
 
 /// One service with its node, as a process would hold them.
 struct Member {
-  Member(Bus& bus, Loop& loop, SerialPorts& ports, const ServiceDescription& description,
-         const PreparedRun& run)
+  Member(Bus& bus, Loop& loop, SerialPorts& ports, Cameras& cameras,
+         const ServiceDescription& description, const PreparedRun& run)
       : node(bus, loop, {description.name, description.origin, 1}),
         service(description.make({node, loop, run.experiment, run.directory, ports,
-                                  std::filesystem::canonical("/proc/self/exe").parent_path()})) {}
+                                  std::filesystem::canonical("/proc/self/exe").parent_path(),
+                                  cameras})) {}
   Node node;
   std::unique_ptr<Service> service;
 };
@@ -38,10 +40,11 @@ RunOutcome runVirtual(const PreparedRun& run, const ShowProgress& show,
   bus.subscribeAll([&log](const Packet& packet) { log.write(packet); });
 
   MemorySerial ports(loop);
+  MemoryCameras cameras(loop);
   RunOutcome outcome;
   std::list<Member> members;
   for (const ServiceDescription& description : labServices(run.experiment)) {
-    members.emplace_back(bus, loop, ports, description, run);
+    members.emplace_back(bus, loop, ports, cameras, description, run);
   }
   Node node(bus, loop, {"lab", 0, 1});
   std::string why = "ended by the user";

@@ -4,13 +4,14 @@
 #include "projector_ctl/projector_service.hpp"
 #include "robot_bridge/bridge_service.hpp"
 #include "sim_svc/sim_service.hpp"
+#include "tracker_svc/tracker_service.hpp"
 
 namespace lab::runner {
 
 std::vector<ServiceDescription> labServices(const Experiment& experiment) {
   std::vector<ServiceDescription> services = {
       analysis::serviceDescription(), projector::serviceDescription(),
-      bridge::serviceDescription(), sim::serviceDescription()};
+      bridge::serviceDescription(), tracker::serviceDescription(), sim::serviceDescription()};
   std::erase_if(services, [&](const auto& service) { return !service.wanted(experiment); });
   return services;
 }

@@ -1,0 +1,19 @@
+/// The board in a picture. Picture in, discs out.
+#pragma once
+
+#include <optional>
+
+#include "calibration/board.hpp"
+#include "calibration/camera_fit.hpp"
+#include "optics/image.hpp"
+
+namespace lab::runner {
+
+/// All discs of the board, as a grid; which corner of it comes first is chance, and makes no
+/// difference to a camera. Dark blobs that are as round as an ellipse are fitted like the circles of
+/// caps; neighbours are followed from disc to disc, so that strangers beside the board do no harm.
+/// @return empty where not every disc was found
+[[nodiscard]] std::optional<calibration::BoardView> findBoard(const optics::GreyView& picture,
+                                                              const calibration::BoardSpec& board);
+
+}  // namespace lab::runner

@@ -1,0 +1,258 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <fstream>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+
+#include "calibration/board.hpp"
+#include "calibration/camera_fit.hpp"
+#include "calibration/camera_report.hpp"
+#include "cameras/film_reader.hpp"
+#include "common/camera_file.hpp"
+#include "common/experiment_file.hpp"
+#include "common/units.hpp"
+#include "runner/board_finder.hpp"
+#include "runner/cap_gathering.hpp"
+#include "runner/commands.hpp"
+#include "runner/film_progress.hpp"
+
+namespace lab::runner {
+namespace {
+
+namespace fs = std::filesystem;
+using calibration::CameraFit;
+using calibration::CameraSights;
+
+constexpr double kCenti = 0.01;            // [m]
+constexpr std::size_t kFirstPictures = 6;  // from which the first idea of the camera is made
+constexpr std::size_t kFewestBoards = 4;
+constexpr std::size_t kMostBoards = 40;
+constexpr std::int64_t kMostFrames = 2000;  // that are searched, evenly over the film
+
+std::unique_ptr<FilmReader> openFilm(const std::string& source) {
+  try {
+    return FilmReader::open(source);
+  } catch (const CameraError& error) {
+    throw UserError(error.what());
+  }
+}
+
+std::vector<double> numbersIn(const std::string& text, const std::string& separators) {
+  std::vector<double> out;
+  for (const std::string& part : CLI::detail::split(text, ' ')) {
+    std::string rest = part;
+    std::ranges::replace_if(
+        rest, [&](char c) { return separators.find(c) != std::string::npos; }, ' ');
+    for (const std::string& word : CLI::detail::split(rest, ' ')) {
+      double value = 0;
+      if (word.empty()) continue;
+      if (!CLI::detail::lexical_cast(word, value)) return {};
+      out.push_back(value);
+    }
+  }
+  return out;
+}
+
+CameraSights sightsFor(const CalibrateCameraOptions& options) {
+  CameraSights sights;
+  const std::vector<double> corners = numbersIn(options.corners, ",;");
+  if (corners.size() != 8) {
+    throw UserError(fmt::format(
+        "--corners: found \"{}\", expected four pixels \"u,v u,v u,v u,v\": where the arena's inner "
+        "corners (0, 0), (width, 0), (width, height), (0, height) are on the floor",
+        options.corners));
+  }
+  for (std::size_t i = 0; i < 4; ++i) sights.corners[i] = {corners[2 * i], corners[2 * i + 1]};
+  const std::vector<double> arena = numbersIn(options.arena_cm, "x");
+  if (arena.size() != 2 || !(arena[0] >= 10 && arena[0] <= 2000 && arena[1] >= 10 &&
+                             arena[1] <= 2000)) {
+    throw UserError(fmt::format(
+        "--arena-cm: found \"{}\", expected width x height as 120x90, each 10 to 2000",
+        options.arena_cm));
+  }
+  sights.arena_width = kCenti * arena[0];
+  sights.arena_height = kCenti * arena[1];
+  sights.corner_sigma = options.corner_px;
+  sights.cap.height = kCenti * options.cap_height_cm;
+  sights.cap.big_offset = kCenti * options.spacing_cm / 2;
+  sights.cap.small_offset = -sights.cap.big_offset;
+  if (options.camera_height_cm) sights.camera_height = kCenti * *options.camera_height_cm;
+  sights.with_k3 = options.k3;
+  return sights;
+}
+
+void checkSize(const std::string& source, const CameraSights& sights, const CameraFrame& frame) {
+  if (frame.grey.width == sights.width && frame.grey.height == sights.height) return;
+  throw UserError(fmt::format("{}: frame {} has {} x {} px, expected {} x {} as before", source,
+                              frame.number, frame.grey.width, frame.grey.height, sights.width,
+                              sights.height));
+}
+
+/// Pictures spread over the film, however long it is; their size goes into the sights.
+std::vector<optics::GreyImage> firstPictures(const std::string& source, CameraSights& sights) {
+  const std::unique_ptr<FilmReader> film = openFilm(source);
+  std::vector<optics::GreyImage> pictures;
+  std::int64_t every = 1;
+  CameraFrame frame;
+  for (std::int64_t i = 0; film->next(frame); ++i) {
+    const optics::GreyView& grey = frame.grey;
+    if (sights.width == 0) {
+      sights.width = grey.width;
+      sights.height = grey.height;
+    }
+    checkSize(source, sights, frame);
+    if (i % every != 0) continue;
+    optics::GreyImage& picture = pictures.emplace_back(grey.width, grey.height);
+    for (int y = 0; y < grey.height; ++y) std::copy_n(grey.row(y), grey.width, picture.row(y));
+    if (pictures.size() < 2 * kFirstPictures) continue;
+    for (std::size_t kept = 0; kept < kFirstPictures; ++kept) {
+      if (kept > 0) pictures[kept] = std::move(pictures[2 * kept]);
+    }
+    pictures.resize(kFirstPictures);
+    every *= 2;
+  }
+  if (pictures.empty()) {
+    const std::string problem = film->problem();
+    throw UserError(fmt::format("{}: found no frame in it{}{}; expected a movie or pictures", source,
+                                problem.empty() ? "" : ": ", problem));
+  }
+  return pictures;
+}
+
+/// The caps of the whole film, as they are found with this camera.
+std::vector<calibration::CapSight> capsOf(const std::string& source,
+                                          const optics::CameraParameters& camera,
+                                          const optics::CapGeometry& cap) {
+  const std::unique_ptr<FilmReader> film = openFilm(source);
+  const std::int64_t every = std::max<std::int64_t>(1, film->length() / kMostFrames);
+  CapGathering gathering(camera, cap);
+  FilmProgress progress(film->length());
+  CameraFrame frame;
+  for (std::int64_t i = 0; film->next(frame); ++i) {
+    if (i % every == 0) gathering.take(frame.grey);
+    progress.show(i + 1);
+  }
+  return gathering.caps();
+}
+
+calibration::BoardSpec boardOf(const CalibrateCameraOptions& options) {
+  try {
+    return calibration::boardFrom(options.board);
+  } catch (const std::invalid_argument& error) {
+    throw UserError(fmt::format("--board: {}", error.what()));
+  }
+}
+
+/// The board in the pictures that show all of it; their size goes into the sights.
+void findBoards(const CalibrateCameraOptions& options, CameraSights& sights) {
+  const calibration::BoardSpec board = boardOf(options);
+  const std::unique_ptr<FilmReader> pictures = openFilm(options.board_pictures);
+  int count = 0;
+  for (CameraFrame frame; pictures->next(frame) && sights.boards.size() < kMostBoards; ++count) {
+    if (count == 0) {
+      sights.width = frame.grey.width;
+      sights.height = frame.grey.height;
+    }
+    checkSize(options.board_pictures, sights, frame);
+    if (auto view = findBoard(frame.grey, board)) sights.boards.push_back(std::move(*view));
+  }
+  fmt::print("boards    {} of {} pictures show all {} discs\n", sights.boards.size(), count,
+             board.columns * board.rows);
+  if (sights.boards.size() < kFewestBoards) {
+    throw UserError(fmt::format(
+        "{}: found the whole board of {} x {} discs in {} pictures, needed {}: flat, sharp, evenly lit, "
+        "and tilted to different sides",
+        options.board_pictures, board.columns, board.rows, sights.boards.size(), kFewestBoards));
+  }
+}
+
+/// With a board: caps, where there is a film of them, make the pose more certain.
+CameraFit calibrateWithBoards(const CalibrateCameraOptions& options, CameraSights& sights) {
+  findBoards(options, sights);
+  const CameraFit fit = calibration::fitCamera(sights);
+  if (options.source.empty() || !(fit.camera.fx > 0)) return fit;
+  static_cast<void>(firstPictures(options.source, sights));
+  sights.caps = capsOf(options.source, fit.camera, sights.cap);
+  return calibration::fitCamera(sights, fit.camera);
+}
+
+CameraFit calibrate(const CalibrateCameraOptions& options, CameraSights& sights) {
+  if (!options.board_pictures.empty()) return calibrateWithBoards(options, sights);
+  const std::vector<optics::GreyImage> pictures = firstPictures(options.source, sights);
+  CameraFit fit;
+  fit.refusal = calibration::cornerFault(sights.corners, sights.width, sights.height,
+                                         sights.arena_width, sights.arena_height);
+  if (!fit.refusal.empty()) return fit;
+  const std::optional<optics::CameraParameters> camera = roughCamera(sights, pictures);
+  if (!camera) {
+    fit.refusal = "found no cap in any of the pictures looked at: are there robots in it, are the "
+                  "corners right, and --arena-cm, --spacing-cm, --cap-height-cm?";
+    return fit;
+  }
+  // Once with the first idea, with which caps may be missed where the lens bends most, and once more
+  // with what came out.
+  calibration::CameraFitLimits anywhere;
+  anywhere.caps_in_part = 0;
+  sights.caps = capsOf(options.source, *camera, sights.cap);
+  fit = calibration::fitCamera(sights, camera, anywhere);
+  if (!(fit.camera.fx > 0)) return fit;
+  sights.caps = capsOf(options.source, fit.camera, sights.cap);
+  return calibration::fitCamera(sights, fit.camera);
+}
+
+void refuseExisting(const fs::path& path, bool force) {
+  if (!fs::exists(path) || force) return;
+  throw UserError(path.string() + ": is there already; choose another name, or --force to replace it");
+}
+
+void write(const fs::path& path, const std::string& text) {
+  const fs::path part = path.string() + ".part";
+  {
+    std::ofstream file(part, std::ios::binary);
+    file << text;
+    file.close();
+    if (!file) throw UserError(path.string() + ": cannot be written");
+  }
+  fs::rename(part, path);
+}
+
+ExitCode printBoard(const CalibrateCameraOptions& options) {
+  refuseExisting(options.print_board, options.force);
+  write(options.print_board, calibration::boardSvg(boardOf(options)));
+  fmt::print("board     {}\n", options.print_board.string());
+  return kDone;
+}
+
+}  // namespace
+
+ExitCode calibrateCamera(const CalibrateCameraOptions& options) {
+  if (!options.print_board.empty()) return printBoard(options);
+  refuseExisting(options.out, options.force);
+  if (options.source.empty() && options.board_pictures.empty()) {
+    throw UserError("calibrate camera: found neither SOURCE nor --board-pictures, expected a film of "
+                    "robots, pictures of a board, or both");
+  }
+  CameraSights sights = sightsFor(options);
+  const CameraFit fit = calibrate(options, sights);
+  if (fit.map.rms > 0) fmt::print("{}", calibration::cameraReport(fit));
+  if (!fit.refusal.empty()) {
+    fmt::print("refused   {}: {}\n",
+               options.source.empty() ? options.board_pictures : options.source, fit.refusal);
+    return kFailed;
+  }
+  CameraCalibration calibration;
+  calibration.camera = fit.camera;
+  calibration.cap = sights.cap;
+  calibration.arena_width = sights.arena_width;
+  calibration.arena_height = sights.arena_height;
+  calibration.residual = fit.map.rms;
+  write(options.out, cameraFileText(calibration));
+  fmt::print("camera    {}\n", options.out.string());
+  return kDone;
+}
+
+}  // namespace lab::runner

@@ -1,0 +1,39 @@
+/// Caps from pictures of a camera that is not known yet. Pictures in, sightings out.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <set>
+#include <vector>
+
+#include "calibration/camera_fit.hpp"
+#include "optics/image.hpp"
+#include "optics/imaging.hpp"
+#include "tracker_svc/detector.hpp"
+
+namespace lab::runner {
+
+/// The camera from which most caps are found in these pictures, of cameras at several heights with
+/// several distortions that all fit to the corners: a first idea of the true one. Where as many are
+/// found, the one with which their spacings are most alike.
+/// @return empty where none finds a cap
+[[nodiscard]] std::optional<optics::CameraParameters> roughCamera(
+    const calibration::CameraSights& sights, const std::vector<optics::GreyImage>& pictures);
+
+/// Collects caps, one for each place and heading: robots that stand tell nothing new, and what is
+/// wrong with their picture stays wrong in every frame.
+class CapGathering {
+ public:
+  CapGathering(const optics::CameraParameters& camera, const optics::CapGeometry& cap);
+
+  void take(const optics::GreyView& picture);
+
+  [[nodiscard]] const std::vector<calibration::CapSight>& caps() const { return caps_; }
+
+ private:
+  tracker::Detector detector_;
+  std::set<std::int64_t> taken_;  // places and headings
+  std::vector<calibration::CapSight> caps_;
+};
+
+}  // namespace lab::runner

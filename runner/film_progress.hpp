@@ -1,0 +1,35 @@
+/// One line on the terminal that says how far a film is.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <string>
+
+namespace lab::runner {
+
+/// "[#####.....] 123 of 400 frames, 96 a second, 3 s left"; without bar and end where the length is
+/// not known (0).
+[[nodiscard]] std::string filmProgressText(std::int64_t done, std::int64_t length, double seconds);
+
+/// Rewrites its line on a terminal; elsewhere it says nothing.
+class FilmProgress {
+ public:
+  explicit FilmProgress(std::int64_t length);
+  ~FilmProgress();
+  FilmProgress(const FilmProgress&) = delete;
+  FilmProgress& operator=(const FilmProgress&) = delete;
+
+  void show(std::int64_t done);
+
+  /// Since the beginning [s].
+  [[nodiscard]] double seconds() const;
+
+ private:
+  std::int64_t length_;
+  bool terminal_;
+  bool shown_ = false;
+  std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+  double next_ = 0;  ///< [s]
+};
+
+}  // namespace lab::runner

@@ -1,0 +1,248 @@
+#include <fmt/format.h>
+
+#include <array>
+#include <cerrno>
+#include <cmath>
+#include <csignal>
+#include <cstring>
+#include <fstream>
+#include <optional>
+#include <utility>
+
+#include "cameras/film_reader.hpp"
+#include "common/camera_file.hpp"
+#include "common/experiment_file.hpp"
+#include "runner/commands.hpp"
+#include "runner/film_overlay.hpp"
+#include "runner/film_progress.hpp"
+#include "tracker_svc/film_tracking.hpp"
+
+namespace lab::runner {
+namespace {
+
+namespace fs = std::filesystem;
+using tracker::FilmRow;
+using tracker::FilmSummary;
+
+constexpr double kCm = 100;
+constexpr double kPercent = 100;
+constexpr double kDefaultFps = 30;           // of an overlay movie of pictures without a rate
+constexpr double kSpacingTolerance = 0.005;  // share by which circles may be off before it is said
+
+volatile std::sig_atomic_t interrupted = 0;
+
+/// While it lives, Ctrl-C ends the film and not the program.
+class Interruptible {
+ public:
+  Interruptible() {
+    interrupted = 0;
+    for (std::size_t i = 0; i < kSignals.size(); ++i) {
+      before_[i] = std::signal(kSignals[i], [](int) { interrupted = 1; });
+    }
+  }
+  ~Interruptible() {
+    for (std::size_t i = 0; i < kSignals.size(); ++i) std::signal(kSignals[i], before_[i]);
+  }
+  Interruptible(const Interruptible&) = delete;
+  Interruptible& operator=(const Interruptible&) = delete;
+
+ private:
+  static constexpr std::array kSignals{SIGINT, SIGTERM};
+  std::array<void (*)(int), kSignals.size()> before_{};
+};
+
+/// The rows, under another name until they are all there.
+class PoseWriter {
+ public:
+  PoseWriter(fs::path path, bool force) : path_(std::move(path)), part_(path_.string() + ".part") {
+    if (fs::exists(path_) && !force) {
+      throw UserError(path_.string() +
+                      ": is there already; choose another --out, or --force to replace it");
+    }
+    if (fs::is_directory(path_)) {
+      throw UserError(path_.string() + ": is a folder; --out names the file of poses");
+    }
+    file_.open(part_, std::ios::binary);
+    if (!file_) {
+      throw UserError(
+          fmt::format("{}: cannot be written: {}", path_.string(), std::strerror(errno)));
+    }
+    file_ << tracker::filmCsvHeader();
+  }
+
+  ~PoseWriter() {
+    std::error_code ignored;
+    fs::remove(part_, ignored);
+  }
+  PoseWriter(const PoseWriter&) = delete;
+  PoseWriter& operator=(const PoseWriter&) = delete;
+
+  void write(const std::vector<FilmRow>& rows) {
+    for (const FilmRow& row : rows) file_ << tracker::filmCsvLine(row);
+  }
+
+  void finish() {
+    file_.close();
+    if (!file_) throw std::runtime_error(path_.string() + ": cannot be written: is the disk full?");
+    fs::rename(part_, path_);
+  }
+
+ private:
+  fs::path path_;
+  fs::path part_;
+  std::ofstream file_;
+};
+
+std::unique_ptr<FilmReader> openFilm(const std::string& source) {
+  try {
+    return FilmReader::open(source);
+  } catch (const CameraError& error) {
+    throw UserError(error.what());
+  }
+}
+
+/// A calibration holds for pictures of one size only.
+void checkSize(const TrackOptions& options, const CameraCalibration& calibration, int width,
+               int height) {
+  const optics::CameraParameters& camera = calibration.camera;
+  if (width == camera.width && height == camera.height) return;
+  const bool same_shape = width * camera.height == height * camera.width;
+  throw UserError(fmt::format(
+      "{}: found pictures of {} x {} px, expected {} x {} px as in {}; calibrate the camera at the "
+      "size of the film{}",
+      options.source, width, height, camera.width, camera.height, options.calibration.string(),
+      same_shape ? fmt::format(", or convert the film: ffmpeg -i FILM -vf scale={}:{} ...",
+                               camera.width, camera.height)
+                 : ""));
+}
+
+tracker::TrackerSettings trackerSettings(const CameraCalibration& calibration) {
+  tracker::TrackerSettings settings;
+  settings.arena_width = calibration.arena_width;
+  settings.arena_height = calibration.arena_height;
+  settings.robot_radius = calibration.cap.robot_radius;
+  return settings;
+}
+
+std::unique_ptr<FilmOverlay> openOverlay(const TrackOptions& options,
+                                         const CameraCalibration& calibration, double fps) {
+  if (options.overlay.empty()) return nullptr;
+  return FilmOverlay::open(
+      {.path = options.overlay,
+       .force = options.force,
+       .fps = (fps > 0 ? fps : kDefaultFps) / static_cast<double>(options.every),
+       .camera = optics::CameraModel(calibration.camera),
+       .cap = calibration.cap});
+}
+
+void tell(const FilmSummary& film, const CameraCalibration& calibration, std::int64_t dropped,
+          double seconds) {
+  fmt::print(
+      "{} frames ({} dropped), {} to {} robots in each, {} tracks, {} poses ({} degraded), "
+      "mean confidence {:.2f}, {:.0f} frames a second",
+      film.frames, dropped, film.fewest, film.most, film.ids, film.rows, film.degraded,
+      film.confidence, static_cast<double>(film.frames) / std::max(seconds, 1e-9));
+  const double expected = calibration.cap.spacing();
+  const double off = film.spacing > 0 ? film.spacing / expected - 1 : 0;
+  if (film.spacing > 0) {
+    fmt::print(", circles {:.4f} cm apart ({:+.2f} %, spread {:.2f} %)", film.spacing * kCm,
+               off * kPercent, film.spacing_spread / expected * kPercent);
+  }
+  fmt::print("\n");
+  if (film.surplus > 0) {
+    fmt::print("note     {} more were found than there are robots, and left out\n", film.surplus);
+  }
+  if (film.rows == 0) {
+    fmt::print("note     no robot was found; --overlay NAME.png shows what was refused and why\n");
+  }
+  if (std::abs(off) > kSpacingTolerance) {
+    fmt::print(
+        "warning  the circles of a cap are {:.4f} cm apart, the calibration says {:.4f} cm: was "
+        "the camera moved, or its zoom? Calibrate it again (docs/calibration.md)\n",
+        film.spacing * kCm, expected * kCm);
+  }
+}
+
+/// One film from its first frame to its last.
+class Film {
+ public:
+  Film(const TrackOptions& options, const CameraCalibration& calibration, FilmReader& reader)
+      : options_(options),
+        calibration_(calibration),
+        reader_(reader),
+        detector_(optics::CameraModel(calibration.camera), calibration.cap,
+                  calibration.imaging.value_or(optics::Imaging{})),
+        caps_(trackerSettings(calibration), {}),
+        tracking_(detector_, caps_, options.robots),
+        overlay_(openOverlay(options, calibration, reader.format().fps)),
+        poses_(options.out, options.force) {}
+
+  ExitCode track() {
+    const Interruptible until_interrupted;
+    std::string problem;
+    double seconds = 0;
+    {
+      FilmProgress progress(reader_.length());
+      try {
+        CameraFrame frame;
+        for (std::int64_t i = 0; interrupted == 0 && reader_.next(frame); ++i) {
+          if (i % options_.every == 0) take(frame);
+          progress.show(i + 1);
+        }
+        problem = interrupted != 0 ? "stopped before its end" : reader_.problem();
+      } catch (const CameraError& error) {
+        problem = error.what();
+      }
+      seconds = progress.seconds();
+    }
+    if (tracking_.summary().frames == 0) {
+      throw UserError(fmt::format("{}: found no frame in it{}{}; expected a movie or pictures",
+                                  options_.source, problem.empty() ? "" : ": ", problem));
+    }
+    poses_.finish();
+    if (overlay_) overlay_->finish();
+    tell(tracking_.summary(), calibration_, reader_.dropped(), seconds);
+    fmt::print("poses    {}\n", options_.out.string());
+    if (overlay_) fmt::print("overlay  {}\n", options_.overlay.string());
+    if (problem.empty()) return kDone;
+    const bool named = problem.starts_with(options_.source);
+    fmt::print("marked   {}{}; the poses up to there are kept\n",
+               named ? "" : options_.source + ": ", problem);
+    return kMarked;
+  }
+
+ private:
+  void take(const CameraFrame& frame) {
+    constexpr double kMicro = 1e-6;
+    checkSize(options_, calibration_, frame.grey.width, frame.grey.height);
+    const double time = static_cast<double>(frame.utime) * kMicro;
+    const bool draw = overlay_ && overlay_->wantsNext();
+    rejected_.clear();
+    const std::vector<FilmRow>& rows =
+        tracking_.take(frame.number, time, frame.grey, draw ? &rejected_ : nullptr);
+    poses_.write(rows);
+    if (overlay_) overlay_->add({frame.number, time, frame.grey, rows, rejected_});
+  }
+
+  const TrackOptions& options_;
+  const CameraCalibration& calibration_;
+  FilmReader& reader_;
+  tracker::Detector detector_;
+  tracker::CapTracker caps_;
+  tracker::FilmTracking tracking_;
+  std::unique_ptr<FilmOverlay> overlay_;
+  PoseWriter poses_;
+  std::vector<tracker::Rejection> rejected_;
+};
+
+}  // namespace
+
+ExitCode track(const TrackOptions& options) {
+  const CameraCalibration calibration = readCameraFile(options.calibration);
+  const std::unique_ptr<FilmReader> reader = openFilm(options.source);
+  const CameraFormat format = reader->format();
+  if (format.width > 0) checkSize(options, calibration, format.width, format.height);
+  return Film(options, calibration, *reader).track();
+}
+
+}  // namespace lab::runner

@@ -1,0 +1,194 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <sstream>
+
+#include "../common/temporary_folder.hpp"
+#include "../tracker_svc/painted_film.hpp"
+#include "cameras/film_reader.hpp"
+#include "common/camera_file.hpp"
+#include "common/experiment_file.hpp"
+#include "light/image.hpp"
+#include "runner/commands.hpp"
+#include "runner/exit_code.hpp"
+#include "runner/movie_writer.hpp"
+
+namespace lab::runner {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+using tracker::PaintedFilm;
+
+std::string textOf(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::ostringstream text;
+  text << stream.rdbuf();
+  return text.str();
+}
+
+int linesIn(const std::string& text) { return static_cast<int>(std::ranges::count(text, '\n')); }
+
+void writePng(const fs::path& path, const optics::GreyImage& image) {
+  ASSERT_FALSE(light::writeFile(path, light::encodePng(image.width, image.height, image.pixels)));
+}
+
+/// A folder with a film of five pictures and the calibration of its camera.
+class TrackCommand : public testing::Test {
+ protected:
+  TrackCommand() {
+    fs::create_directory(folder_ / "film");
+    PaintedFilm film;
+    for (int k = 0; k < 5; ++k) {
+      writePng(folder_ / ("film/f000" + std::to_string(k) + ".png"), film.frame(k));
+    }
+    CameraCalibration calibration;
+    calibration.camera = PaintedFilm::settings().camera;
+    write("camera.json", cameraFileText(calibration));
+    calibration.camera = optics::simulatedCamera(1280, 960, 1.2, 0.9);
+    write("other.json", cameraFileText(calibration));
+    options_.source = (folder_ / "film").string();
+    options_.calibration = folder_ / "camera.json";
+    options_.out = folder_ / "poses.csv";
+  }
+
+  void write(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ / name) << text;
+  }
+
+  /// The message of the error that tracking ends with.
+  [[nodiscard]] std::string problem() const {
+    try {
+      static_cast<void>(track(options_));
+    } catch (const UserError& error) {
+      return error.what();
+    } catch (const ExperimentError& error) {
+      return error.what();
+    }
+    return "none";
+  }
+
+  TemporaryFolder folder_;
+  TrackOptions options_;
+};
+
+TEST_F(TrackCommand, WritesARowForEveryRobotInEveryPicture) {
+  EXPECT_EQ(track(options_), kDone);
+
+  const std::string poses = textOf(options_.out);
+  EXPECT_EQ(poses.substr(0, poses.find('\n')), "frame,id,x_cm,y_cm,theta_rad,u,v,confidence,t_s");
+  EXPECT_EQ(linesIn(poses), 1 + 5 * 3);
+  EXPECT_THAT(poses, HasSubstr("\n4,3,"));
+  EXPECT_FALSE(fs::exists(options_.out.string() + ".part"));
+}
+
+TEST_F(TrackCommand, TakesEverySecondPictureWhenToldTo) {
+  options_.every = 2;
+
+  EXPECT_EQ(track(options_), kDone);
+
+  const std::string poses = textOf(options_.out);
+  EXPECT_EQ(linesIn(poses), 1 + 3 * 3);
+  EXPECT_THAT(poses, testing::Not(HasSubstr("\n1,")));
+}
+
+TEST_F(TrackCommand, ReplacesNothingUnasked) {
+  write("poses.csv", "precious");
+
+  EXPECT_THAT(problem(), HasSubstr("--force"));
+  EXPECT_EQ(textOf(options_.out), "precious");
+
+  options_.force = true;
+  EXPECT_EQ(track(options_), kDone);
+  EXPECT_EQ(linesIn(textOf(options_.out)), 16);
+}
+
+TEST_F(TrackCommand, NamesBothSizesWhereTheCalibrationIsOfAnother) {
+  options_.calibration = folder_ / "other.json";
+
+  const std::string said = problem();
+
+  EXPECT_THAT(said, HasSubstr("640 x 480"));
+  EXPECT_THAT(said, HasSubstr("1280 x 960"));
+  EXPECT_THAT(said, HasSubstr("other.json"));
+  EXPECT_FALSE(fs::exists(options_.out));
+}
+
+TEST_F(TrackCommand, SaysWhatIsMissing) {
+  options_.calibration = folder_ / "none.json";
+  EXPECT_THAT(problem(), HasSubstr("none.json"));
+
+  options_.calibration = folder_ / "camera.json";
+  options_.source = (folder_ / "nowhere").string();
+  EXPECT_THAT(problem(), HasSubstr("nowhere"));
+
+  fs::create_directory(folder_ / "empty");
+  options_.source = (folder_ / "empty").string();
+  EXPECT_THAT(problem(), HasSubstr("empty"));
+  EXPECT_FALSE(fs::exists(options_.out));
+}
+
+TEST_F(TrackCommand, RefusesATextThatIsCalledAMovie) {
+  write("notes.avi", "these are notes\n");
+  options_.source = (folder_ / "notes.avi").string();
+
+  EXPECT_THAT(problem(), HasSubstr("notes.avi"));
+  EXPECT_FALSE(fs::exists(options_.out));
+}
+
+TEST_F(TrackCommand, DrawsAContactSheet) {
+  options_.overlay = folder_ / "sheet.png";
+
+  EXPECT_EQ(track(options_), kDone);
+
+  EXPECT_EQ(textOf(options_.overlay).substr(1, 3), "PNG");
+  EXPECT_THAT(problem(), HasSubstr("--force"));
+}
+
+TEST_F(TrackCommand, DrawsAFolderOfPictures) {
+  options_.overlay = folder_ / "drawn";
+
+  EXPECT_EQ(track(options_), kDone);
+
+  EXPECT_TRUE(fs::exists(folder_ / "drawn/f000004.jpg"));
+}
+
+TEST_F(TrackCommand, DrawsAMovie) {
+  if (!isInstalled("ffmpeg")) GTEST_SKIP() << "ffmpeg is not installed";
+  options_.overlay = folder_ / "drawn.mkv";
+
+  EXPECT_EQ(track(options_), kDone);
+  ASSERT_GT(fs::file_size(options_.overlay), 1000U);
+
+  const std::unique_ptr<FilmReader> drawn = FilmReader::open(options_.overlay.string());
+  int frames = 0;
+  for (CameraFrame frame; drawn->next(frame); ++frames) {
+    EXPECT_EQ(frame.grey.width, PaintedFilm::kWidth);
+  }
+  EXPECT_EQ(frames, 5);
+}
+
+TEST_F(TrackCommand, KeepsWhatATruncatedMovieStillHad) {
+  if (!isInstalled("ffmpeg")) GTEST_SKIP() << "ffmpeg is not installed";
+  const fs::path whole = folder_ / "whole.avi";
+  const std::string command = "ffmpeg -v error -framerate 30 -i '" + options_.source +
+                              "/f%04d.png' -c:v ffv1 '" + whole.string() + "'";
+  ASSERT_EQ(std::system(command.c_str()), 0);
+  fs::copy_file(whole, folder_ / "cut.avi");
+  fs::resize_file(folder_ / "cut.avi", fs::file_size(whole) * 6 / 10);
+  options_.source = (folder_ / "cut.avi").string();
+
+  EXPECT_EQ(track(options_), kMarked);
+
+  const int rows = linesIn(textOf(options_.out)) - 1;
+  EXPECT_GE(rows, 3);
+  EXPECT_LT(rows, 15);
+}
+
+}  // namespace
+}  // namespace lab::runner
