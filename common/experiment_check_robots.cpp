@@ -269,6 +269,13 @@ void checkCamera(const ExperimentForm& form, Problems& problems) {
   } else if (!isPainted(camera) && camera.calibration.empty()) {
     problems.add("camera.calibration",
                  "found none, needed for any camera but \"sim\" (lab calibrate camera)");
+  } else if (!isPainted(camera) && !problems.concern("robots") &&
+             std::ranges::none_of(form.robots, [](const RobotEntry& entry) {
+               return entry.body == Body::kSerial;
+             })) {
+    problems.add("camera.camera", "found \"" + camera.source +
+                                      "\", but no robot with body = \"serial\" that it could see; "
+                                      "simulated robots are seen by camera = \"sim\"");
   }
 }
 

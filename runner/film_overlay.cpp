@@ -95,7 +95,7 @@ class ContactSheet final : public FilmOverlay {
     if (wantsNext()) {
       tiles_.push_back(painter_.paint(frame, kTileWidth));
       if (tiles_.size() == 2 * kTiles) {
-        for (std::size_t i = 0; i < kTiles; ++i) tiles_[i] = std::move(tiles_[2 * i]);
+        for (std::size_t i = 1; i < kTiles; ++i) tiles_[i] = std::move(tiles_[2 * i]);
         tiles_.resize(kTiles);
         stride_ *= 2;
       }

@@ -30,6 +30,7 @@ Handshake::Handshake(const Experiment& experiment)
 }
 
 void Handshake::see(const tracked_frame_t& frame) {
+  known_.clear();
   for (const tracked_pose_t& pose : frame.robots) known_.insert(pose.robot_id);
 }
 

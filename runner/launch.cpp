@@ -85,6 +85,13 @@ Launched launch(const LaunchOptions& options, Experiment experiment, const ShowP
   fs::path logger;
   std::string url;
   std::optional<PortLock> port_lock;
+  const Camera& camera = experiment.camera;
+  if (options.virtual_time && camera.tracker == Tracker::kCamera && !isPainted(camera)) {
+    throw UserError(fmt::format(
+        "camera.camera = \"{}\": in virtual time there is only the simulated camera; say camera = "
+        "\"sim\", or run in real time",
+        camera.source));
+  }
   requireDisk(experiment, options.out);
   if (!options.virtual_time) {
     logger = requireProgram("lcm-logger", "liblcm-bin");

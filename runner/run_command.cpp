@@ -9,6 +9,7 @@
 #include "runner/commands.hpp"
 #include "runner/launch.hpp"
 #include "runner/progress_line.hpp"
+#include "runner/run_directory.hpp"
 
 namespace lab::runner {
 namespace fs = std::filesystem;
@@ -56,7 +57,11 @@ ExitCode run(const RunOptions& options) {
 }
 
 ExitCode check(const fs::path& file, const std::vector<std::string>& set) {
-  fmt::print("{}", describeExperiment(loadExperiment(file, set)));
+  const Experiment experiment = loadExperiment(file, set);
+  if (experiment.camera.tracker == Tracker::kCamera) {
+    static_cast<void>(cameraInForce(experiment, file.parent_path()));
+  }
+  fmt::print("{}", describeExperiment(experiment));
   return kDone;
 }
 

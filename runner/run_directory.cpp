@@ -54,7 +54,25 @@ void adoptMotors(Experiment& experiment, const fs::path& motors, const fs::path&
   experiment.hardware.motors = name.string();
 }
 
-/// The calibration that the tracker is to use: as the file says it, or the simulated camera's own.
+void adoptCamera(Experiment& experiment, const std::string& calibration, const fs::path& run) {
+  const fs::path name = fs::path(files::kCalibration) / "camera_in_force.json";
+  fs::create_directories(run / files::kCalibration);
+  writeNewFile(run / name, calibration);
+  experiment.camera.calibration = name.string();
+}
+
+/// Recordings stay where they are, as they are large: the run's file names them from its own folder.
+void adoptRecordings(Experiment& experiment, const std::vector<fs::path>& recordings,
+                     const fs::path& run) {
+  for (std::size_t i = 0; i < recordings.size(); ++i) {
+    if (recordings[i].empty()) continue;
+    experiment.robots[i].log =
+        fs::relative(fs::canonical(recordings[i]), fs::canonical(run)).string();
+  }
+}
+
+}  // namespace
+
 std::string cameraInForce(const Experiment& experiment, const fs::path& source) {
   const Camera& camera = experiment.camera;
   if (camera.calibration.empty()) {
@@ -76,25 +94,6 @@ std::string cameraInForce(const Experiment& experiment, const fs::path& source) 
   std::ifstream stream(file, std::ios::binary);
   return {std::istreambuf_iterator<char>(stream), {}};
 }
-
-void adoptCamera(Experiment& experiment, const std::string& calibration, const fs::path& run) {
-  const fs::path name = fs::path(files::kCalibration) / "camera_in_force.json";
-  fs::create_directories(run / files::kCalibration);
-  writeNewFile(run / name, calibration);
-  experiment.camera.calibration = name.string();
-}
-
-/// Recordings stay where they are, as they are large: the run's file names them from its own folder.
-void adoptRecordings(Experiment& experiment, const std::vector<fs::path>& recordings,
-                     const fs::path& run) {
-  for (std::size_t i = 0; i < recordings.size(); ++i) {
-    if (recordings[i].empty()) continue;
-    experiment.robots[i].log =
-        fs::relative(fs::canonical(recordings[i]), fs::canonical(run)).string();
-  }
-}
-
-}  // namespace
 
 std::string utcText(std::int64_t utime) {
   return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}",

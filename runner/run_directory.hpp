@@ -35,6 +35,12 @@ void writeNewFile(const std::filesystem::path& path, const std::string& text);
 /// "2026-01-31T12:00:00Z"
 [[nodiscard]] std::string utcText(std::int64_t utime);
 
+/// The calibration file that the tracker is to use: as the experiment says it, or the simulated
+/// camera's own, which is then made. @param source folder that the path is relative to.
+/// @throws ExperimentError, UserError when it cannot be read or is of pictures of another size.
+[[nodiscard]] std::string cameraInForce(const Experiment& experiment,
+                                        const std::filesystem::path& source);
+
 /// The experiment file as run, for the folder and the record.
 struct PreparedRun {
   Experiment experiment;

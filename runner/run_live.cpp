@@ -93,7 +93,10 @@ class LiveRun {
               [this] { return "lcm-logger writes nothing" + lookInto(); });
     supervisor_.startServices();
     waitUntil([this] { return supervisor_.missing().empty(); }, [] {},
-              [this] { return "not ready: " + supervisor_.missing() + lookInto(); });
+              [this] {
+                const std::string ended = supervisor_.endedWith();
+                return (ended.empty() ? "not ready: " + supervisor_.missing() : ended) + lookInto();
+              });
     node_.start();
     if (seat_) seat_->begin();
   }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <fstream>
 
 #include "runner/services.hpp"
 
@@ -58,6 +59,27 @@ std::unique_ptr<ChildProcess> Supervisor::startService(const std::string& name, 
     arguments.insert(arguments.end(), {"--ports", (run_.directory / files::kPorts).string()});
   }
   return std::make_unique<ChildProcess>(name, arguments, logFolder() / (name + ".txt"));
+}
+
+/// What a program said last, without the time and level that its log begins a line with.
+static std::string lastLine(const fs::path& log) {
+  std::ifstream file(log);
+  std::string last;
+  for (std::string line; std::getline(file, line);) {
+    if (!line.empty()) last = line;
+  }
+  constexpr std::string_view kLevel = "[error] ";
+  const auto level = last.find(kLevel);
+  return level == std::string::npos ? last : last.substr(level + kLevel.size());
+}
+
+std::string Supervisor::endedWith() const {
+  for (const Entry& entry : services_) {
+    if (entry.process->running()) continue;
+    const std::string said = lastLine(logFolder() / (entry.name + ".txt"));
+    return entry.name + ": " + (said.empty() ? entry.process->ending() : said);
+  }
+  return {};
 }
 
 std::string Supervisor::missing() const {

@@ -29,6 +29,9 @@ class Supervisor {
   /// Names of the services that have not said READY.
   [[nodiscard]] std::string missing() const;
 
+  /// The service that ended by itself, and what it said last; empty: none.
+  [[nodiscard]] std::string endedWith() const;
+
   /// Whether a process has already ended by itself.
   [[nodiscard]] bool anyEnded() const;
 

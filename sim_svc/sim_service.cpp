@@ -110,13 +110,13 @@ SimService::SimService(const ServiceContext& context)
       bus_robots_(world_, withBody(context.experiment, Body::kSim),
                   context.experiment.hardware.sensor_period),
       outer_robots_(world_, context.ports, [this] { follow(loop_.now()); }),
+      camera_(isPainted(experiment_.camera)
+                  ? std::make_unique<PaintedCamera>(experiment_, context.cameras, loop_)
+                  : nullptr),
       start_utime_(context.loop.now()),
       // The robots were switched on a little earlier, each at an instant of its own.
       origin_utime_(start_utime_ - units::microseconds(world_.settings().boot_spread)),
       ghosts_(world_, context.experiment, context.directory, start_utime_) {
-  if (isPainted(experiment_.camera)) {
-    camera_ = std::make_unique<PaintedCamera>(experiment_, context.cameras, loop_);
-  }
   world_.setLight(&light_);
   const MotorCalibrations motors = motorsInForce(context);
   bus_robots_.take(toMessage(motors));

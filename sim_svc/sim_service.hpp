@@ -64,10 +64,10 @@ class SimService final : public Service {
   TrackerModel tracker_;
   BusRobots bus_robots_;
   OuterRobots outer_robots_;
-  std::int64_t start_utime_;
+  std::unique_ptr<PaintedCamera> camera_;  ///< empty: poses are published, not pictures
+  std::int64_t start_utime_;  ///< after the camera: to prepare it takes a while
   std::int64_t origin_utime_;  ///< of world time 0
   Ghosts ghosts_;
-  std::unique_ptr<PaintedCamera> camera_;  ///< empty: poses are published, not pictures
   std::int64_t frame_number_ = 0;
   std::int64_t status_number_ = 0;
   std::int64_t truth_number_ = 0;

@@ -11,8 +11,8 @@ namespace lab::tracker {
 
 /// Median over the directions of the contrast (inside - rim) / (inside + rim) at the rim of a cap
 /// with its axis at `middle`; about 0 on bare floor, 0.15 and more around a cap whatever the light.
-/// A light edge touches few directions, so the median does not see it. 0 where less than half of the
-/// rim lies in the picture.
+/// A light edge touches few directions, so the median does not see it. 0 where less than half of
+/// the rim lies in the picture.
 [[nodiscard]] float rimContrast(const optics::GreyView& picture, optics::Pixel middle,
                                 const LocalScale& scale, const optics::CapGeometry& cap,
                                 const optics::Imaging& imaging);

@@ -15,21 +15,25 @@ using fit::Outcome;
 using fit::Task;
 using fit::Window;
 
-constexpr double kMostWay = 0.5;       // [radius] from the start
-constexpr double kMostError = 0.08;    // [radius] standard error of the centre, by x or y
-constexpr float kMostRatio = 0.2F;     // [1] dark / white: black paint on white has 0.08
-constexpr float kMostScale = 0.15F;    // [1]
-constexpr float kMostMisfit = 0.03F;   // [1] residuals that noise cannot explain over the white level
-constexpr float kLeastBelieved = 0.6F; // [1] share of the pixels that are of the model
+constexpr double kMostWay = 0.5;     // [radius] from the start
+constexpr double kMostError = 0.08;  // [radius] standard error of the centre, by x or y
+constexpr float kMostRatio = 0.2F;   // [1] dark / white: black paint on white has 0.08
+constexpr float kMostScale = 0.15F;  // [1]
+// [1] residuals that noise cannot explain over the white level
+constexpr float kMostMisfit = 0.02F;
+constexpr float kLeastBelieved = 0.6F;  // [1] share of the pixels that are of the model
 constexpr double kDoubtful = 0.02;      // [radius] standard error of the centre: looked at closely
-constexpr float kOddCorrelation = 0.25F;  // of residuals: something is there that is not in the model
-constexpr float kOddBelieved = 0.8F;
+// of residuals: something is there that is not in the model
+constexpr float kOddCorrelation = 0.25F;
+constexpr float kOddBelieved = 0.87F;
 constexpr float kOddScale = 0.06F;
-constexpr float kEdgePays = 0.7F;      // [1] of the cost must be left with a light edge in the model
-constexpr float kBlurOff = 1.3F;       // [1] blur beyond the one expected: looked at anew
-constexpr float kBlurStep = 0.25F;     // [px]
+// [1] of the cost must be left with a light edge in the model
+constexpr float kEdgePays = 0.7F;
+constexpr float kBlurOff = 1.3F;     // [1] blur beyond the one expected: looked at anew
+constexpr float kEdgeDoubt = 0.05F;  // [1] of the ratio
+constexpr float kBlurStep = 0.25F;   // [px]
 
-FitFault faultOf(const Outcome& o, const fit::Constants& constants) {
+FitFault faultOf(const Outcome& o, bool edge, const fit::Constants& constants) {
   if (!o.good) return FitFault::kDiverged;
   const double radius = static_cast<double>(constants.radius);
   const float noise = std::max(1.0F, o.noise);
@@ -37,17 +41,20 @@ FitFault faultOf(const Outcome& o, const fit::Constants& constants) {
     return FitFault::kLowContrast;
   }
   // The black level may be off by a step, which counts where there is little light.
-  const float doubt = 3 * noise * o.ratio_error + 1 / o.white;
+  // With an edge in the model the ratio is sure where there is any light, and a wrong model is not.
+  const float doubt = std::min(edge ? kEdgeDoubt : 1.0F, 3 * noise * o.ratio_error) + 1 / o.white;
   if (o.ratio - doubt > kMostRatio) return FitFault::kNotDark;
   if (std::abs(o.scale - 1) > kMostScale || o.believed < kLeastBelieved) {
     return FitFault::kNotRound;
   }
+  // Another size and something left over: another shape.
+  if (std::abs(o.scale - 1) > kOddScale && o.correlation > kOddCorrelation) {
+    return FitFault::kNotRound;
+  }
   // Noise is not shared by neighbouring pixels; what is shared is another shape.
   const float by_chance = 3 / std::sqrt(static_cast<float>(std::max(1, o.pixels)));
-  const float expected =
-      std::sqrt(constants.floor_variance + constants.shot_gain * 0.5F * o.white);
-  const float misfit =
-      std::sqrt(std::max(0.0F, o.correlation - by_chance)) * o.noise * expected;
+  const float expected = std::sqrt(constants.floor_variance + constants.shot_gain * 0.5F * o.white);
+  const float misfit = std::sqrt(std::max(0.0F, o.correlation - by_chance)) * o.noise * expected;
   return misfit > kMostMisfit * o.white ? FitFault::kNotRound : FitFault::kNone;
 }
 
@@ -88,8 +95,8 @@ Outcome litFrom(const Task& task, GridPoint start, Window& window) {
   if (!wide) return out;
   Outcome better;
   fit::settleLit(*wide, fit::nearest({out.x, out.y}), window, better);
-  if (better.good && better.cost * static_cast<float>(out.pixels) <
-                         out.cost * static_cast<float>(better.pixels)) {
+  if (better.good &&
+      better.cost * static_cast<float>(out.pixels) < out.cost * static_cast<float>(better.pixels)) {
     return better;
   }
   fit::settleLit(task, start, window, out);  // the window and its light once more
@@ -98,9 +105,7 @@ Outcome litFrom(const Task& task, GridPoint start, Window& window) {
 
 }  // namespace
 
-float DiscShape::radius() const {
-  return 1.0F / std::sqrt(std::abs(m[0] * m[3] - m[1] * m[2]));
-}
+float DiscShape::radius() const { return 1.0F / std::sqrt(std::abs(m[0] * m[3] - m[1] * m[2])); }
 
 CircleFit fitCircle(const optics::GreyView& picture, optics::Pixel start, const DiscShape& shape,
                     const optics::Imaging& imaging) {
@@ -118,16 +123,19 @@ CircleFit fitCircle(const optics::GreyView& picture, optics::Pixel start, const 
   Outcome best = plainFrom(task, fit::nearest(start), window, point);
   const bool odd = isOdd(best);
   if (odd) {
-    const Outcome lit = litFrom(task, point.value_or(fit::nearest(start)), window);
+    const GridPoint first = fit::nearest(start);
+    Outcome lit = litFrom(task, point.value_or(first), window);
+    if (!lit.good && point && !(*point == first)) lit = litFrom(task, first, window);
     if (lit.good && (!best.good || lit.cost * static_cast<float>(best.pixels) <
-                                      kEdgePays * best.cost * static_cast<float>(lit.pixels))) {
+                                       kEdgePays * best.cost * static_cast<float>(lit.pixels))) {
       best = lit;
       out.edge = true;
     } else {
-      best = plainFrom(task, fit::nearest(start), window, point);  // for what it leaves in the window
+      // for what it leaves in the window
+      best = plainFrom(task, fit::nearest(start), window, point);
     }
   }
-  out.fault = faultOf(best, task.constants);
+  out.fault = faultOf(best, out.edge, task.constants);
   if (!best.good) return out;
   const bool doubtful =
       best.covariance[0] + best.covariance[2] > 2 * kDoubtful * kDoubtful * radius * radius;

@@ -33,16 +33,22 @@ struct CircleFit {
   double x = 0;  ///< [px] centre
   double y = 0;
   std::array<double, 3> covariance{};  ///< [px^2] xx, xy, yy, with the floor from the residuals
-  float white = 0;     ///< [DN] of the cap at the centre
+  float white = 0;                     ///< [DN] of the cap at the centre
   float ratio = 0;     ///< [1] dark / white, black level taken off: about 0.08 at any light
   float residual = 0;  ///< [1] root mean square of the residuals over the expected noise
   float scale = 1;     ///< [1] fitted radius over the expected one
   bool edge = false;   ///< a light edge crosses the circle and was fitted with it
 };
 
-/// Fits position, radius scale, dark level and a tilted white plane under the given outline, blurred;
-/// where the residuals ask for it, a straight light edge as well. Starts at `start`; a start within a
-/// quarter of the radius of the centre leads to the same centre, whatever the start.
+/// Fits position, radius scale, blur, dark level and a tilted white plane under the given outline;
+/// where the residuals ask for it, one or two light edges as well (circle_fit_edge.hpp). Starts at
+/// `start`; a start within a quarter of the radius of the centre leads to the same centre, to the
+/// last bit (circle_fit_grid.hpp; with light edges across the circle nearly always).
+///
+/// (x, y) is the centre of the ellipse that the outline makes in the picture. The centre of the
+/// circle itself appears up to a hundredth of a pixel beside it, by perspective: the caller's
+/// business. `imaging` is a first guess only: blur is fitted, and the covariance follows the
+/// residuals.
 [[nodiscard]] CircleFit fitCircle(const optics::GreyView& picture, optics::Pixel start,
                                   const DiscShape& shape, const optics::Imaging& imaging);
 

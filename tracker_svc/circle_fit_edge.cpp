@@ -4,19 +4,25 @@
 #include <cmath>
 
 #include "tracker_svc/circle_fit_edge_model.hpp"
+#include "tracker_svc/circle_fit_sectors.hpp"
 #include "tracker_svc/circle_fit_solve.hpp"
 #include "tracker_svc/circle_fit_split.hpp"
 
 namespace lab::tracker::fit {
 namespace {
 
+constexpr float kHopelessRatio = 0.6F;  // no circle after the first try: not looked at further
+constexpr float kHopelessBelieved = 0.35F;
+constexpr int kMostMoves = 6;
 constexpr int kPasses = 8;
-constexpr int kTrusting = 2;  // passes until residuals may count for less: a guess may be a side off
-constexpr double kDoubt = 0.03;   // [px] as in the plain fit
-constexpr double kFloor = 0.0045; // [px] as in the plain fit, with light edges that are not quite straight
-constexpr float kClean = 0.25F;   // [1] correlation of residuals below which one line is enough
-constexpr float kFits = 0.82F;    // [1] and the share of pixels that are of the model
-constexpr float kBetter = 0.9F;   // [1] of the cost, for three more unknowns
+// passes until residuals may count for less: a guess may be a side off
+constexpr int kTrusting = 2;
+constexpr double kDoubt = 0.03;  // [px] as in the plain fit
+// [px] as in the plain fit, with light edges that are not quite straight
+constexpr double kFloor = 0.0045;
+constexpr float kClean = 0.25F;  // [1] correlation of residuals below which one line is enough
+constexpr float kFits = 0.82F;   // [1] and the share of pixels that are of the model
+constexpr float kBetter = 0.9F;  // [1] of the cost, for three more unknowns
 
 template <std::size_t kLines>
 void know(Sums<litUnknowns(kLines)>& sums, std::size_t i, float off, float spread) {
@@ -81,7 +87,8 @@ LitFit fitLines(const Task& task, Window& window, const LitDisc& from) {
     for (std::size_t i = 0; i < kCount; ++i) left -= by[i] * sums.right[i];
     const bool robust = pass > kTrusting;
     const float noise = noiseOver(
-        left, (robust ? sums.counts.weight : sums.counts.pixels) - static_cast<double>(kCount), robust);
+        left, (robust ? sums.counts.weight : sums.counts.pixels) - static_cast<double>(kCount),
+        robust);
     if (pass >= kTrusting) cutoff = kCutoff * std::max(1.0F, noise);
 
     const auto step = [&](std::size_t i, float most) {
@@ -100,9 +107,9 @@ LitFit fitLines(const Task& task, Window& window, const LitDisc& from) {
       turn(lit.line[i], step(kLitLevel + kLevels + 2 * i, 0.3F));
       lit.line[i].offset += step(kLitLevel + kLevels + 2 * i + 1, most_step);
     }
-    lit.edge_sigma = std::clamp(
-        lit.edge_sigma + step(kLitLevel + kLevels + 2 * kLines, 0.3F * sigma), 0.8F * sigma,
-        3 * sigma);
+    lit.edge_sigma =
+        std::clamp(lit.edge_sigma + step(kLitLevel + kLevels + 2 * kLines, 0.3F * sigma),
+                   0.8F * sigma, 3 * sigma);
     if constexpr (kLines == 1) {
       lit.bend = std::clamp(lit.bend + step(kCount - 1, 0.03F), -0.1F, 0.1F);
     }
@@ -175,12 +182,16 @@ std::optional<GridPoint> settleLit(const Task& task, GridPoint start, Window& wi
     if (!gather(*task.picture, at.x, at.y, *task.shape, task.margin, window)) return std::nullopt;
     Disc rough;
     rough.sigma = task.sigma;
+    if (point == start && !darkInside(window, task.constants, task.sigma)) return std::nullopt;
     outcome = fitLit(task, window, rough);
-    if (!outcome.good) return std::nullopt;
+    if (!outcome.good || outcome.ratio > kHopelessRatio || outcome.believed < kHopelessBelieved) {
+      outcome.good = false;
+      return std::nullopt;
+    }
     last = point;
     return optics::Pixel{outcome.x, outcome.y};
   };
-  const std::optional<GridPoint> chosen = settle(start, kDoubt, estimate);
+  const std::optional<GridPoint> chosen = settle(start, kDoubt, kMostMoves, estimate);
   if (chosen && !(last == *chosen)) static_cast<void>(estimate(*chosen));
   return chosen;
 }

@@ -8,9 +8,9 @@ namespace lab::tracker::fit {
 namespace {
 
 struct Side {
-  Lanes share;   // 0 behind the line, 1 beyond
-  Lanes rise;    // d share / d distance [1/px]
-  Lanes along;   // [px]
+  Lanes share;  // 0 behind the line, 1 beyond
+  Lanes rise;   // d share / d distance [1/px]
+  Lanes along;  // [px]
   Lanes z;
 };
 
@@ -19,8 +19,7 @@ LAB_INLINE void sideOf(const Line& line, float bend, float edge_sigma, const Lan
   const float nx = line.nx;
   const float ny = line.ny;
   side.along = nx * y - ny * x;
-  const Lanes distance =
-      nx * x + ny * y - line.offset + side.along * side.along * (0.5F * bend);
+  const Lanes distance = nx * x + ny * y - line.offset + side.along * side.along * (0.5F * bend);
   side.z = distance / edge_sigma;
   Lanes slope;
   edgeProfile(side.z, side.share, slope);
@@ -28,8 +27,8 @@ LAB_INLINE void sideOf(const Line& line, float bend, float edge_sigma, const Lan
 }
 
 template <std::size_t kLines>
-LAB_INLINE void sumAll(Window& window, const Constants& constants, const LitDisc& lit,
-                       float cutoff, Sums<litUnknowns(kLines)>& sums) {
+LAB_INLINE void sumAll(Window& window, const Constants& constants, const LitDisc& lit, float cutoff,
+                       Sums<litUnknowns(kLines)>& sums) {
   constexpr std::size_t kCount = litUnknowns(kLines);
   constexpr std::size_t kLevels = levelsOf(kLines);
   const Disc& disc = lit.disc;
@@ -79,9 +78,13 @@ LAB_INLINE void sumAll(Window& window, const Constants& constants, const LitDisc
       crossing += jump[i] * side[i].rise * (lit.line[i].nx * paint_x + lit.line[i].ny * paint_y);
     }
     const Lanes signal = white * lightness + crossing * (disc.sigma * disc.sigma);
-    Lanes residual;
-    Lanes weight;
-    weigh(value, signal, constants, over_cutoff, counts, residual, weight);
+    const Lanes residual = value - constants.black - signal;
+    const Lanes certain = certaintyOf(value, signal, constants, counts);
+    const Lanes square = residual * residual * certain;
+    const Lanes belief = beliefOf(square, over_cutoff);
+    const Lanes weight = certain * belief;
+    counts.weight += certain > 0.0F ? belief : Lanes{};
+    counts.cost += limitedCost(square);
 
     const Lanes rise = white * paint.slope * (contrast * over_sigma);
     Lanes slopes[kCount];
@@ -102,7 +105,8 @@ LAB_INLINE void sumAll(Window& window, const Constants& constants, const LitDisc
     }
     slopes[kLitLevel + kLevels + 2 * kLines] = softness;
     if constexpr (kLines == 1) {
-      slopes[kCount - 1] = lightness * jump[0] * side[0].rise * side[0].along * side[0].along * 0.5F;
+      slopes[kCount - 1] =
+          lightness * jump[0] * side[0].rise * side[0].along * side[0].along * 0.5F;
     }
     lanes.add(slopes, residual, weight);
     storeLanes(window.residual + at, residual * weight);
@@ -116,16 +120,20 @@ LAB_INLINE void sumAll(Window& window, const Constants& constants, const LitDisc
 }  // namespace
 
 template <>
-__attribute__((target_clones("avx2", "default")))
-void sumLitDisc<1>(Window& window, const Constants& constants, const LitDisc& disc,
-                   float cutoff, Sums<litUnknowns(1)>& sums) {
+__attribute__((target_clones("avx2", "default"))) void sumLitDisc<1>(Window& window,
+                                                                     const Constants& constants,
+                                                                     const LitDisc& disc,
+                                                                     float cutoff,
+                                                                     Sums<litUnknowns(1)>& sums) {
   sumAll<1>(window, constants, disc, cutoff, sums);
 }
 
 template <>
-__attribute__((target_clones("avx2", "default")))
-void sumLitDisc<2>(Window& window, const Constants& constants, const LitDisc& disc,
-                   float cutoff, Sums<litUnknowns(2)>& sums) {
+__attribute__((target_clones("avx2", "default"))) void sumLitDisc<2>(Window& window,
+                                                                     const Constants& constants,
+                                                                     const LitDisc& disc,
+                                                                     float cutoff,
+                                                                     Sums<litUnknowns(2)>& sums) {
   sumAll<2>(window, constants, disc, cutoff, sums);
 }
 

@@ -17,13 +17,13 @@
 namespace lab::tracker::fit {
 
 struct Line {
-  float nx = 1;      ///< the normal, of unit length
+  float nx = 1;  ///< the normal, of unit length
   float ny = 0;
   float offset = 0;  ///< [px] of the line from the origin of the window, along the normal
 };
 
 struct LitDisc {
-  Disc disc;                 ///< its white level is not used
+  Disc disc;                     ///< its white level is not used
   std::array<float, 4> level{};  ///< [DN] behind both lines, beyond the first, the second, both
   std::array<Line, 2> line{};
   float bend = 0;        ///< [1/px] of the first line, where there is only one

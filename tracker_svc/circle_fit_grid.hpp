@@ -1,5 +1,5 @@
-/// Where a fit begins, so that every start near a circle ends at the same bits. Internal to the circle
-/// fit.
+/// Where a fit begins, so that every start near a circle ends at the same bits. Internal to the
+/// circle fit.
 #pragma once
 
 #include <cmath>
@@ -26,19 +26,19 @@ inline GridPoint nearest(const optics::Pixel& p) {
 }
 
 /// Walks over the grid to the point whose own estimate of the centre lies in its own cell. Where
-/// neighbouring points claim the centre, the first in reading order has it, whichever was met first;
-/// that holds while their estimates differ by less than `doubt` [px].
+/// neighbouring points claim the centre, the first in reading order has it, whichever was met
+/// first; that holds while their estimates differ by less than `doubt` [px].
 /// @param estimate from a grid point, by nothing but that point and the picture: an
 ///   std::optional<optics::Pixel>
 template <typename Estimate>
-std::optional<GridPoint> settle(GridPoint here, double doubt, const Estimate& estimate) {
-  constexpr int kMostMoves = 8;
+std::optional<GridPoint> settle(GridPoint here, double doubt, int most_moves,
+                                const Estimate& estimate) {
   GridPoint before = here;
   std::optional<optics::Pixel> found = estimate(here);
   for (int move = 0; found; ++move) {
     const GridPoint next = nearest(*found);
     if (next == here) break;
-    if (move == kMostMoves) return std::nullopt;
+    if (move == most_moves) return std::nullopt;
     if (move > 0 && next == before) return here.before(next) ? here : next;  // they name each other
     before = here;
     here = next;

@@ -44,15 +44,26 @@ LAB_INLINE double total(const Lanes& v) {
 /// 2e-3); constant outside.
 LAB_INLINE void edgeProfile(const Lanes& z, Lanes& share, Lanes& slope) {
   constexpr float kEnd = 3.0F;
-  constexpr float c[6] = {0.39874916F, -0.065853863F,  0.0093591116F,
-                          -0.00092187574F, 5.48147e-5F, -1.4486048e-6F};
+  constexpr float c[6] = {0.39874916F,     -0.065853863F, 0.0093591116F,
+                          -0.00092187574F, 5.48147e-5F,   -1.4486048e-6F};
   const Lanes near = clamped(z, -kEnd, kEnd);
+  // Pairs of terms first: a shorter chain than Horner's, which is what takes the time here.
   const Lanes q = near * near;
-  const Lanes odd = c[0] + q * (c[1] + q * (c[2] + q * (c[3] + q * (c[4] + q * c[5]))));
+  const Lanes q2 = q * q;
+  const Lanes q4 = q2 * q2;
+  const Lanes odd = (c[0] + q * c[1]) + q2 * (c[2] + q * c[3]) + q4 * (c[4] + q * c[5]);
   share = 0.5F + near * odd;
-  const Lanes even = c[0] + q * (3 * c[1] +
-                     q * (5 * c[2] + q * (7 * c[3] + q * (9 * c[4] + q * (11 * c[5])))));
+  const Lanes even = (c[0] + q * (3 * c[1])) + q2 * (5 * c[2] + q * (7 * c[3])) +
+                     q4 * (9 * c[4] + q * (11 * c[5]));
   slope = near == z ? even : Lanes{};
+}
+
+/// Phi(z) alone.
+LAB_INLINE Lanes edgeShare(const Lanes& z) {
+  Lanes share;
+  Lanes unused;
+  edgeProfile(z, share, unused);
+  return share;
 }
 
 template <std::size_t kCount>
@@ -97,8 +108,8 @@ struct LaneCounts {
 
 /// The paint at some pixels.
 struct Paint {
-  Lanes share;          ///< 0 black, 1 white
-  Lanes slope;          ///< d share / d z
+  Lanes share;  ///< 0 black, 1 white
+  Lanes slope;  ///< d share / d z
   Lanes z;
   Lanes over_distance;  ///< [1/px]
   Lanes out_x, out_y;   ///< [px] over_distance times this is the gradient of the distance
@@ -121,29 +132,32 @@ LAB_INLINE void paintAt(const Lanes& x, const Lanes& y, const Disc& disc, const 
 constexpr float kFull = 253.0F;        // [DN] expected above: clipped, or nearly so
 constexpr float kNearlyFull = 240.0F;  // [DN] a clipped pixel never reads less, with noise
 
-/// Residuals, and weights: one over the expected variance, less for what cannot be of this model.
-LAB_INLINE void weigh(const Lanes& value, const Lanes& signal, const Constants& constants,
-                      float over_cutoff, LaneCounts& counts, Lanes& residual, Lanes& weight) {
+/// How far a residual is believed: 1 where it is small, 0 beyond the cutoff.
+LAB_INLINE Lanes beliefOf(const Lanes& square, float over_cutoff) {
+  const Lanes far = clamped(1.0F - square * over_cutoff, 0.0F, 1.0F);
+  return far * far;
+}
+
+/// One over the expected variance; 0 where there is no pixel, or a full one.
+LAB_INLINE Lanes certaintyOf(const Lanes& value, const Lanes& signal, const Constants& constants,
+                             LaneCounts& counts) {
   const Lanes expected = signal + constants.black;
-  residual = value - expected;
   const Lanes lit = signal > 0.0F ? signal : Lanes{};
-  const Lanes variance = constants.floor_variance +
-                         lit * (constants.shot_gain + lit * constants.texture);
+  const Lanes variance =
+      constants.floor_variance + lit * (constants.shot_gain + lit * constants.texture);
   // Where the model says that the pixel is full, or nearly so, it tells nothing; the model decides,
   // and not the pixel, since picking by what is to be measured would shift the result.
   const LaneMask some = value != kNoPixel;
   const LaneMask full = some & (expected > kFull) & (value > kNearlyFull);
-  const Lanes used = some & ~full ? Lanes{} + 1.0F : Lanes{};
-  const Lanes certain = used / variance;
-  const Lanes square = residual * residual * certain;
-  const Lanes far = clamped(1.0F - square * over_cutoff, 0.0F, 1.0F);
-  const Lanes belief = far * far;
-  weight = certain * belief;
-  const Lanes limited = clamped(1.0F - square * (1.0F / (kLimit * kLimit)), 0.0F, 1.0F);
-  counts.cost += (1.0F - limited * limited * limited) * (kLimit * kLimit / 3.0F);
+  const LaneMask use = some & ~full;
   counts.full += full ? Lanes{} + 1.0F : Lanes{};
-  counts.weight += belief * used;
-  counts.pixels += used;
+  counts.pixels += use ? Lanes{} + 1.0F : Lanes{};
+  return use ? 1.0F / variance : Lanes{};
+}
+
+LAB_INLINE Lanes limitedCost(const Lanes& square) {
+  const Lanes limited = clamped(1.0F - square * (1.0F / (kLimit * kLimit)), 0.0F, 1.0F);
+  return (1.0F - limited * limited * limited) * (kLimit * kLimit / 3.0F);
 }
 
 }  // namespace lab::tracker::fit

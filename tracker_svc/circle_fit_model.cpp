@@ -3,8 +3,9 @@
 #include "tracker_svc/circle_fit_lanes.hpp"
 
 namespace lab::tracker::fit {
-__attribute__((target_clones("avx2", "default")))
-void sumLinear(const Window& window, const Constants& constants, float sigma, Sums<4>& sums) {
+__attribute__((target_clones("avx2", "default"))) void sumLinear(const Window& window,
+                                                                 const Constants& constants,
+                                                                 float sigma, Sums<4>& sums) {
   const float* rm = constants.rm;
   const float over_sigma = 1.0F / sigma;
   LaneSums<4> lanes;
@@ -18,12 +19,10 @@ void sumLinear(const Window& window, const Constants& constants, float sigma, Su
     Lanes share;
     Lanes slope;
     edgeProfile((distance - constants.radius) * over_sigma, share, slope);
-    const Lanes outward = slope * -over_sigma / distance;
+    const Lanes outward = slope * (-over_sigma / distance);
     const Lanes used = value != kNoPixel ? Lanes{} + 1.0F : Lanes{};
     const Lanes slopes[4] = {(rm[0] * qx + rm[2] * qy) * outward,
-                             (rm[1] * qx + rm[3] * qy) * outward,
-                             share,
-                             1.0F - share};
+                             (rm[1] * qx + rm[3] * qy) * outward, share, 1.0F - share};
     lanes.add(slopes, value - constants.black, used);
   }
   lanes.writeTo(sums);
@@ -31,89 +30,93 @@ void sumLinear(const Window& window, const Constants& constants, float sigma, Su
 
 namespace {
 
-// The model at eight pixels: its slopes by all unknowns, residuals and weights.
-template <typename Use>
-LAB_INLINE void eachGroup(const Window& window, const Constants& constants, const Disc& disc,
-                          float cutoff, LaneCounts& counts, const Use& use) {
+LAB_INLINE Lanes whiteAt(const Disc& disc, const Lanes& x, const Lanes& y) {
+  return disc.white + disc.slope_x * x + disc.slope_y * y;
+}
+
+// The value that the model has for eight pixels, black left out.
+LAB_INLINE Lanes signalAt(const Constants& constants, const Disc& disc, const Lanes& x,
+                          const Lanes& y, const Lanes& white) {
+  const float* rm = constants.rm;
+  const Lanes dx = x - disc.x;
+  const Lanes dy = y - disc.y;
+  const Lanes qx = rm[0] * dx + rm[1] * dy;
+  const Lanes qy = rm[2] * dx + rm[3] * dy;
+  const Lanes distance = rootOf(qx * qx + qy * qy + disc.sigma * disc.sigma);
+  const Lanes share = edgeShare((distance - constants.radius * disc.scale) * (1.0F / disc.sigma));
+  return white * (disc.ratio + (1.0F - disc.ratio) * share);
+}
+
+// The sums of one block: the slopes from `first` on.
+LAB_INLINE void sumBlock(const Window& window, std::size_t first, LaneSums<kBlock>& lanes) {
+  for (int at = 0; at < window.count; at += kLanes) {
+    const Slopes& kept = window.slopes[at / kLanes];
+    const Lanes slopes[kBlock] = {loadLanes(kept.by[first]), loadLanes(kept.by[first + 1]),
+                                  loadLanes(kept.by[first + 2]), loadLanes(kept.by[first + 3])};
+    // weight and residual of this pass, as sumBlocks() left them
+    lanes.add(slopes, loadLanes(window.residual + at), loadLanes(window.light + at));
+  }
+}
+
+}  // namespace
+
+__attribute__((target_clones("avx2", "default"))) void sumBlocks(Window& window,
+                                                                 const Constants& constants,
+                                                                 const Disc& disc, float cutoff,
+                                                                 Blocks& blocks) {
   const float over_sigma = 1.0F / disc.sigma;
   const float over_cutoff = 1.0F / (cutoff * cutoff);
   const float contrast = 1.0F - disc.ratio;
   const float outline = constants.radius * disc.scale;
+  LaneCounts counts;
   for (int at = 0; at < window.count; at += kLanes) {
     const Lanes x = loadLanes(window.x + at);
     const Lanes y = loadLanes(window.y + at);
     const Lanes value = loadLanes(window.value + at);
     Paint paint;
     paintAt(x, y, disc, constants.rm, outline, over_sigma, paint);
-    const Lanes white = disc.white + disc.slope_x * x + disc.slope_y * y;
+    const Lanes white = whiteAt(disc, x, y);
     const Lanes lightness = disc.ratio + contrast * paint.share;
-    Lanes residual;
-    Lanes weight;
-    weigh(value, white * lightness, constants, over_cutoff, counts, residual, weight);
+    const Lanes signal = white * lightness;
+    const Lanes residual = value - constants.black - signal;
+    const Lanes certain = certaintyOf(value, signal, constants, counts);
+    const Lanes belief = beliefOf(residual * residual * certain, over_cutoff);
+    counts.weight += certain > 0.0F ? belief : Lanes{};
 
     const Lanes rise = white * paint.slope * (contrast * over_sigma);
     const Lanes outward = rise * paint.over_distance;
-    const Lanes slopes[kUnknowns] = {-paint.out_x * outward,
-                                     -paint.out_y * outward,
-                                     lightness * x,
-                                     lightness * y,
-                                     lightness,
-                                     rise * (-constants.radius),
-                                     white * (1.0F - paint.share),
-                                     rise * (disc.sigma * paint.over_distance - paint.z)};
-    use(at, slopes, white, residual, weight);
+    Slopes& kept = window.slopes[at / kLanes];
+    storeLanes(kept.by[kX], -paint.out_x * outward);
+    storeLanes(kept.by[kY], -paint.out_y * outward);
+    storeLanes(kept.by[kSlopeX], lightness * x);
+    storeLanes(kept.by[kSlopeY], lightness * y);
+    storeLanes(kept.by[kWhite], lightness);
+    storeLanes(kept.by[kScale], rise * (-constants.radius));
+    storeLanes(kept.by[kRatio], white * (1.0F - paint.share));
+    storeLanes(kept.by[kSigma], rise * (disc.sigma * paint.over_distance - paint.z));
+    storeLanes(kept.weight, certain);
+    storeLanes(window.residual + at, residual);
+    storeLanes(window.light + at, certain * belief);
   }
-}
-
-}  // namespace
-
-__attribute__((target_clones("avx2", "default")))
-void sumBlocks(const Window& window, const Constants& constants, const Disc& disc, float cutoff,
-               Blocks& blocks) {
   LaneSums<kBlock> odd;
+  sumBlock(window, 0, odd);
   LaneSums<kBlock> even;
-  LaneCounts counts;
-  eachGroup(window, constants, disc, cutoff, counts,
-            [&](int, const Lanes* slopes, const Lanes&, const Lanes& residual,
-                const Lanes& weight)
-                LAB_INLINE_LAMBDA {
-                  odd.add(slopes, residual, weight);
-                  even.add(slopes + kBlock, residual, weight);
-                });
+  sumBlock(window, kBlock, even);
   Sums<kBlock> sums;
   odd.writeTo(sums);
   blocks.odd = sums.normal;
-  for (std::size_t i = 0; i < kBlock; ++i) blocks.right.right[i] = sums.right[i];
-  blocks.right.squares = sums.squares;
+  for (std::size_t i = 0; i < kBlock; ++i) blocks.right[i] = sums.right[i];
+  blocks.squares = sums.squares;
   even.writeTo(sums);
   blocks.even = sums.normal;
-  for (std::size_t i = 0; i < kBlock; ++i) blocks.right.right[kBlock + i] = sums.right[i];
-  counts.writeTo(blocks.right.counts);
+  for (std::size_t i = 0; i < kBlock; ++i) blocks.right[kBlock + i] = sums.right[i];
+  counts.writeTo(blocks.counts);
 }
 
-__attribute__((target_clones("avx2", "default")))
-void sumRight(const Window& window, const Constants& constants, const Disc& disc, float cutoff,
-              Right& right) {
-  LaneCounts counts;
-  Lanes sums[kUnknowns] = {};
-  Lanes squares = {};
-  eachGroup(window, constants, disc, cutoff, counts,
-            [&](int, const Lanes* slopes, const Lanes&, const Lanes& residual,
-                const Lanes& weight)
-                LAB_INLINE_LAMBDA {
-                  const Lanes weighted = residual * weight;
-#pragma GCC unroll 16
-                  for (std::size_t i = 0; i < kUnknowns; ++i) sums[i] += slopes[i] * weighted;
-                  squares += residual * weighted;
-                });
-  for (std::size_t i = 0; i < kUnknowns; ++i) right.right[i] = total(sums[i]);
-  right.squares = total(squares);
-  counts.writeTo(right.counts);
-}
-
-__attribute__((target_clones("avx2", "default")))
-void sumLast(Window& window, const Constants& constants, const Disc& disc, float cutoff,
-             const BlockRow& row_x, const BlockRow& row_y, LastStep& last) {
+__attribute__((target_clones("avx2", "default"))) void sumLast(
+    Window& window, const Constants& constants, const Disc& disc, float cutoff,
+    const BlockRow& row_x, const BlockRow& row_y, LastStep& last) {
+  const float over_cutoff = 1.0F / (cutoff * cutoff);
   float to_x[kBlock];
   float to_y[kBlock];
   for (std::size_t i = 0; i < kBlock; ++i) {
@@ -121,44 +124,53 @@ void sumLast(Window& window, const Constants& constants, const Disc& disc, float
     to_y[i] = static_cast<float>(row_y[i]);
   }
   LaneCounts counts;
-  Lanes x = {};
-  Lanes y = {};
+  Lanes sum_x = {};
+  Lanes sum_y = {};
   Lanes xx = {};
   Lanes xy = {};
   Lanes yy = {};
   Lanes squares = {};
-  eachGroup(window, constants, disc, cutoff, counts,
-            [&](int at, const Lanes* slopes, const Lanes& white, const Lanes& residual,
-                const Lanes& weight) LAB_INLINE_LAMBDA {
-              const Lanes weighted = residual * weight;
-              Lanes pull_x = to_x[0] * slopes[0];
-              Lanes pull_y = to_y[0] * slopes[0];
+  for (int at = 0; at < window.count; at += kLanes) {
+    const Lanes x = loadLanes(window.x + at);
+    const Lanes y = loadLanes(window.y + at);
+    const Slopes& kept = window.slopes[at / kLanes];
+    const Lanes certain = loadLanes(kept.weight);
+    const Lanes white = whiteAt(disc, x, y);
+    const Lanes residual =
+        loadLanes(window.value + at) - constants.black - signalAt(constants, disc, x, y, white);
+    const Lanes square = residual * residual * certain;
+    const Lanes belief = beliefOf(square, over_cutoff);
+    const Lanes weighted = residual * certain * belief;
+    Lanes pull_x = to_x[0] * loadLanes(kept.by[0]);
+    Lanes pull_y = to_y[0] * loadLanes(kept.by[0]);
 #pragma GCC unroll 16
-              for (std::size_t i = 1; i < kBlock; ++i) {
-                pull_x += to_x[i] * slopes[i];
-                pull_y += to_y[i] * slopes[i];
-              }
-              pull_x *= weighted;
-              pull_y *= weighted;
-              x += pull_x;
-              y += pull_y;
-              xx += pull_x * pull_x;
-              xy += pull_x * pull_y;
-              yy += pull_y * pull_y;
-              squares += weighted * residual;
-              storeLanes(window.residual + at, weighted);
-              storeLanes(window.light + at, white);
-            });
-  last.x = total(x);
-  last.y = total(y);
+    for (std::size_t i = 1; i < kBlock; ++i) {
+      pull_x += to_x[i] * loadLanes(kept.by[i]);
+      pull_y += to_y[i] * loadLanes(kept.by[i]);
+    }
+    pull_x *= weighted;
+    pull_y *= weighted;
+    sum_x += pull_x;
+    sum_y += pull_y;
+    xx += pull_x * pull_x;
+    xy += pull_x * pull_y;
+    yy += pull_y * pull_y;
+    squares += weighted * residual;
+    counts.weight += certain > 0.0F ? belief : Lanes{};
+    counts.pixels += certain > 0.0F ? Lanes{} + 1.0F : Lanes{};
+    counts.cost += limitedCost(square);
+    storeLanes(window.residual + at, weighted);
+    storeLanes(window.light + at, white);
+  }
+  last.x = total(sum_x);
+  last.y = total(sum_y);
   last.variance = {total(xx), total(xy), total(yy)};
   last.squares = total(squares);
   counts.writeTo(last.counts);
   last.counts.cost = total(counts.cost);
 }
 
-__attribute__((target_clones("avx2", "default")))
-double correlation(const Window& window) {
+__attribute__((target_clones("avx2", "default"))) double correlation(const Window& window) {
   Lanes together = {};
   Lanes squares = {};
   for (int at = 0; at + kLanes < window.count; at += kLanes) {

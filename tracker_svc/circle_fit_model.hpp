@@ -4,8 +4,9 @@
 ///   value = black + W(x, y) (ratio + (1 - ratio) Phi(z)),  W = white + slope_x dx + slope_y dy,
 ///   z = (sqrt(|R M d|^2 + sigma^2) - R scale) / sigma,  d = (x, y) - centre,
 ///
-/// with R the radius and M the outline of DiscShape. Phi(z) with that z is the share of a disc under
-/// a round Gaussian to second order in sigma / R (exact in the middle to 1 % for R > 1.5 sigma).
+/// with R the radius and M the outline of DiscShape. Phi(z) with that z is the share of a disc
+/// under a round Gaussian to second order in sigma / R (exact in the middle to 1 % for R > 1.5
+/// sigma).
 #pragma once
 
 #include <array>
@@ -16,8 +17,7 @@
 namespace lab::tracker::fit {
 
 /// The order of the unknowns. The first four change sign when the picture is turned by half a turn,
-/// the others do not: so the normal matrix falls into two blocks of four, but for little, which a
-/// further step takes care of.
+/// the others do not: so the normal matrix falls into two blocks of four, but for little.
 enum Unknown : std::size_t { kX, kY, kSlopeX, kSlopeY, kWhite, kScale, kRatio, kSigma };
 constexpr std::size_t kUnknowns = 8;
 constexpr std::size_t kBlock = 4;
@@ -26,14 +26,14 @@ constexpr std::size_t kBlock = 4;
 constexpr float kLimit = 15;
 
 struct Disc {
-  float x = 0;       ///< [px] centre, relative to the window
+  float x = 0;  ///< [px] centre, relative to the window
   float y = 0;
-  float white = 0;   ///< [DN] above black, at the origin of the window
-  float slope_x = 0; ///< [DN/px]
+  float white = 0;    ///< [DN] above black, at the origin of the window
+  float slope_x = 0;  ///< [DN/px]
   float slope_y = 0;
-  float scale = 1;   ///< [1] radius over that of the shape
-  float ratio = 0;   ///< [1] dark / white
-  float sigma = 1;   ///< [px] of the whole blur
+  float scale = 1;  ///< [1] radius over that of the shape
+  float ratio = 0;  ///< [1] dark / white
+  float sigma = 1;  ///< [px] of the whole blur
 };
 
 /// What does not change within one fit.
@@ -63,33 +63,26 @@ struct Sums {
   Counts counts;
 };
 
-/// What is linear once the geometry is fixed, without the slopes: unknowns (ux, uy, white, dark) with
-/// ux = contrast dx.
+/// What is linear once the geometry is fixed, without the slopes: unknowns (ux, uy, white, dark)
+/// with ux = contrast dx.
 void sumLinear(const Window& window, const Constants& constants, float sigma, Sums<4>& sums);
 
 /// One value for each unknown, and for the unknowns of a block.
 using Row = std::array<double, kUnknowns>;
 using BlockRow = std::array<double, kBlock>;
 
-struct Right {
+/// The two blocks and the right sides at `disc`. Residuals beyond `cutoff` expected deviations
+/// count for nothing (Tukey's biweight). Leaves slopes and weights in window.slopes, for the passes
+/// below.
+struct Blocks {
+  std::array<double, 10> odd{};   ///< x, y and the slopes: lower triangle
+  std::array<double, 10> even{};  ///< white, scale, ratio, sigma
   Row right{};
   double squares = 0;
   Counts counts;
 };
-
-/// The two blocks and the right sides at `disc`. Residuals beyond `cutoff` expected deviations count
-/// for nothing (Tukey's biweight).
-struct Blocks {
-  std::array<double, 10> odd{};   ///< x, y and the slopes: lower triangle
-  std::array<double, 10> even{};  ///< white, scale, ratio, sigma
-  Right right;
-};
-void sumBlocks(const Window& window, const Constants& constants, const Disc& disc, float cutoff,
+void sumBlocks(Window& window, const Constants& constants, const Disc& disc, float cutoff,
                Blocks& blocks);
-
-/// The right sides alone, for another step with the normal matrix of the pass before.
-void sumRight(const Window& window, const Constants& constants, const Disc& disc, float cutoff,
-              Right& right);
 
 /// How far the centre still is from where `disc` has it, and how the residuals scatter it.
 struct LastStep {
@@ -100,8 +93,8 @@ struct LastStep {
   Counts counts;
 };
 
-/// The step of x and y alone, with rows x and y of the inverse of the odd block. Leaves the believed
-/// residuals in window.residual, the light in window.light.
+/// The step of x and y alone, with rows x and y of the inverse of the odd block. Leaves the
+/// believed residuals in window.residual, the light in window.light.
 void sumLast(Window& window, const Constants& constants, const Disc& disc, float cutoff,
              const BlockRow& row_x, const BlockRow& row_y, LastStep& last);
 

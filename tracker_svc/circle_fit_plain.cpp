@@ -8,20 +8,21 @@
 namespace lab::tracker::fit {
 namespace {
 
-constexpr double kDoubt = 0.06;        // [px] rough estimates of neighbouring grid points differ by less
-constexpr float kMarginSigmas = 4.0F;  // outside the outline: wide, since the slopes of the light must
-                                       // be told from a shift of the circle
-constexpr float kRoughSigmas = 1.8F;   // the same for the rough step, which holes must not draw
-constexpr float kMostMargin = 0.8F;    // [radius]
+// [px] rough estimates of neighbouring grid points differ by less
+constexpr double kDoubt = 0.06;
+// outside the outline: wide, since the slopes of the light must be told from a shift of the circle
+constexpr float kMarginSigmas = 4.0F;
+constexpr float kRoughSigmas = 1.8F;  // the same for the rough step, which holes must not draw
+constexpr float kMostMargin = 0.8F;   // [radius]
 constexpr float kTexture = 0.006F * 0.006F;  // grain of paint and sensor, variance over signal^2
 
 constexpr double kFreedoms = kUnknowns;
 constexpr int kMostPasses = 6;
+constexpr int kMostMoves = 8;          // over the grid
 constexpr double kSettled = 0.06;      // [px] a last step of the whole disc is shorter
 constexpr double kSettledBlur = 0.15;  // [1] and changes the blur by less
-// What the biweight with a cutoff of 5 deviations takes off the normal matrix.
-constexpr double kBelief = 1 / 0.925;
 constexpr double kSettledScale = 0.03;
+constexpr float kRoughCutoff = 0.3F;  // [1] of the white level, as kCutoff while the disc is rough
 constexpr float kLeastNoise = 0.5F;
 
 // Beyond what the residuals show: paint that is not quite round, scuffs, grain that neighbouring
@@ -37,6 +38,12 @@ constexpr float kUsualRatio = 0.08F;
 constexpr double kSlopeSpread = 0.02;  // [1/px] of the white level
 constexpr double kFullSlope = 50;      // [1] how much less where every pixel is full
 constexpr double kSigmaSpread = 0.5;   // [of sigma]
+
+// Mean weight of the biweight, for a normal residual and a cutoff in deviations.
+double beliefAt(float cutoff) {
+  const double over = 1.0 / static_cast<double>(cutoff * cutoff);
+  return 1 - 2 * over + 3 * over * over;
+}
 
 struct Rough {
   bool good = false;
@@ -151,7 +158,7 @@ std::optional<GridPoint> settlePlain(const Task& task, GridPoint start, Window& 
     const optics::Pixel at = point.pixel();
     return optics::Pixel{at.x + static_cast<double>(disc.x), at.y + static_cast<double>(disc.y)};
   };
-  const std::optional<GridPoint> chosen = settle(start, kDoubt, estimate);
+  const std::optional<GridPoint> chosen = settle(start, kDoubt, kMostMoves, estimate);
   if (!chosen) return chosen;
   if (!(last == *chosen)) static_cast<void>(estimate(*chosen));
   const optics::Pixel at = chosen->pixel();
@@ -162,7 +169,10 @@ std::optional<GridPoint> settlePlain(const Task& task, GridPoint start, Window& 
 Outcome fitPlain(const Task& task, Window& window, const Disc& rough) {
   Outcome out;
   Disc disc = rough;
-  float cutoff = kNoCutoff;
+  // Holes and hot pixels are far off even from the rough disc.
+  const float deviation =
+      std::sqrt(task.constants.floor_variance + task.constants.shot_gain * rough.white);
+  float cutoff = std::max(kCutoff, kRoughCutoff * rough.white / deviation);
   const auto cutoffAfter = [](double squares, const Row& by, const Row& right, double pixels,
                               bool robust) {
     // What the sum of squares will be after the step.
@@ -177,14 +187,16 @@ Outcome fitPlain(const Task& task, Window& window, const Disc& rough) {
     const auto b = even->solve({right[4], right[5], right[6], right[7]});
     return Row{a[0], a[1], a[2], a[3], b[0], b[1], b[2], b[3]};
   };
-  double full = 0;
+  float matrix_cutoff = cutoff;
   for (int pass = 0; pass < kMostPasses; ++pass) {
+    matrix_cutoff = cutoff;
     Blocks blocks;
     sumBlocks(window, task.constants, disc, cutoff, blocks);
-    Right& right = blocks.right;
-    full = right.counts.full / std::max(1.0, right.counts.pixels);
+    Row& right = blocks.right;
+    const Counts& counts = blocks.counts;
+    const double full = counts.full / std::max(1.0, counts.pixels);
     const auto known = knownOf(disc, task.sigma, full);
-    addKnown(right.right, known);
+    addKnown(right, known);
     for (const Known& k : known) {
       const std::size_t i = k.i % kBlock;
       (k.i < kBlock ? blocks.odd : blocks.even)[i * (i + 1) / 2 + i] += 1 / (k.spread * k.spread);
@@ -192,36 +204,29 @@ Outcome fitPlain(const Task& task, Window& window, const Disc& rough) {
     odd.emplace(blocks.odd);
     even.emplace(blocks.even);
     if (!odd->good() || !even->good()) return out;
-    const Row by = solve(right.right);
-    cutoff = cutoffAfter(right.squares, by, right.right,
-                         pass > 0 ? right.counts.weight : right.counts.pixels, pass > 0);
+    const Row by = solve(right);
+    cutoff =
+        cutoffAfter(blocks.squares, by, right, pass > 0 ? counts.weight : counts.pixels, pass > 0);
     step(disc, by, task.sigma);
     // Full pixels move in and out of what is known while the white level is found.
-    if (by[kX] * by[kX] + by[kY] * by[kY] < kSettled * kSettled && right.counts.full < 0.5 &&
+    if (by[kX] * by[kX] + by[kY] * by[kY] < kSettled * kSettled && counts.full < 0.5 &&
         std::abs(by[kSigma]) < kSettledBlur * static_cast<double>(disc.sigma) &&
         std::abs(by[kScale]) < kSettledScale) {
       break;
     }
   }
-  // One more, robust, with the same matrix: its slopes have hardly changed.
-  Right right;
-  sumRight(window, task.constants, disc, cutoff, right);
-  addKnown(right.right, knownOf(disc, task.sigma, full));
-  Row by = solve(right.right);
-  for (double& b : by) b *= kBelief;
-  cutoff = cutoffAfter(right.squares, by, right.right, right.counts.weight, true);
-  step(disc, by, task.sigma);
-  // And one of the centre alone, which also says how well it is known.
+  // Then one of the centre alone, robust in any case, which also says how well it is known.
   BlockRow row_x = odd->inverseColumn(kX);
   BlockRow row_y = odd->inverseColumn(kY);
-  for (double& r : row_x) r *= kBelief;
-  for (double& r : row_y) r *= kBelief;
+  const double belief = beliefAt(kCutoff) / beliefAt(matrix_cutoff);
+  for (double& r : row_x) r /= belief;
+  for (double& r : row_y) r /= belief;
   LastStep last;
   sumLast(window, task.constants, disc, cutoff, row_x, row_y, last);
   disc.x += static_cast<float>(last.x);
   disc.y += static_cast<float>(last.y);
-  // Light that rises by g across an edge blurred by sigma moves it by sigma^2 g / white: the blur of
-  // the product is not quite the product of the blurs.
+  // Light that rises by g across an edge blurred by sigma moves it by sigma^2 g / white: the blur
+  // of the product is not quite the product of the blurs.
   const float white = disc.white + disc.slope_x * disc.x + disc.slope_y * disc.y;
   const float moved = white > 0 ? disc.sigma * disc.sigma / white : 0.0F;
   out.x = window.base_x + static_cast<double>(disc.x + moved * disc.slope_x);
@@ -236,7 +241,8 @@ Outcome fitPlain(const Task& task, Window& window, const Disc& rough) {
   out.pixels = static_cast<int>(last.counts.pixels);
   out.cost = static_cast<float>(last.counts.cost);
   out.correlation = static_cast<float>(correlation(window));
-  out.ratio_error = static_cast<float>(std::sqrt(even->inverseColumn(kRatio - kBlock)[kRatio - kBlock]));
+  constexpr std::size_t kRow = kRatio - kBlock;
+  out.ratio_error = static_cast<float>(std::sqrt(even->inverseColumn(kRow)[kRow]));
   out.good = std::isfinite(out.x) && std::isfinite(out.y);
   return out;
 }

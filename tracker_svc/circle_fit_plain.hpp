@@ -32,22 +32,23 @@ struct Outcome {
   float white = 0;                     ///< [DN] at the centre
   float ratio = 0;
   float scale = 1;
-  float sigma = 1;         ///< [px]
-  float noise = 1;         ///< residuals over the expected noise
-  float correlation = 0;   ///< of neighbouring residuals
-  float believed = 1;      ///< [1] share of the pixels
-  float cost = 0;          ///< Sums::cost
+  float sigma = 1;        ///< [px]
+  float noise = 1;        ///< residuals over the expected noise
+  float correlation = 0;  ///< of neighbouring residuals
+  float believed = 1;     ///< [1] share of the pixels
+  float cost = 0;         ///< Sums::cost
   int pixels = 0;
-  float ratio_error = 0;   ///< [1] standard error
+  float ratio_error = 0;  ///< [1] standard error
 };
 
-/// Deviation of the residuals over the expected noise. The biweight takes some off, which is put back.
+/// Deviation of the residuals over the expected noise. The biweight takes some off, which is put
+/// back.
 float noiseOver(double squares, double freedom, bool robust);
-constexpr float kCutoff = 5.0F;      ///< [expected deviations] farther off is not of the model
+constexpr float kCutoff = 5.0F;  ///< [expected deviations] farther off is not of the model
 constexpr float kNoCutoff = 1e3F;
 
-/// The centre's covariance: that of the expected noise, with the size that the residuals say, and the
-/// floor.
+/// The centre's covariance: that of the expected noise, with the size that the residuals say, and
+/// the floor.
 std::array<double, 3> covarianceOf(const std::array<double, 3>& expected,
                                    const std::array<double, 3>& scatter);
 

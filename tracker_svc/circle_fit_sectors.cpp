@@ -10,7 +10,8 @@ namespace {
 constexpr float kClear = 1.2F;  // [sigma] from the outline: paint and white are not mixed there
 constexpr float kBand = 1.5F;   // [px] wide
 constexpr float kMostRatio = 0.6F;
-constexpr float kSure = 2.5F;  // [standard errors]
+constexpr float kSure = 2.5F;   // [standard errors]
+constexpr int kLeastWhite = 5;  // at most one in so many pixels outside is dark: holes and rims are
 constexpr int kMostBad = 3;  // sectors: glare, debris and light from across an edge may take some
 
 // Share of the light that some pixels return: least squares of value = share * light.
@@ -39,6 +40,8 @@ bool darkAllAround(const Window& window, const Constants& constants, const Disc&
   std::array<Share, 8> inside{};
   std::array<Share, 8> outside{};
   Share core;
+  int all_outside = 0;
+  int dark_outside = 0;
   const float outline = constants.radius * disc.scale;
   const float clear = kClear * disc.sigma;
   const float* rm = constants.rm;
@@ -51,9 +54,13 @@ bool darkAllAround(const Window& window, const Constants& constants, const Disc&
     const float distance = std::sqrt(qx * qx + qy * qy) - outline;
     const float value = window.value[i] - constants.black;
     const float light = std::max(0.0F, window.light[i]);
-    const float variance =
-        constants.floor_variance + constants.shot_gain * std::max(0.0F, value);
+    const float variance = constants.floor_variance + constants.shot_gain * std::max(0.0F, value);
     const auto sector = static_cast<std::size_t>(sectorOf(dx, dy));
+    if (distance > clear) {
+      all_outside += 1;
+      const bool dark = value < kMostRatio * light - 2 * noise * std::sqrt(variance);
+      dark_outside += dark ? 1 : 0;
+    }
     if (distance > clear && distance < clear + kBand) {
       outside[sector].add(value, light, variance);
     } else if (distance < -clear && distance > -clear - kBand) {
@@ -68,12 +75,41 @@ bool darkAllAround(const Window& window, const Constants& constants, const Disc&
     const Share& out = outside[i];
     if (!in.any() || !out.any()) continue;  // beyond the picture, or a tiny circle
     const float error = noise * std::sqrt(in.error2() + out.error2());
-    const bool darker = out.value() - in.value() > kSure * error &&
-                        in.value() < kMostRatio * out.value() + error;
+    const bool darker =
+        out.value() - in.value() > kSure * error && in.value() < kMostRatio * out.value() + error;
     bad += darker ? 0 : 1;
   }
-  return bad <= kMostBad &&
+  return bad <= kMostBad && dark_outside * kLeastWhite < all_outside &&
          (!core.any() || core.value() < kMostRatio + noise * std::sqrt(core.error2()));
+}
+
+bool darkInside(const Window& window, const Constants& constants, float sigma) {
+  constexpr float kMiddle = 0.4F;  // [radius]
+  constexpr float kShare = 0.6F;   // a bright middle has a bright half around it
+  float inside = 0;
+  float outside = 0;
+  float inside_count = 0;
+  float outside_count = 0;
+  const float* rm = constants.rm;
+  const float middle = kMiddle * constants.radius;
+  const float clear = constants.radius + kClear * sigma;
+  for (int i = 0; i < window.count; ++i) {
+    if (window.value[i] < 0) continue;
+    const float qx = rm[0] * window.x[i] + rm[1] * window.y[i];
+    const float qy = rm[2] * window.x[i] + rm[3] * window.y[i];
+    const float square = qx * qx + qy * qy;
+    const float value = window.value[i] - constants.black;
+    if (square < middle * middle) {
+      inside += value;
+      inside_count += 1;
+    } else if (square > clear * clear) {
+      outside += value;
+      outside_count += 1;
+    }
+  }
+  if (inside_count < 1 || outside_count < 1) return false;
+  const float error = std::sqrt(constants.floor_variance / inside_count);
+  return inside / inside_count < kShare * outside / outside_count + 2 * error;
 }
 
 }  // namespace lab::tracker::fit

@@ -7,9 +7,14 @@
 namespace lab::tracker::fit {
 
 /// Whether, in five of eight sectors, the pixels just inside the outline return much less of
-/// the light (window.light, of the last fit) than those just outside, and the middle is dark as well.
+/// the light (window.light, of the last fit) than those just outside, the middle is dark as
+/// well, and hardly anything outside is.
 /// @param disc uses its place, scale and blur only
 /// @param noise residuals over the expected noise
 bool darkAllAround(const Window& window, const Constants& constants, const Disc& disc, float noise);
+
+/// Whether the pixels in the middle of the window are clearly darker than those around the circle,
+/// as they are in any light: a cheap look before an edge model is tried.
+bool darkInside(const Window& window, const Constants& constants, float sigma);
 
 }  // namespace lab::tracker::fit

@@ -61,8 +61,8 @@ void tryParallel(const AtMost& below, const Line& normal, Best& parallel) {
       const Pile last = all - below(j);
       const float gain = low.gain() + middle.gain() + last.gain();
       if (gain <= parallel.gain || !enough(middle, last) || !enough(low, last)) continue;
-      parallel = {gain, normal, i, j,
-                  {low.level(0), middle.level(0), middle.level(0), last.level(0)}};
+      parallel = {
+          gain, normal, i, j, {low.level(0), middle.level(0), middle.level(0), last.level(0)}};
     }
   }
 }
@@ -80,14 +80,13 @@ void tryCrossing(const Table& table, const Line& normal, Best& crossing) {
       if (gain <= crossing.gain) continue;
       if (!enough(a + c, b + d) || !enough(a + b, c + d)) continue;
       const float mean = all.level(0);
-      crossing = {gain, normal, i, j,
-                  {a.level(mean), b.level(mean), c.level(mean), d.level(mean)}};
+      crossing = {gain, normal, i, j, {a.level(mean), b.level(mean), c.level(mean), d.level(mean)}};
     }
   }
 }
 
-// Turning by a quarter of a right angle / kAngles, without the library's sine: that may differ in the
-// last bit from processor to processor.
+// Turning by a quarter of a right angle / kAngles, without the library's sine: that may differ in
+// the last bit from processor to processor.
 constexpr float kCosine = 0.991444861F;  // of 7.5 degrees
 constexpr float kSine = 0.130526192F;
 

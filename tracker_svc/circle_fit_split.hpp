@@ -1,5 +1,5 @@
-/// Where the light on the white around a circle jumps: first guesses for the edge model. Internal to
-/// the circle fit.
+/// Where the light on the white around a circle jumps: first guesses for the edge model. Internal
+/// to the circle fit.
 #pragma once
 
 #include <array>

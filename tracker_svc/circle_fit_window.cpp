@@ -6,8 +6,6 @@
 namespace lab::tracker::fit {
 namespace {
 
-typedef std::uint8_t Bytes __attribute__((vector_size(8)));
-
 constexpr double kBeyond = 1.0;  // [px] of the outline may lie outside the picture
 constexpr Lanes kSteps = {0, 1, 2, 3, 4, 5, 6, 7};
 
@@ -15,11 +13,23 @@ __attribute__((always_inline)) inline void store(float* at, const Lanes& lanes) 
   __builtin_memcpy(at, &lanes, sizeof lanes);
 }
 
+// Eight bytes as numbers, by shifts, which compilers do on all lanes at once.
+__attribute__((always_inline)) inline Lanes numbers(const std::uint8_t* bytes) {
+  int low;
+  int high;
+  __builtin_memcpy(&low, bytes, 4);
+  __builtin_memcpy(&high, bytes + 4, 4);
+  const LaneMask words = {low, low, low, low, high, high, high, high};
+  constexpr LaneMask kShifts = {0, 8, 16, 24, 0, 8, 16, 24};
+  return __builtin_convertvector((words >> kShifts) & 255, Lanes);
+}
+
 }  // namespace
 
-__attribute__((target_clones("avx2", "default")))
-bool gather(const optics::GreyView& picture, double base_x, double base_y, const DiscShape& shape,
-            float margin, Window& window) {
+__attribute__((target_clones("avx2", "default"))) bool gather(const optics::GreyView& picture,
+                                                              double base_x, double base_y,
+                                                              const DiscShape& shape, float margin,
+                                                              Window& window) {
   // The outline widened by the margin: |M d| < 1 + margin / radius.
   const float* m = shape.m;
   const float widened = 1.0F + margin / shape.radius();
@@ -43,6 +53,7 @@ bool gather(const optics::GreyView& picture, double base_x, double base_y, const
   const int area = (right - left + 1) * (last_row - first_row + 1);
   const int row_step = 1 + area / kMostPixels;
 
+  const float over_a = 1.0F / a;
   window.base_x = base_x;
   window.base_y = base_y;
   int count = 0;
@@ -52,26 +63,26 @@ bool gather(const optics::GreyView& picture, double base_x, double base_y, const
     const float dy = static_cast<float>(row - base_y);
     const float inside = a * widened * widened - dy * dy * determinant;
     if (inside <= 0) continue;
-    const float half = std::sqrt(inside) / a;
-    const float middle = -b * dy / a;
+    const float half = std::sqrt(inside) * over_a;
+    const float middle = -b * dy * over_a;
     const int from =
         std::max(0, static_cast<int>(std::ceil(base_x + static_cast<double>(middle - half))));
-    const int to = std::min(
-        picture.width - 1,
-        static_cast<int>(std::floor(base_x + static_cast<double>(middle + half))));
+    const int to =
+        std::min(picture.width - 1,
+                 static_cast<int>(std::floor(base_x + static_cast<double>(middle + half))));
     const std::uint8_t* pixels = picture.row(row);
     const float dx = static_cast<float>(from - base_x);
     for (int column = from; column <= to; column += kLanes) {
-      Bytes bytes = {};
-      if (column + kLanes <= picture.width) {
-        __builtin_memcpy(&bytes, pixels + column, kLanes);
-      } else {  // nothing may be read beyond the end of the row
-        __builtin_memcpy(&bytes, pixels + column, static_cast<std::size_t>(picture.width - column));
-      }
       const int at = count + column - from;
       store(window.x + at, kSteps + (dx + static_cast<float>(column - from)));
       store(window.y + at, Lanes{} + dy);
-      store(window.value + at, __builtin_convertvector(bytes, Lanes));
+      if (column + kLanes <= picture.width) {
+        store(window.value + at, numbers(pixels + column));
+      } else {  // nothing may be read beyond the end of the row
+        std::uint8_t bytes[kLanes] = {};
+        __builtin_memcpy(bytes, pixels + column, static_cast<std::size_t>(picture.width - column));
+        store(window.value + at, numbers(bytes));
+      }
     }
     count += std::max(0, to - from + 1);
   }

@@ -12,8 +12,14 @@ constexpr int kLanes = 8;
 typedef float Lanes __attribute__((vector_size(32)));
 typedef int LaneMask __attribute__((vector_size(32)));
 
-constexpr int kMostPixels = 4096;
+constexpr int kMostPixels = 4000;
 constexpr float kNoPixel = -1;  ///< value of the lanes that fill up the last group
+
+/// What the model says of eight pixels: kept from one pass to the next.
+struct Slopes {
+  alignas(32) float weight[kLanes];  ///< [1/DN^2] one over the expected variance
+  alignas(32) float by[8][kLanes];   ///< slope of the value by each unknown
+};
 
 /// Pixels around one point of the picture, row by row; places are relative to that point.
 struct Window {
@@ -23,6 +29,7 @@ struct Window {
   alignas(32) float x[kMostPixels + 2 * kLanes];
   alignas(32) float y[kMostPixels + 2 * kLanes];
   alignas(32) float value[kMostPixels + 2 * kLanes];  ///< [DN]
+  Slopes slopes[kMostPixels / kLanes + 2];
   alignas(32) float light[kMostPixels + 2 * kLanes];     ///< [DN] on white, by the last fit
   alignas(32) float residual[kMostPixels + 2 * kLanes];  ///< of the last fit, weighted
 };

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -47,10 +48,14 @@ class CircleSearch {
   CircleSearch(const ScaleMap& scale, const optics::CapGeometry& cap,
                const optics::Imaging& imaging, int width, int height);
 
-  /// The circles whose candidates lie in one of the regions, in the order of their top rows. A circle
-  /// is found in the same place whatever the regions, if one of them holds all of it.
+  /// The circles whose candidates lie in one of the regions, in the order of their top rows. A
+  /// circle is found in the same place whatever the regions, if one of them holds all of it.
   void find(const optics::GreyView& picture, std::span<const Region> regions,
             std::vector<Spot>& spots, std::vector<Refused>* refused);
+
+  /// The circle of the given size that a spot is part of; empty where the outline is not there.
+  [[nodiscard]] std::optional<Spot> centredAs(const optics::GreyView& picture, const Spot& spot,
+                                              bool big) const;
 
  private:
   static constexpr int kWord = 32;       // pixels tested at once
@@ -84,6 +89,8 @@ class CircleSearch {
   void testRow(const optics::GreyView& picture, int y);
   void takeWord(const optics::GreyView& picture, int y, int x, const Sizes& sizes);
   void takeRun(const optics::GreyView& picture, int x, int y, int white, const Sizes& sizes);
+  [[nodiscard]] bool standsOut(const optics::GreyView& picture, int x, int y,
+                               const Sizes& sizes) const;
   [[nodiscard]] Shape shapeAround(const optics::GreyView& picture, int x, int y, int white,
                                   const Sizes& sizes, Spot& spot) const;
   [[nodiscard]] Ring lookAround(const optics::GreyView& picture, float x, float y, float radius,
@@ -119,8 +126,6 @@ class CircleSearch {
   std::vector<std::int16_t> across_;  // of the row that is tested, by word
   std::vector<int> words_;            // in it that were found
   std::vector<std::uint8_t> marks_;  // by tested row, by word: to be tested
- public:
-  int tried_ = 0, hard_ = 0;
 };
 
 }  // namespace lab::tracker

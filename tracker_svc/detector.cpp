@@ -12,7 +12,8 @@
 namespace lab::tracker {
 namespace {
 
-constexpr float kRoughSpacing = 0.004F;   // [m] by which two rough centres may miss the spacing
+constexpr float kRoughSpacing = 0.006F;   // [m] by which two rough centres may miss the spacing
+constexpr float kAgain = 0.012F;          // [m] for two that an edge may have displaced
 constexpr double kScaleDoubt = 0.0009;    // [m] of the spacing: a camera that is 2.5 % off
 constexpr double kMostDoubt = 0.0015;     // [m] whatever the covariance says
 constexpr double kSigmas = 4;
@@ -118,7 +119,16 @@ void Detector::look(const optics::GreyView& picture, std::span<const Region> reg
   for (Couple& couple : couples_) {
     if (measure(picture, couple, rejected)) good.push_back(couple);
   }
-  const std::size_t count = chooseCouples(good, static_cast<int>(spots_.size()));
+  good.resize(chooseCouples(good, static_cast<int>(spots_.size())));
+  couples_.clear();
+  lookAgain(picture, good, rejected);
+  if (!couples_.empty()) {
+    for (Couple& couple : couples_) {
+      if (measure(picture, couple, rejected)) good.push_back(couple);
+    }
+    good.resize(chooseCouples(good, static_cast<int>(spots_.size())));
+  }
+  const std::size_t count = good.size();
   seen_.clear();
   for (std::size_t i = 0; i < count; ++i) {
     const Detection pose = poseOf(good[i], good[i].rim);
@@ -135,30 +145,64 @@ void Detector::look(const optics::GreyView& picture, std::span<const Region> reg
 
 void Detector::gatherCouples(const optics::GreyView& picture, std::vector<Rejection>* rejected) {
   couples_.clear();
+  for (std::size_t i = 0; i < spots_.size(); ++i) {
+    if (!spots_[i].can_be_big) continue;
+    for (std::size_t j = 0; j < spots_.size(); ++j) {
+      if (i != j && spots_[j].can_be_small) tryCouple(picture, i, j, rejected);
+    }
+  }
+}
+
+void Detector::tryCouple(const optics::GreyView& picture, std::size_t big_spot,
+                         std::size_t small_spot, std::vector<Rejection>* rejected) {
+  const Spot& big = spots_[big_spot];
+  const Spot& small = spots_[small_spot];
   const auto spacing = static_cast<float>(cap_.spacing());
   const float reach = (spacing + kRoughSpacing) * scale_.largest();
-  const auto small_share = static_cast<float>(cap_.big_offset / cap_.spacing());
-  for (std::size_t i = 0; i < spots_.size(); ++i) {
-    const Spot& big = spots_[i];
-    if (!big.can_be_big) continue;
-    for (std::size_t j = 0; j < spots_.size(); ++j) {
-      const Spot& small = spots_[j];
-      const float dx = big.x - small.x;
-      const float dy = big.y - small.y;
-      if (i == j || !small.can_be_small || dx * dx + dy * dy > reach * reach) continue;
-      const optics::Pixel middle{static_cast<double>(big.x - dx * small_share),
-                                 static_cast<double>(big.y - dy * small_share)};
-      const LocalScale scale = scale_.at(middle.x, middle.y);
-      if (scale.mean <= 0) continue;
-      const float distance = std::hypot(scale.inverse[0] * dx + scale.inverse[1] * dy,
-                                        scale.inverse[2] * dx + scale.inverse[3] * dy);
-      if (std::abs(distance - spacing) > kRoughSpacing) continue;
-      const float rim = rimContrast(picture, middle, scale, cap_, imaging_);
-      if (rim < kLeastRim) {
-        if (rejected != nullptr) rejected->push_back({middle, Reason::kNoCap, rim, kLeastRim});
-        continue;
-      }
-      couples_.push_back({static_cast<int>(i), static_cast<int>(j), 0, rim});
+  const float dx = big.x - small.x;
+  const float dy = big.y - small.y;
+  if (dx * dx + dy * dy > reach * reach) return;
+  const auto share = static_cast<float>(cap_.big_offset / cap_.spacing());
+  const optics::Pixel middle{static_cast<double>(big.x - dx * share),
+                             static_cast<double>(big.y - dy * share)};
+  const LocalScale scale = scale_.at(middle.x, middle.y);
+  if (scale.mean <= 0) return;
+  const float distance = std::hypot(scale.inverse[0] * dx + scale.inverse[1] * dy,
+                                    scale.inverse[2] * dx + scale.inverse[3] * dy);
+  if (std::abs(distance - spacing) > kRoughSpacing) return;
+  const float rim = rimContrast(picture, middle, scale, cap_, imaging_);
+  if (rim < kLeastRim) {
+    if (rejected != nullptr) rejected->push_back({middle, Reason::kNoCap, rim, kLeastRim});
+    return;
+  }
+  couples_.push_back({static_cast<int>(big_spot), static_cast<int>(small_spot), 0, rim});
+}
+
+void Detector::lookAgain(const optics::GreyView& picture, const std::vector<Couple>& chosen,
+                         std::vector<Rejection>* rejected) {
+  // A light edge may have made a circle look like a smaller one beside it. Two leftovers that are
+  // about as far apart as the circles of a cap are centred again, as circles of the right sizes.
+  const std::size_t count = spots_.size();
+  std::vector<bool> taken(count, false);
+  for (const Couple& couple : chosen) {
+    taken[static_cast<std::size_t>(couple.big)] = true;
+    taken[static_cast<std::size_t>(couple.small)] = true;
+  }
+  const float most = (static_cast<float>(cap_.spacing()) + kAgain) * scale_.largest();
+  const float least = (static_cast<float>(cap_.spacing()) - kAgain) * scale_.smallest();
+  for (std::size_t i = 0; i < count; ++i) {
+    for (std::size_t j = 0; j < count && !taken[i]; ++j) {
+      const float dx = spots_[i].x - spots_[j].x;
+      const float dy = spots_[i].y - spots_[j].y;
+      const float square = dx * dx + dy * dy;
+      if (i == j || taken[j] || square > most * most || square < least * least) continue;
+      const std::optional<Spot> big = search_.centredAs(picture, spots_[i], true);
+      const std::optional<Spot> small = big ? search_.centredAs(picture, spots_[j], false) : big;
+      if (!small) continue;
+      spots_.push_back(*big);
+      spots_.push_back(*small);
+      circles_.resize(2 * spots_.size());
+      tryCouple(picture, spots_.size() - 2, spots_.size() - 1, rejected);
     }
   }
 }
@@ -172,11 +216,17 @@ const Detector::Circle& Detector::circleOf(int spot, bool big) const {
 }
 
 const Detector::Circle& Detector::fit(const optics::GreyView& picture, int spot, bool big) {
-  Circle& circle = circleOf(spot, big);
+  const Circle& circle = circleOf(spot, big);
   if (circle.fitted) return circle;
-  circle.fitted = true;
   const Spot& from = spots_[static_cast<std::size_t>(spot)];
-  const optics::Pixel start{static_cast<double>(from.x), static_cast<double>(from.y)};
+  return fitFrom(picture, {static_cast<double>(from.x), static_cast<double>(from.y)}, spot, big);
+}
+
+const Detector::Circle& Detector::fitFrom(const optics::GreyView& picture, optics::Pixel start,
+                                          int spot, bool big) {
+  Circle& circle = circleOf(spot, big);
+  circle = Circle{};
+  circle.fitted = true;
   const double radius = big ? cap_.big_radius : cap_.small_radius;
   const LocalScale scale = scale_.at(start.x, start.y);
   circle.fit = fitCircle(picture, start, discShape(scale, radius), imaging_);
@@ -207,12 +257,33 @@ const Detector::Circle& Detector::fit(const optics::GreyView& picture, int spot,
   return circle;
 }
 
+bool Detector::fitBoth(const optics::GreyView& picture, const Couple& couple) {
+  const Circle& big = fit(picture, couple.big, true);
+  const Circle& small = fit(picture, couple.small, false);
+  const bool big_good = big.fit.fault == FitFault::kNone;
+  const bool small_good = small.fit.fault == FitFault::kNone;
+  if (big_good == small_good) return big_good;
+  // A light edge may have led the search astray; the good one says where the other must be.
+  const Circle& good = big_good ? big : small;
+  const Spot& other = spots_[static_cast<std::size_t>(big_good ? couple.small : couple.big)];
+  const std::optional<optics::Place> seen = camera_.toPlane(
+      {static_cast<double>(other.x), static_cast<double>(other.y)}, cap_.height);
+  if (!seen) return false;
+  const double dx = seen->x - good.place.x;
+  const double dy = seen->y - good.place.y;
+  const double share = cap_.spacing() / std::max(std::hypot(dx, dy), 1e-9);
+  const optics::Pixel start =
+      camera_.project(good.place.x + share * dx, good.place.y + share * dy, cap_.height);
+  if (!picture.contains(start.x, start.y)) return false;
+  return fitFrom(picture, start, big_good ? couple.small : couple.big, !big_good).fit.fault ==
+         FitFault::kNone;
+}
+
 bool Detector::measure(const optics::GreyView& picture, Couple& couple,
                        std::vector<Rejection>* rejected) {
-  const Circle& big = fit(picture, couple.big, true);
-  if (big.fit.fault != FitFault::kNone) return false;
-  const Circle& small = fit(picture, couple.small, false);
-  if (small.fit.fault != FitFault::kNone) return false;
+  if (!fitBoth(picture, couple)) return false;
+  const Circle& big = circleOf(couple.big, true);
+  const Circle& small = circleOf(couple.small, false);
   const double dx = big.place.x - small.place.x;
   const double dy = big.place.y - small.place.y;
   const double spacing = std::hypot(dx, dy);

@@ -99,9 +99,15 @@ class Detector {
   void look(const optics::GreyView& picture, std::span<const Region> regions,
             std::vector<Rejection>* rejected);
   void gatherCouples(const optics::GreyView& picture, std::vector<Rejection>* rejected);
+  void tryCouple(const optics::GreyView& picture, std::size_t big, std::size_t small,
+                 std::vector<Rejection>* rejected);
+  void lookAgain(const optics::GreyView& picture, const std::vector<Couple>& chosen,
+                 std::vector<Rejection>* rejected);
   [[nodiscard]] Circle& circleOf(int spot, bool big);
   [[nodiscard]] const Circle& circleOf(int spot, bool big) const;
   const Circle& fit(const optics::GreyView& picture, int spot, bool big);
+  const Circle& fitFrom(const optics::GreyView& picture, optics::Pixel start, int spot, bool big);
+  [[nodiscard]] bool fitBoth(const optics::GreyView& picture, const Couple& couple);
   [[nodiscard]] bool measure(const optics::GreyView& picture, Couple& couple,
                              std::vector<Rejection>* rejected);
   [[nodiscard]] Detection poseOf(const Couple& couple, float rim) const;

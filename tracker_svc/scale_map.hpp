@@ -15,7 +15,7 @@ struct LocalScale {
   float inverse[4] = {0, 0, 0, 0};  ///< d(x, y)/d(pixel), row by row [m/px]
   float forward[4] = {0, 0, 0, 0};  ///< d(pixel)/d(x, y), row by row [px/m]
   float mean = 0;                   ///< [px/m] geometric mean, 0: no cap can be seen here
-  float bend[2] = {0, 0};           ///< [px/m^2] outline's centre less the circle's, by its radius^2
+  float bend[2] = {0, 0};  ///< [px/m^2] outline's centre less the circle's, by its radius^2
 };
 
 /// A regular grid of LocalScale with linear interpolation between; errors below 0.1 % for a camera

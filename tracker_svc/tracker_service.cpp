@@ -4,6 +4,7 @@
 #include <cmath>
 #include <lab/cap_detail_t.hpp>
 #include <lab/robot_state_t.hpp>
+#include <utility>
 
 #include "cameras/camera_devices.hpp"
 #include "common/channels.hpp"
@@ -16,6 +17,7 @@ namespace {
 constexpr std::int64_t kReportEvery_us = 1'000'000;
 constexpr std::int64_t kSearchEvery_us = 1'000'000;
 constexpr std::int64_t kOtherTracker_us = 2'000'000;
+constexpr std::int64_t kListen_us = 300'000;
 constexpr double kFullScale = 255;   // [DN]
 constexpr double kLeastSigma = 1e-6; // [m] of a spacing, against a division by nothing
 
@@ -58,7 +60,8 @@ CameraFormat wantedFormat(const Camera& camera) {
   format.height = camera.height;
   format.fps = isFilm(camera.source) ? 0 : camera.fps;  // a film has a rate of its own
   format.exposure = camera.exposure;
-  format.gain = camera.gain;
+  // 0 leaves a device's gain where it is; 1 of unknown units would be a guess.
+  format.gain = isPainted(camera) || camera.gain != Camera{}.gain ? camera.gain : 0;
   return format;
 }
 
@@ -116,11 +119,17 @@ TrackerService::TrackerService(const ServiceContext& context)
       tracker_(trackerSettings(context.experiment), robotsInView(context.experiment)),
       spacing_(spacingSettings(calibration_)),
       pictures_(calibration_.imaging.value_or(optics::Imaging{}).black),
-      debug_(openDebugPort(context.loop, context.experiment.camera.debug_port, detector_.camera(),
-                            detector_.cap())),
       robots_(robotsInView(context.experiment).size()),
       origin_(originOf(experiment_.camera)),
-      origin_utime_(context.loop.now()) {
+      origin_utime_(context.loop.now()),
+      // Whoever is there already is heard within a few frames.
+      other_until_(loop_.isVirtual() ? 0 : loop_.now() + kListen_us) {
+  try {
+    debug_ = openDebugPort(loop_, experiment_.camera.debug_port, detector_.camera(),
+                           calibration_.cap);
+  } catch (const std::runtime_error& error) {  // tracking goes on without a view of it
+    node_.noteError(std::string(error.what()) + ": no debug view");
+  }
   status_.camera = experiment_.camera.source;
   status_.state = tracker_status_t::WAITING;
   status_.calibration_id = calibration_.id;
@@ -153,7 +162,7 @@ void TrackerService::take(const robot_status_t& status) {
 void TrackerService::notice(const tracked_frame_t& frame) {
   const NodeIdentity& own = node_.identity();
   if (frame.sender != own.name || frame.instance == own.instance) return;
-  const bool first = loop_.now() >= other_until_;
+  const bool first = !silent_;
   // The one that was there first goes on.
   if (frame.instance < own.instance) other_until_ = loop_.now() + kOtherTracker_us;
   if (!first || frame.instance > own.instance) return;
@@ -186,8 +195,7 @@ void TrackerService::take(const CameraFrame& frame) {
   status_.brightness = exposure.brightness;
   const std::vector<Track>& tracks = track(frame.grey, seconds(utime));
   if (loop_.now() >= other_until_) {
-    if (silent_) trouble("");
-    silent_ = false;
+    if (std::exchange(silent_, false)) trouble("");
     publish(frame, utime, tracks);
   }
   latency_.add(units::seconds(loop_.now() - arrived));
@@ -270,6 +278,7 @@ void TrackerService::complain(const std::string& what) {
 void TrackerService::trouble(const std::string& what) {
   if (what == status_.trouble) return;
   if (what.empty()) {
+    if (silent_) return;
     status_.trouble.clear();
     node_.ready();
     return;
@@ -286,6 +295,7 @@ void TrackerService::ended(const std::string& problem) {
 }
 
 void TrackerService::report() {
+  if (silent_) return;  // the other one speaks
   const CameraFormat format = source_ ? source_->format() : wantedFormat(experiment_.camera);
   status_.width = format.width;
   status_.height = format.height;

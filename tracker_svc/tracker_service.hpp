@@ -66,7 +66,7 @@ class TrackerService final : public Service {
   std::int64_t last_utime_ = 0;
   std::int64_t next_search_ = 0;
   bool all_seen_ = false;
-  std::int64_t other_until_ = 0;  ///< until then another tracker counts as alive
+  std::int64_t other_until_;  ///< until then another tracker may be alive
   bool silent_ = false;           ///< for its sake
   tracker_status_t status_{};
   std::vector<WheelReport> wheels_;

@@ -10,7 +10,7 @@
 #include "common/camera_file.hpp"
 #include "common/experiment_file.hpp"
 #include "common/random.hpp"
-#include "common/temporary_folder.hpp"
+#include "tests/common/temporary_folder.hpp"
 #include "light/image.hpp"
 #include "optics/simulated_camera.hpp"
 #include "runner/commands.hpp"

@@ -5,11 +5,10 @@
 
 #include <cstdlib>
 #include <fstream>
-#include <lab/sim_truth_t.hpp>
-#include <lab/tracker_status_t.hpp>
 
 #include "tests/system/lab_process.hpp"
 #include "tests/system/law_of_a_run.hpp"
+#include "tests/system/poses_and_truth.hpp"
 
 namespace lab::system_test {
 namespace {
@@ -40,48 +39,6 @@ fs::path writeExperimentFile(const fs::path& folder, const Chain& chain, int thi
   return file;
 }
 
-struct Truth {
-  double worst = 0;     ///< [m] largest distance of a pose from the truth at its time
-  double worst_turn = 0;  ///< [rad]
-  std::int64_t compared = 0;
-  std::int64_t collisions = 0;
-  tracker_status_t tracker{};
-};
-
-/// Poses against SIM_TRUTH, where both are of the same instant: 10 Hz.
-Truth compareWithTruth(const fs::path& run_folder) {
-  Truth result;
-  std::map<std::int64_t, std::map<std::int32_t, true_pose_t>> truth;
-  std::map<std::int64_t, std::vector<tracked_pose_t>> seen;
-  readLog({run_folder / "log.lcmlog"}, [&](const Packet& packet) {
-    sim_truth_t message{};
-    tracked_frame_t frame{};
-    if (packet.channel == channels::kSimTruth && decode(packet.data, message)) {
-      for (const true_pose_t& pose : message.robots) truth[message.utime][pose.robot_id] = pose;
-      result.collisions = message.collisions;
-    }
-    if (packet.channel == channels::kTrackedFrame && decode(packet.data, frame)) {
-      seen[frame.utime] = frame.robots;
-    }
-    if (packet.channel == channels::kTrackerStatus) {
-      static_cast<void>(decode(packet.data, result.tracker));
-    }
-  });
-  for (const auto& [utime, poses] : seen) {
-    const auto at = truth.find(utime);
-    if (at == truth.end()) continue;
-    for (const tracked_pose_t& pose : poses) {
-      const true_pose_t& expected = at->second.at(pose.robot_id);
-      result.worst = std::max(result.worst, std::hypot(pose.x - expected.x, pose.y - expected.y));
-      result.worst_turn = std::max(
-          result.worst_turn,
-          std::abs(std::remainder(pose.theta - expected.theta, 2 * std::numbers::pi)));
-      ++result.compared;
-    }
-  }
-  return result;
-}
-
 class OpticalLoop : public testing::TestWithParam<Chain> {};
 
 TEST_P(OpticalLoop, AgreesWithTheExactLaw) {
@@ -100,6 +57,8 @@ TEST_P(OpticalLoop, AgreesWithTheExactLaw) {
             << truth.worst_turn * 180 / std::numbers::pi << " degrees; " << truth.collisions
             << " collisions; spacing error " << truth.tracker.spacing_error * 1e6 << " um\n";
   EXPECT_GT(truth.compared, 1000);
+  EXPECT_EQ(truth.swapped, 0);
+  EXPECT_EQ(truth.flipped, 0);
   EXPECT_LT(truth.worst, 1e-3);
   EXPECT_LT(truth.worst_turn, 0.02);
   EXPECT_EQ(truth.tracker.bindings, kSize.robots);

@@ -75,8 +75,8 @@ TEST_F(CircleFitEdgeTest, HalfPlanes) {
         const double angle = even(0, 2 * std::numbers::pi);
         const double offset = even(-0.9, 0.9) * r;
         return [=](double x, double y) {
-          return shade + (1 - shade) * softStep(x * std::cos(angle) + y * std::sin(angle) - offset,
-                                                1.5);
+          return shade +
+                 (1 - shade) * softStep(x * std::cos(angle) + y * std::sin(angle) - offset, 1.5);
         };
       });
       EXPECT_EQ(pool.refused, 0) << shade << " " << radius;
@@ -93,8 +93,8 @@ TEST_F(CircleFitEdgeTest, RimsOfProjectedDiscs) {
     const double offset = even(-0.9, 0.9) * r;
     const double disc = even(30, 70);
     return [=](double x, double y) {
-      const double away = std::hypot(x - (offset - disc) * std::cos(angle),
-                                     y - (offset - disc) * std::sin(angle));
+      const double away =
+          std::hypot(x - (offset - disc) * std::cos(angle), y - (offset - disc) * std::sin(angle));
       return 0.3 + 0.7 * softStep(disc - away, 1.5);
     };
   });
@@ -142,8 +142,8 @@ TEST_F(CircleFitEdgeTest, AnEdgeIsNoCircle) {
     const double angle = even(0, 2 * std::numbers::pi);
     const double offset = even(-6, 6);
     p.light = [=](double x, double y) {
-      return 0.12 + 0.88 * softStep((x - 24) * std::cos(angle) + (y - 24) * std::sin(angle) - offset,
-                                    1.5);
+      return 0.12 +
+             0.88 * softStep((x - 24) * std::cos(angle) + (y - 24) * std::sin(angle) - offset, 1.5);
     };
     p.shape = roundShape(1e-3);
     p.x = p.y = 0;

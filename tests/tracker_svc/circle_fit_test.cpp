@@ -79,8 +79,8 @@ class CircleFitTest : public ::testing::Test {
       pool.edges += fit.edge ? 1 : 0;
       pool.squares += ex * ex + ey * ey;
       pool.worst = std::max(pool.worst, std::hypot(ex, ey));
-      pool.normalised += (c[2] * ex * ex - 2 * c[1] * ex * ey + c[0] * ey * ey) /
-                         (c[0] * c[2] - c[1] * c[1]);
+      pool.normalised +=
+          (c[2] * ex * ex - 2 * c[1] * ex * ey + c[0] * ey * ey) / (c[0] * c[2] - c[1] * c[1]);
       pool.sum_x += ex;
       pool.sum_y += ey;
     }
@@ -258,12 +258,10 @@ TEST_F(CircleFitTest, OtherThingsAreRefused) {
       {"grey disc", [=](double x, double y) { return std::hypot(x, y) < r ? 0.4 : 1; }},
       {"half the size", [=](double x, double y) { return std::hypot(x, y) < 0.5 * r ? 0.08 : 1; }},
       {"twice the size", [=](double x, double y) { return std::hypot(x, y) < 2 * r ? 0.08 : 1; }},
-      {"square",
-       [=](double x, double y) { return std::abs(x) < r && std::abs(y) < r ? 0.08 : 1; }},
+      {"square", [=](double x, double y) { return std::abs(x) < r && std::abs(y) < r ? 0.08 : 1; }},
       {"tape", [=](double x, double) { return std::abs(x) < 0.6 * r ? 0.08 : 1; }},
       {"border", [](double x, double) { return x < 0 ? 0.08 : 1; }},
-      {"half disc",
-       [=](double x, double y) { return std::hypot(x, y) < r && x > 0 ? 0.08 : 1; }},
+      {"half disc", [=](double x, double y) { return std::hypot(x, y) < r && x > 0 ? 0.08 : 1; }},
       {"ring",
        [=](double x, double y) {
          const double d = std::hypot(x, y);

@@ -13,8 +13,8 @@ double paintAt(const CirclePicture& p, double x, double y) {
   const double dy = y - p.y;
   const double u = static_cast<double>(p.shape.m[0]) * dx + static_cast<double>(p.shape.m[1]) * dy;
   const double v = static_cast<double>(p.shape.m[2]) * dx + static_cast<double>(p.shape.m[3]) * dy;
-  // Distance from the outline over the length of its gradient; the border is as wide as the grid, so
-  // that the grid does not show.
+  // Distance from the outline over the length of its gradient; the border is as wide as the grid,
+  // so that the grid does not show.
   const double q = std::sqrt(u * u + v * v);
   const double gx = (static_cast<double>(p.shape.m[0]) * u + static_cast<double>(p.shape.m[2]) * v);
   const double gy = (static_cast<double>(p.shape.m[1]) * u + static_cast<double>(p.shape.m[3]) * v);

@@ -1,6 +1,6 @@
-/// Pictures of one circle, painted exactly: for the tests and the benchmark of the circle fit. Shares
-/// nothing with the model that is fitted: light and paint are multiplied on a grid of 4 x 4 points a
-/// pixel, then blurred, then averaged over each pixel.
+/// Pictures of one circle, painted exactly: for the tests and the benchmark of the circle fit.
+/// Shares nothing with the model that is fitted: light and paint are multiplied on a grid of 4 x 4
+/// points a pixel, then blurred, then averaged over each pixel.
 #pragma once
 
 #include <functional>

@@ -31,7 +31,8 @@ void paintDisc(optics::GreyImage& image, double x, double y, double radius, doub
     for (int u = static_cast<int>(at.x - reach); u <= static_cast<int>(at.x + reach); ++u) {
       int inside = 0;
       for (int i = 0; i < 64; ++i) {
-        const auto place = model.toPlane({u + (i % 8 - 3.5) / 8, v + (i / 8 - 3.5) / 8}, cap.height);
+        const auto place =
+            model.toPlane({u + (i % 8 - 3.5) / 8, v + (i / 8 - 3.5) / 8}, cap.height);
         inside += place && std::hypot(place->x - x, place->y - y) < radius ? 1 : 0;
       }
       std::uint8_t& pixel = image.row(v)[u];
@@ -52,8 +53,9 @@ TEST(ScaleMap, DrawsTheOutlineThatTheCameraSees) {
     double sum_y = 0;
     for (int i = 0; i < 360; ++i) {
       const double angle = i * std::numbers::pi / 180;
-      const optics::Pixel rim = model.project(place.x + cap.big_radius * std::cos(angle),
-                                              place.y + cap.big_radius * std::sin(angle), cap.height);
+      const optics::Pixel rim =
+          model.project(place.x + cap.big_radius * std::cos(angle),
+                        place.y + cap.big_radius * std::sin(angle), cap.height);
       const double dx = rim.x - centre.x;
       const double dy = rim.y - centre.y;
       const double a = static_cast<double>(shape.m[0]) * dx + static_cast<double>(shape.m[1]) * dy;
@@ -136,13 +138,15 @@ TEST(CapCheck, TellsACapFromTheFloor) {
   const optics::Pixel on_cap = camera().project(0.15, 0.2, cap.height);
   const optics::Pixel on_floor = camera().project(0.35, 0.2, cap.height);
   EXPECT_GT(rimContrast(image.view(), on_cap, map.at(on_cap.x, on_cap.y), cap, {}), 0.15F);
-  EXPECT_NEAR(rimContrast(image.view(), on_floor, map.at(on_floor.x, on_floor.y), cap, {}), 0, 0.02);
+  EXPECT_NEAR(rimContrast(image.view(), on_floor, map.at(on_floor.x, on_floor.y), cap, {}), 0,
+              0.02);
   // Mostly outside of the picture: nothing is known.
   EXPECT_EQ(rimContrast(image.view(), {-30, -30}, map.at(0, 0), cap, {}), 0);
 }
 
 TEST(Pairing, TakesTheCheapestCouplesAndEachCircleOnce) {
-  std::vector<Couple> couples = {{0, 1, 0.5F, 0}, {0, 2, 0.1F, 0}, {3, 1, 0.7F, 0}, {3, 2, 0.2F, 0}};
+  std::vector<Couple> couples = {
+      {0, 1, 0.5F, 0}, {0, 2, 0.1F, 0}, {3, 1, 0.7F, 0}, {3, 2, 0.2F, 0}};
   const std::size_t count = chooseCouples(couples, 4);
   ASSERT_EQ(count, 2U);
   EXPECT_EQ(couples[0].big, 0);

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <lab/sim_truth_t.hpp>
+#include <lab/tracked_frame_t.hpp>
+#include <lab/tracker_status_t.hpp>
+#include <map>
+#include <numbers>
+#include <vector>
+
+#include "common/channels.hpp"
+#include "common/log_file.hpp"
+
+namespace lab::system_test {
+
+struct Truth {
+  double worst = 0;       ///< [m] largest distance of a pose from its own robot, but for swaps
+  double worst_turn = 0;  ///< [rad] but for flips
+  std::int64_t compared = 0;
+  std::int64_t swapped = 0;      ///< poses that are another robot's
+  std::int64_t flipped = 0;      ///< poses whose heading is off by more than a right angle
+  std::int64_t unidentified = 0; ///< caps that were seen and not known
+  std::int64_t collisions = 0;
+  tracker_status_t tracker{};
+};
+
+/// Poses against SIM_TRUTH, where both are of the same instant: 10 Hz.
+inline Truth compareWithTruth(const std::filesystem::path& run_folder) {
+  constexpr double kOtherRobot = 0.03;  // [m] two robots cannot be nearer than 7.5 cm
+  Truth result;
+  std::map<std::int64_t, std::map<std::int32_t, true_pose_t>> truth;
+  std::map<std::int64_t, std::vector<tracked_pose_t>> seen;
+  readLog({run_folder / "log.lcmlog"}, [&](const Packet& packet) {
+    sim_truth_t message{};
+    tracked_frame_t frame{};
+    if (packet.channel == channels::kSimTruth && decode(packet.data, message)) {
+      for (const true_pose_t& pose : message.robots) truth[message.utime][pose.robot_id] = pose;
+      result.collisions = message.collisions;
+    }
+    if (packet.channel == channels::kTrackedFrame && decode(packet.data, frame)) {
+      seen[frame.utime] = frame.robots;
+      result.unidentified += frame.num_unidentified;
+    }
+    if (packet.channel == channels::kTrackerStatus) {
+      static_cast<void>(decode(packet.data, result.tracker));
+    }
+  });
+  for (const auto& [utime, poses] : seen) {
+    const auto at = truth.find(utime);
+    if (at == truth.end()) continue;
+    for (const tracked_pose_t& pose : poses) {
+      ++result.compared;
+      const true_pose_t& expected = at->second.at(pose.robot_id);
+      const double off = std::hypot(pose.x - expected.x, pose.y - expected.y);
+      const double turn =
+          std::abs(std::remainder(pose.theta - expected.theta, 2 * std::numbers::pi));
+      if (off > kOtherRobot) {
+        ++result.swapped;
+      } else if (turn > std::numbers::pi / 2) {
+        ++result.flipped;
+      } else {
+        result.worst = std::max(result.worst, off);
+        result.worst_turn = std::max(result.worst_turn, turn);
+      }
+    }
+  }
+  return result;
+}
+
+}  // namespace lab::system_test
