@@ -125,7 +125,7 @@ Levels levelsOf(int black, int noise) {
 }  // namespace
 
 CircleSearch::CircleSearch(const ScaleMap& scale, const optics::CapGeometry& cap,
-                           const optics::Imaging& imaging, int width, int height)
+                           const optics::Imaging& imaging, int width, int height, int padding)
     : imaging_(imaging), width_(width), height_(height) {
   for (std::size_t i = 0; i < kDirections; ++i) {
     const double angle = 2 * std::numbers::pi * static_cast<double>(i) / kDirections;
@@ -146,7 +146,9 @@ CircleSearch::CircleSearch(const ScaleMap& scale, const optics::CapGeometry& cap
   if (word_starts_.back() < last) word_starts_.push_back(last);
   for (int y = 0; y < height; y += kBand) {
     for (const int x : word_starts_) {
-      const LocalScale there = scale.at(x + kWord / 2, std::min(y + kBand / 2, height - 1));
+      const LocalScale there = scale.at(
+          std::clamp(x + kWord / 2 - padding, 0, width - 2 * padding - 1),
+          std::clamp(y + kBand / 2 - padding, 0, height - 2 * padding - 1));
       Sizes sizes;
       if (there.mean > 0) {
         sizes.big = static_cast<float>(cap.big_radius) * there.mean;

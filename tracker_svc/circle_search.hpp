@@ -45,8 +45,9 @@ struct Refused {
 /// it. Candidates are then centred on the outline around them.
 class CircleSearch {
  public:
+  /// @param width,height of the pictures [px], with `padding` that was added on every side
   CircleSearch(const ScaleMap& scale, const optics::CapGeometry& cap,
-               const optics::Imaging& imaging, int width, int height);
+               const optics::Imaging& imaging, int width, int height, int padding = 0);
 
   /// The circles whose candidates lie in one of the regions, in the order of their top rows. A
   /// circle is found in the same place whatever the regions, if one of them holds all of it.

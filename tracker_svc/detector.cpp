@@ -44,7 +44,8 @@ Detector::Detector(const optics::CameraModel& camera, const optics::CapGeometry&
       cap_(cap),
       imaging_(imaging),
       scale_(camera, cap),
-      search_(scale_, cap, imaging, camera.parameters().width, camera.parameters().height) {}
+      search_(scale_, cap, imaging, camera.parameters().width + 2 * kPadding,
+              camera.parameters().height + 2 * kPadding, kPadding) {}
 
 const std::vector<Detection>& Detector::search(const optics::GreyView& picture,
                                                std::vector<Rejection>* rejected) {
@@ -108,10 +109,47 @@ bool Detector::canRead(const optics::GreyView& picture) const {
          picture.height == camera_.parameters().height && picture.stride >= picture.width;
 }
 
+void Detector::findSpots(const optics::GreyView& picture, std::span<const Region> regions,
+                         bool explain) {
+  // What is tested comes in words, and is held against neighbours as far away as the padding.
+  constexpr int kReach = 3 * kPadding;
+  bool at_edge = false;
+  std::vector<Region> shifted;
+  for (const Region& region : regions) {
+    at_edge = at_edge || region.left < kReach || region.top < kReach ||
+              region.right >= picture.width - kReach || region.bottom >= picture.height - kReach;
+    shifted.push_back({std::max(region.left, 0) + kPadding, std::max(region.top, 0) + kPadding,
+                       std::min(region.right, picture.width - 1) + kPadding,
+                       std::min(region.bottom, picture.height - 1) + kPadding});
+  }
+  wide_ = at_edge ? padded_.around(picture) : PaddedPicture::within(picture);
+  search_.find(wide_, shifted, spots_, explain ? &refused_ : nullptr);
+  for (Spot& spot : spots_) {
+    spot.x -= kPadding;
+    spot.y -= kPadding;
+  }
+  for (Refused& refused : refused_) {
+    refused.x -= kPadding;
+    refused.y -= kPadding;
+  }
+  std::erase_if(spots_, [&](const Spot& spot) { return !picture.contains(spot.x, spot.y); });
+}
+
+std::optional<Spot> Detector::centredAs(Spot spot, bool big) const {
+  spot.x += kPadding;
+  spot.y += kPadding;
+  std::optional<Spot> found = search_.centredAs(wide_, spot, big);
+  if (found) {
+    found->x -= kPadding;
+    found->y -= kPadding;
+  }
+  return found;
+}
+
 void Detector::look(const optics::GreyView& picture, std::span<const Region> regions,
                     std::vector<Rejection>* rejected) {
   refused_.clear();
-  search_.find(picture, regions, spots_, rejected != nullptr ? &refused_ : nullptr);
+  findSpots(picture, regions, rejected != nullptr);
   circles_.assign(2 * spots_.size(), Circle{});
   gatherCouples(picture, rejected);
 
@@ -196,8 +234,8 @@ void Detector::lookAgain(const optics::GreyView& picture, const std::vector<Coup
       const float dy = spots_[i].y - spots_[j].y;
       const float square = dx * dx + dy * dy;
       if (i == j || taken[j] || square > most * most || square < least * least) continue;
-      const std::optional<Spot> big = search_.centredAs(picture, spots_[i], true);
-      const std::optional<Spot> small = big ? search_.centredAs(picture, spots_[j], false) : big;
+      const std::optional<Spot> big = centredAs(spots_[i], true);
+      const std::optional<Spot> small = big ? centredAs(spots_[j], false) : big;
       if (!small) continue;
       spots_.push_back(*big);
       spots_.push_back(*small);

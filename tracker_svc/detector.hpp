@@ -12,6 +12,7 @@
 #include "optics/image.hpp"
 #include "optics/imaging.hpp"
 #include "tracker_svc/circle_fit.hpp"
+#include "tracker_svc/padded_picture.hpp"
 #include "tracker_svc/circle_search.hpp"
 #include "tracker_svc/pairing.hpp"
 #include "tracker_svc/scale_map.hpp"
@@ -98,6 +99,9 @@ class Detector {
   [[nodiscard]] bool canRead(const optics::GreyView& picture) const;
   void look(const optics::GreyView& picture, std::span<const Region> regions,
             std::vector<Rejection>* rejected);
+  void findSpots(const optics::GreyView& picture, std::span<const Region> regions,
+                 bool explain);
+  [[nodiscard]] std::optional<Spot> centredAs(Spot spot, bool big) const;
   void gatherCouples(const optics::GreyView& picture, std::vector<Rejection>* rejected);
   void tryCouple(const optics::GreyView& picture, std::size_t big, std::size_t small,
                  std::vector<Rejection>* rejected);
@@ -117,7 +121,9 @@ class Detector {
   optics::CapGeometry cap_;
   optics::Imaging imaging_;
   ScaleMap scale_;
-  CircleSearch search_;
+  CircleSearch search_;    // in the coordinates of the padded picture
+  PaddedPicture padded_;
+  optics::GreyView wide_;  // the picture, padded
   std::vector<Spot> spots_;
   std::vector<Refused> refused_;
   std::vector<Circle> circles_;  // two for each spot: as a big one, as a small one
