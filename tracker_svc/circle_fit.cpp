@@ -20,7 +20,7 @@ constexpr double kMostError = 0.08;  // [radius] standard error of the centre, b
 constexpr float kMostRatio = 0.2F;   // [1] dark / white: black paint on white has 0.08
 constexpr float kMostScale = 0.15F;  // [1]
 // [1] residuals that noise cannot explain over the white level
-constexpr float kMostMisfit = 0.02F;
+constexpr float kMostMisfit = 0.025F;
 constexpr float kLeastBelieved = 0.6F;  // [1] share of the pixels that are of the model
 constexpr double kDoubtful = 0.02;      // [radius] standard error of the centre: looked at closely
 // of residuals: something is there that is not in the model
