@@ -23,6 +23,7 @@ constexpr double kNewAtOnce = 1e-5;    // [1] and at least in any picture
 // long has a reason to stay hidden.
 constexpr double kMissed[] = {0.05, 0.5, 0.95};
 constexpr int kMissedLong = 5;  // pictures
+constexpr float kFlippedQuality = 0.4F;  // [1] below what an analysis takes for good
 
 dynamics::Pose poseOf(const Detection& detection) {
   return {detection.x, detection.y, detection.theta};
@@ -268,7 +269,7 @@ void CapTracker::correctFlip(Follow& follow, double time, Detection& detection) 
   ++counts_.flips;
   detection.theta = wrapped(detection.theta + kPi);
   std::swap(detection.big, detection.small);
-  detection.quality = std::min(detection.quality, 0.5F);
+  detection.quality = std::min(detection.quality, kFlippedQuality);
 }
 
 void CapTracker::miss(Follow& follow, double time, bool lit) {
