@@ -14,7 +14,7 @@ class ContactSheet : public testing::TestWithParam<int> {};
 TEST_P(ContactSheet, IsWrittenForAFilmOfAnyLength) {
   const TemporaryFolder folder;
   OverlaySettings settings;
-  settings.path = folder.path() / "sheet.png";
+  settings.path = folder / "sheet.png";
   settings.camera = optics::CameraModel(optics::simulatedCamera(320, 240, 1.2, 0.9));
   const auto sheet = FilmOverlay::open(settings);
   for (int i = 0; i < GetParam(); ++i) {
