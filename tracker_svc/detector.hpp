@@ -81,7 +81,7 @@ class Detector {
 
   /// The cap near each expected pose, and nothing else: result i belongs to expected[i], with
   /// quality 0 where there is none. A cap found this way is the same, to the last bit, as search()
-  /// finds. No cap is given twice.
+  /// finds, and nearly always so where a light edge crosses a circle. No cap is given twice.
   const std::vector<Detection>& follow(const optics::GreyView& picture,
                                        std::span<const Expected> expected);
 
