@@ -25,6 +25,8 @@ constexpr double kMissed[] = {0.05, 0.5, 0.95};
 constexpr int kMissedLong = 5;  // pictures
 constexpr float kFlippedQuality = 0.4F;  // [1] below what an analysis takes for good
 
+bool isDegraded(const Detection& detection) { return (detection.used & kUsedRim) != 0; }
+
 dynamics::Pose poseOf(const Detection& detection) {
   return {detection.x, detection.y, detection.theta};
 }
@@ -117,7 +119,7 @@ const std::vector<Track>& CapTracker::update(double time, std::span<const Detect
   }
   giveUp(time);
   for (std::size_t i = 0; i < found_.size(); ++i) {
-    if (cap_of_[i] < 0) start(time, found_[i]);
+    if (cap_of_[i] < 0 && !isDegraded(found_[i])) start(time, found_[i]);
   }
   if (lit) lit_ = time;
   if (binding_.isDue(time)) compareMotion(time);
@@ -220,12 +222,14 @@ void CapTracker::doubt(Follow& follow) {
 }
 
 void CapTracker::see(Follow& follow, double time, Detection detection) {
-  correctFlip(follow, time, detection);
+  // A degraded pose has the heading that was expected, and is no measure of speed.
+  const bool sharp = !isDegraded(detection);
+  if (sharp) correctFlip(follow, time, detection);
   const dynamics::Pose pose = poseOf(detection);
   const double span = time - follow.last;
   if (span > kLost) {
     follow.speeds = {};
-  } else if (span > 1e-3) {
+  } else if (span > 1e-3 && sharp && !isDegraded(follow.detection)) {
     const Wheels way = wheelsBetween(follow.pose, pose, settings_.wheel_base);
     const double most = settings_.max_wheel_speed;
     const auto blend = [&](double old, double measured) {
@@ -330,7 +334,7 @@ void CapTracker::compareMotion(double time) {
   evidence_.clear();
   for (Follow& follow : follows_) {
     Evidence& evidence = follow.evidence;
-    evidence.placed = follow.seen;
+    evidence.placed = follow.seen && !isDegraded(follow.detection);
     evidence.place = follow.pose;
     const double half_base = settings_.wheel_base / 2;
     evidence.variance = (follow.covariance[0] + follow.covariance[3]) / 2 +
@@ -355,7 +359,7 @@ bool CapTracker::bind(std::int32_t robot_id, double x, double y, double reach) {
   place.y = y;
   for (Follow& follow : follows_) {
     const double distance = distance2(follow.pose, place);
-    if (!follow.seen || distance > least) continue;
+    if (!follow.seen || isDegraded(follow.detection) || distance > least) continue;
     least = distance;
     nearest = &follow;
   }

@@ -57,6 +57,9 @@ struct TrackerCounts {
 /// turn off for longer than it was right before (at most kVotes pictures), the first one was the
 /// mistake.
 ///
+/// A degraded pose (kUsedRim) keeps its track alive and where it is; it begins none, tells no
+/// speed, flips no heading and binds no robot.
+///
 /// A track binds to a robot when what the cap did fits what that robot's wheels did, and fits no
 /// other free robot and no other free track: a robot that turns on the spot while the others stand
 /// is the clearest case. It takes pictures at least every 0.35 s. When two tracks could have been

@@ -17,7 +17,8 @@ using fit::Window;
 
 constexpr double kMostWay = 0.5;     // [radius] from the start
 constexpr double kMostError = 0.08;  // [radius] standard error of the centre, by x or y
-constexpr float kMostRatio = 0.2F;   // [1] dark / white: black paint on white has 0.08
+// [1] dark / white: black paint on white has 0.08, with glare over both of them more
+constexpr float kMostRatio = 0.3F;
 constexpr float kMostScale = 0.15F;  // [1]
 // [1] residuals that noise cannot explain over the white level
 constexpr float kMostMisfit = 0.025F;
@@ -122,7 +123,7 @@ CircleFit fitCircle(const optics::GreyView& picture, optics::Pixel start, const 
   std::optional<GridPoint> point;
   Outcome best = plainFrom(task, fit::nearest(start), window, point);
   const bool odd = isOdd(best);
-  if (odd) {
+  if (odd && !(best.good && !fit::edgeMayCross(task, best, window))) {
     const GridPoint first = fit::nearest(start);
     Outcome lit = litFrom(task, point.value_or(first), window);
     if (!lit.good && point && !(*point == first)) lit = litFrom(task, first, window);

@@ -17,6 +17,7 @@ constexpr int kMostMoves = 6;
 constexpr int kPasses = 8;
 // passes until residuals may count for less: a guess may be a side off
 constexpr int kTrusting = 2;
+constexpr double kSettled = 0.003;  // [px]
 constexpr double kDoubt = 0.03;  // [px] as in the plain fit
 // [px] as in the plain fit, with light edges that are not quite straight
 constexpr double kFloor = 0.0045;
@@ -113,7 +114,10 @@ LitFit fitLines(const Task& task, Window& window, const LitDisc& from) {
     if constexpr (kLines == 1) {
       lit.bend = std::clamp(lit.bend + step(kCount - 1, 0.03F), -0.1F, 0.1F);
     }
-    if (pass == kPasses - 1) {
+    // The last step's size says what the next one would be.
+    const double moved = by[kLitX] * by[kLitX] + by[kLitY] * by[kLitY];
+    const bool settled = pass > kTrusting && moved < kSettled * kSettled;
+    if (pass == kPasses - 1 || settled) {
       Outcome& o = out.outcome;
       const auto cx = factor.inverseColumn(kLitX);
       const auto cy = factor.inverseColumn(kLitY);
@@ -133,6 +137,7 @@ LitFit fitLines(const Task& task, Window& window, const LitDisc& from) {
       o.believed = static_cast<float>(sums.counts.weight / std::max(1.0, sums.counts.pixels));
       o.correlation = static_cast<float>(correlation(window));
       o.good = std::isfinite(o.x) && std::isfinite(o.y);
+      break;
     }
   }
   return out;
@@ -173,13 +178,21 @@ Outcome fitLit(const Task& task, Window& window, const Disc& rough) {
 
 }  // namespace
 
+bool edgeMayCross(const Task& task, const Outcome& plain, const Window& window) {
+  Disc disc;  // the one expected: with an edge across it the fit may say anything
+  disc.sigma = task.sigma;
+  const Constants& c = task.constants;
+  const float grain = plain.white * plain.white * c.texture;
+  return Surroundings(window, c, disc)
+      .uneven(c.floor_variance + c.shot_gain * std::max(0.0F, plain.white) + grain);
+}
+
 std::optional<GridPoint> settleLit(const Task& task, GridPoint start, Window& window,
                                    Outcome& outcome) {
   GridPoint last;
   const auto estimate = [&](GridPoint point) -> std::optional<optics::Pixel> {
-    const optics::Pixel at = point.pixel();
     outcome = {};
-    if (!gather(*task.picture, at.x, at.y, *task.shape, task.margin, window)) return std::nullopt;
+    if (!task.gather(point, window)) return std::nullopt;
     Disc rough;
     rough.sigma = task.sigma;
     if (point == start && !darkInside(window, task.constants, task.sigma)) return std::nullopt;

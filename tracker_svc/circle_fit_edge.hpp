@@ -12,4 +12,9 @@ namespace lab::tracker::fit {
 std::optional<GridPoint> settleLit(const Task& task, GridPoint start, Window& window,
                                    Outcome& outcome);
 
+/// Whether the white around the circle leaves room for a light edge: a look that costs a tenth of a
+/// fit with one.
+/// @param plain the fit without edges, `window` as it left it
+bool edgeMayCross(const Task& task, const Outcome& plain, const Window& window);
+
 }  // namespace lab::tracker::fit

@@ -3,48 +3,11 @@
 #include "tracker_svc/circle_fit_lanes.hpp"
 
 namespace lab::tracker::fit {
-__attribute__((target_clones("avx2", "default"))) void sumLinear(const Window& window,
-                                                                 const Constants& constants,
-                                                                 float sigma, Sums<4>& sums) {
-  const float* rm = constants.rm;
-  const float over_sigma = 1.0F / sigma;
-  LaneSums<4> lanes;
-  for (int at = 0; at < window.count; at += kLanes) {
-    const Lanes x = loadLanes(window.x + at);
-    const Lanes y = loadLanes(window.y + at);
-    const Lanes value = loadLanes(window.value + at);
-    const Lanes qx = rm[0] * x + rm[1] * y;
-    const Lanes qy = rm[2] * x + rm[3] * y;
-    const Lanes distance = rootOf(qx * qx + qy * qy + sigma * sigma);
-    Lanes share;
-    Lanes slope;
-    edgeProfile((distance - constants.radius) * over_sigma, share, slope);
-    const Lanes outward = slope * (-over_sigma / distance);
-    const Lanes used = value != kNoPixel ? Lanes{} + 1.0F : Lanes{};
-    const Lanes slopes[4] = {(rm[0] * qx + rm[2] * qy) * outward,
-                             (rm[1] * qx + rm[3] * qy) * outward, share, 1.0F - share};
-    lanes.add(slopes, value - constants.black, used);
-  }
-  lanes.writeTo(sums);
-}
 
 namespace {
 
 LAB_INLINE Lanes whiteAt(const Disc& disc, const Lanes& x, const Lanes& y) {
   return disc.white + disc.slope_x * x + disc.slope_y * y;
-}
-
-// The value that the model has for eight pixels, black left out.
-LAB_INLINE Lanes signalAt(const Constants& constants, const Disc& disc, const Lanes& x,
-                          const Lanes& y, const Lanes& white) {
-  const float* rm = constants.rm;
-  const Lanes dx = x - disc.x;
-  const Lanes dy = y - disc.y;
-  const Lanes qx = rm[0] * dx + rm[1] * dy;
-  const Lanes qy = rm[2] * dx + rm[3] * dy;
-  const Lanes distance = rootOf(qx * qx + qy * qy + disc.sigma * disc.sigma);
-  const Lanes share = edgeShare((distance - constants.radius * disc.scale) * (1.0F / disc.sigma));
-  return white * (disc.ratio + (1.0F - disc.ratio) * share);
 }
 
 // The sums of one block: the slopes from `first` on.
@@ -113,12 +76,16 @@ __attribute__((target_clones("avx2", "default"))) void sumBlocks(Window& window,
   counts.writeTo(blocks.counts);
 }
 
-__attribute__((target_clones("avx2", "default"))) void sumLast(
-    Window& window, const Constants& constants, const Disc& disc, float cutoff,
-    const BlockRow& row_x, const BlockRow& row_y, LastStep& last) {
+__attribute__((target_clones("avx2", "default"))) void sumLast(Window& window, const Disc& disc,
+                                                               const Row& by, float cutoff,
+                                                               const BlockRow& row_x,
+                                                               const BlockRow& row_y,
+                                                               LastStep& last) {
   const float over_cutoff = 1.0F / (cutoff * cutoff);
+  float moved[kUnknowns];
   float to_x[kBlock];
   float to_y[kBlock];
+  for (std::size_t i = 0; i < kUnknowns; ++i) moved[i] = static_cast<float>(by[i]);
   for (std::size_t i = 0; i < kBlock; ++i) {
     to_x[i] = static_cast<float>(row_x[i]);
     to_y[i] = static_cast<float>(row_y[i]);
@@ -131,13 +98,11 @@ __attribute__((target_clones("avx2", "default"))) void sumLast(
   Lanes yy = {};
   Lanes squares = {};
   for (int at = 0; at < window.count; at += kLanes) {
-    const Lanes x = loadLanes(window.x + at);
-    const Lanes y = loadLanes(window.y + at);
     const Slopes& kept = window.slopes[at / kLanes];
     const Lanes certain = loadLanes(kept.weight);
-    const Lanes white = whiteAt(disc, x, y);
-    const Lanes residual =
-        loadLanes(window.value + at) - constants.black - signalAt(constants, disc, x, y, white);
+    Lanes residual = loadLanes(window.residual + at);
+#pragma GCC unroll 16
+    for (std::size_t i = 0; i < kUnknowns; ++i) residual -= moved[i] * loadLanes(kept.by[i]);
     const Lanes square = residual * residual * certain;
     const Lanes belief = beliefOf(square, over_cutoff);
     const Lanes weighted = residual * certain * belief;
@@ -160,7 +125,9 @@ __attribute__((target_clones("avx2", "default"))) void sumLast(
     counts.pixels += certain > 0.0F ? Lanes{} + 1.0F : Lanes{};
     counts.cost += limitedCost(square);
     storeLanes(window.residual + at, weighted);
-    storeLanes(window.light + at, white);
+    const Lanes x = loadLanes(window.x + at);
+    const Lanes y = loadLanes(window.y + at);
+    storeLanes(window.light + at, whiteAt(disc, x, y));
   }
   last.x = total(sum_x);
   last.y = total(sum_y);

@@ -63,22 +63,18 @@ struct Sums {
   Counts counts;
 };
 
-/// What is linear once the geometry is fixed, without the slopes: unknowns (ux, uy, white, dark)
-/// with ux = contrast dx.
-void sumLinear(const Window& window, const Constants& constants, float sigma, Sums<4>& sums);
-
 /// One value for each unknown, and for the unknowns of a block.
 using Row = std::array<double, kUnknowns>;
 using BlockRow = std::array<double, kBlock>;
 
 /// The two blocks and the right sides at `disc`. Residuals beyond `cutoff` expected deviations
-/// count for nothing (Tukey's biweight). Leaves slopes and weights in window.slopes, for the passes
-/// below.
-struct Blocks {
-  std::array<double, 10> odd{};   ///< x, y and the slopes: lower triangle
-  std::array<double, 10> even{};  ///< white, scale, ratio, sigma
-  Row right{};
-  double squares = 0;
+/// count for nothing (Tukey's biweight). Leaves slopes and certainty in window.slopes, and the
+/// residuals in window.residual.
+struct Blocks {  // not set to zero beforehand, which takes time
+  std::array<double, 10> odd;   ///< x, y and the slopes: lower triangle
+  std::array<double, 10> even;  ///< white, scale, ratio, sigma
+  Row right;
+  double squares;
   Counts counts;
 };
 void sumBlocks(Window& window, const Constants& constants, const Disc& disc, float cutoff,
@@ -93,10 +89,12 @@ struct LastStep {
   Counts counts;
 };
 
-/// The step of x and y alone, with rows x and y of the inverse of the odd block. Leaves the
-/// believed residuals in window.residual, the light in window.light.
-void sumLast(Window& window, const Constants& constants, const Disc& disc, float cutoff,
-             const BlockRow& row_x, const BlockRow& row_y, LastStep& last);
+/// The step of x and y alone after the small step `by`, with rows x and y of the inverse of the odd
+/// block. The residuals are those of the pass before, changed by the slopes: second order is
+/// nothing where the step was small. Leaves the believed residuals in window.residual, the light of
+/// `disc` in window.light.
+void sumLast(Window& window, const Disc& disc, const Row& by, float cutoff, const BlockRow& row_x,
+             const BlockRow& row_y, LastStep& last);
 
 /// Correlation of the residuals of neighbouring pixels: near 0 for noise, high where something that
 /// is not in the model is there.

@@ -12,8 +12,7 @@ namespace {
 constexpr double kDoubt = 0.06;
 // outside the outline: wide, since the slopes of the light must be told from a shift of the circle
 constexpr float kMarginSigmas = 4.0F;
-constexpr float kRoughSigmas = 1.8F;  // the same for the rough step, which holes must not draw
-constexpr float kMostMargin = 0.8F;   // [radius]
+constexpr float kMostMargin = 0.8F;  // [radius]
 constexpr float kTexture = 0.006F * 0.006F;  // grain of paint and sensor, variance over signal^2
 
 constexpr double kFreedoms = kUnknowns;
@@ -25,9 +24,9 @@ constexpr double kSettledScale = 0.03;
 constexpr float kRoughCutoff = 0.3F;  // [1] of the white level, as kCutoff while the disc is rough
 constexpr float kLeastNoise = 0.5F;
 
-// Beyond what the residuals show: paint that is not quite round, scuffs, grain that neighbouring
-// pixels share. Measured as what is left of the errors at full light.
-constexpr double kFloor = 0.0028;  // [px]
+// Beyond what the residuals show: paint that is not quite round. More would be too cautious where
+// circles are large, since it does not shrink with them.
+constexpr double kFloor = 0.0008;  // [px]
 // What the biweight (1.39 at a cutoff of 5 deviations) and the unknowns take off the scatter.
 constexpr double kScatterLoss = 1.5;
 
@@ -36,7 +35,9 @@ constexpr double kScaleSpread = 0.1;
 constexpr double kRatioSpread = 0.15;
 constexpr float kUsualRatio = 0.08F;
 constexpr double kSlopeSpread = 0.02;  // [1/px] of the white level
-constexpr double kFullSlope = 50;      // [1] how much less where every pixel is full
+// [1] how much less where every pixel is full: no slope can be seen there, and what lens and
+// projector do over a whole picture is a few ten-thousandths a pixel
+constexpr double kFullSlope = 150;
 constexpr double kSigmaSpread = 0.5;   // [of sigma]
 
 // Mean weight of the biweight, for a normal residual and a cutoff in deviations.
@@ -50,29 +51,22 @@ struct Rough {
   Disc disc;
 };
 
-Rough roughAt(const Task& task, GridPoint point, Window& window) {
+Rough roughAt(const Task& task, GridPoint point) {
   Rough out;
-  const optics::Pixel at = point.pixel();
-  if (!gather(*task.picture, at.x, at.y, *task.shape, kRoughSigmas * task.sigma, window)) {
-    return out;
-  }
-  Sums<4> sums;
-  sumLinear(window, task.constants, task.sigma, sums);
-  const Factor<4> factor(sums.normal);
-  if (!factor.good()) return out;
-  const auto u = factor.solve(sums.right);
-  const double contrast = u[2] - u[3];
+  const Pixels::Rough u = task.pixels->rough(*task.picture, point);
+  const double contrast = u.white - u.dark;
   if (!(contrast > 0.5)) return out;
   // A step longer than this is not linear any more.
   const double most = 0.3 * static_cast<double>(task.constants.radius);
-  const double length = std::sqrt(u[0] * u[0] + u[1] * u[1]) / contrast;
+  const double length = std::sqrt(u.x * u.x + u.y * u.y) / contrast;
   const double shortened = (length > most ? most / length : 1.0) / contrast;
-  out.disc.x = static_cast<float>(u[0] * shortened);
-  out.disc.y = static_cast<float>(u[1] * shortened);
-  out.disc.white = static_cast<float>(u[2]);
-  out.disc.ratio = static_cast<float>(std::clamp(u[3] / u[2], 0.0, 0.5));
+  const double white = u.white - static_cast<double>(task.constants.black);
+  out.disc.x = static_cast<float>(u.x * shortened);
+  out.disc.y = static_cast<float>(u.y * shortened);
+  out.disc.white = static_cast<float>(white);
+  out.disc.ratio = static_cast<float>(std::clamp(1 - contrast / white, 0.0, 0.5));
   out.disc.sigma = task.sigma;
-  out.good = true;
+  out.good = white > 0;
   return out;
 }
 
@@ -129,7 +123,14 @@ Task::Task(const optics::GreyView& the_picture, const DiscShape& the_shape,
 
 void Task::setSigma(float the_sigma) {
   sigma = the_sigma;
-  margin = std::max(2.0F * sigma, std::min(kMarginSigmas * sigma, kMostMargin * constants.radius));
+  const float margin =
+      std::max(2.0F * sigma, std::min(kMarginSigmas * sigma, kMostMargin * constants.radius));
+  pixels = Pixels::about(*shape, sigma, margin);
+}
+
+bool Task::gather(GridPoint point, Window& window) const {
+  window.pixels = pixels;
+  return pixels->gather(*picture, point, window);
 }
 
 float noiseOver(double squares, double freedom, bool robust) {
@@ -151,7 +152,7 @@ std::optional<GridPoint> settlePlain(const Task& task, GridPoint start, Window& 
                                      Disc& disc) {
   GridPoint last;
   const auto estimate = [&](GridPoint point) -> std::optional<optics::Pixel> {
-    const Rough rough = roughAt(task, point, window);
+    const Rough rough = roughAt(task, point);
     if (!rough.good) return std::nullopt;
     last = point;
     disc = rough.disc;
@@ -161,9 +162,7 @@ std::optional<GridPoint> settlePlain(const Task& task, GridPoint start, Window& 
   const std::optional<GridPoint> chosen = settle(start, kDoubt, kMostMoves, estimate);
   if (!chosen) return chosen;
   if (!(last == *chosen)) static_cast<void>(estimate(*chosen));
-  const optics::Pixel at = chosen->pixel();
-  if (!gather(*task.picture, at.x, at.y, *task.shape, task.margin, window)) return std::nullopt;
-  return chosen;
+  return task.gather(*chosen, window) ? chosen : std::nullopt;
 }
 
 Outcome fitPlain(const Task& task, Window& window, const Disc& rough) {
@@ -188,6 +187,7 @@ Outcome fitPlain(const Task& task, Window& window, const Disc& rough) {
     return Row{a[0], a[1], a[2], a[3], b[0], b[1], b[2], b[3]};
   };
   float matrix_cutoff = cutoff;
+  Row by{};
   for (int pass = 0; pass < kMostPasses; ++pass) {
     matrix_cutoff = cutoff;
     Blocks blocks;
@@ -204,7 +204,7 @@ Outcome fitPlain(const Task& task, Window& window, const Disc& rough) {
     odd.emplace(blocks.odd);
     even.emplace(blocks.even);
     if (!odd->good() || !even->good()) return out;
-    const Row by = solve(right);
+    by = solve(right);
     cutoff =
         cutoffAfter(blocks.squares, by, right, pass > 0 ? counts.weight : counts.pixels, pass > 0);
     step(disc, by, task.sigma);
@@ -222,7 +222,7 @@ Outcome fitPlain(const Task& task, Window& window, const Disc& rough) {
   for (double& r : row_x) r /= belief;
   for (double& r : row_y) r /= belief;
   LastStep last;
-  sumLast(window, task.constants, disc, cutoff, row_x, row_y, last);
+  sumLast(window, disc, by, cutoff, row_x, row_y, last);
   disc.x += static_cast<float>(last.x);
   disc.y += static_cast<float>(last.y);
   // Light that rises by g across an edge blurred by sigma moves it by sigma^2 g / white: the blur

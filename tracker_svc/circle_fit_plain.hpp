@@ -3,10 +3,12 @@
 #pragma once
 
 #include <array>
+#include <memory>
 
 #include "optics/imaging.hpp"
 #include "tracker_svc/circle_fit_grid.hpp"
 #include "tracker_svc/circle_fit_model.hpp"
+#include "tracker_svc/circle_fit_pixels.hpp"
 
 namespace lab::tracker::fit {
 
@@ -16,11 +18,13 @@ struct Task {
   const DiscShape* shape = nullptr;
   Constants constants;
   float sigma = 1;   ///< [px] the whole blur, as far as known
-  float margin = 3;  ///< [px] outside the outline that is looked at
+  std::shared_ptr<const Pixels> pixels;  ///< that are looked at
 
   Task(const optics::GreyView& the_picture, const DiscShape& the_shape,
        const optics::Imaging& imaging);
   void setSigma(float the_sigma);
+  /// The pixels around the point. @return false where the outline would leave the picture
+  bool gather(GridPoint point, Window& window) const;
 };
 
 /// What a fit found, with or without light edges.

@@ -50,8 +50,8 @@ class Factor {
 
   /// One column of the inverse matrix.
   [[nodiscard]] Vector inverseColumn(std::size_t column) const {
-    Vector unit{};
-    unit[column] = 1;
+    Vector unit;
+    for (std::size_t i = 0; i < kCount; ++i) unit[i] = i == column ? 1 : 0;
     return solve(unit);
   }
 
@@ -62,7 +62,7 @@ class Factor {
   }
 
   std::array<double, kPairs> l_;
-  std::array<double, kCount> inverse_{};  ///< of the diagonal
+  std::array<double, kCount> inverse_;  ///< of the diagonal; not set to zero, which takes time
   bool good_ = true;
 };
 

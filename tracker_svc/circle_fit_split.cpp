@@ -134,6 +134,16 @@ Surroundings::Surroundings(const Window& window, const Constants& constants, con
   reach_ = std::sqrt(reach_) + 0.01F;
 }
 
+bool Surroundings::uneven(float variance) const {
+  constexpr float kBeyondChance = 25;  // the best of many lines gains up to 15 variances by chance
+  constexpr float kLeastStep = 0.04F;  // [1] of the brighter level
+  const Split split = oneLine();
+  if (!split.good) return true;  // too few pixels to say
+  const float bright = std::max(split.level[0], split.level[1]);
+  const float step = std::abs(split.level[0] - split.level[1]);
+  return split.gain > kBeyondChance * variance && step > kLeastStep * bright;
+}
+
 Split Surroundings::oneLine() const {
   Best one;
   Line normal;
@@ -148,7 +158,11 @@ Split Surroundings::oneLine() const {
     for (std::size_t i = 1; i < piles.size(); ++i) piles[i] = piles[i] + piles[i - 1];
     tryOne([&](int i) { return piles[static_cast<std::size_t>(i)]; }, normal, one);
   }
-  return splitOf(one, false, reach_);
+  Split split = splitOf(one, false, reach_);
+  Pile all;
+  for (int i = 0; i < count_; ++i) all = all + Pile{1, samples_[static_cast<std::size_t>(i)].light};
+  split.gain = one.gain - all.gain();
+  return split;
 }
 
 TwoLines Surroundings::twoLines() const {

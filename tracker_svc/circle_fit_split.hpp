@@ -11,6 +11,7 @@ namespace lab::tracker::fit {
 /// Borders between light and shade, and the light on their sides.
 struct Split {
   bool good = false;
+  float gain = 0;  ///< [DN^2] what the levels take off the sum of squares, less the mean's
   std::array<Line, 2> line{};
   std::array<float, 4> level{};  ///< [DN] as in LitDisc
 };
@@ -24,6 +25,10 @@ struct TwoLines {
 class Surroundings {
  public:
   Surroundings(const Window& window, const Constants& constants, const Disc& disc);
+
+  /// Whether the light on them differs by more than noise of this variance [DN^2], and by enough to
+  /// matter. A light edge that crosses the circle crosses them as well.
+  [[nodiscard]] bool uneven(float variance) const;
 
   /// The line that parts them best into two levels.
   [[nodiscard]] Split oneLine() const;

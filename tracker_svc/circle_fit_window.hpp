@@ -1,7 +1,8 @@
 /// The pixels of one circle, packed for the fit. Internal to the circle fit.
 #pragma once
 
-#include "optics/image.hpp"
+#include <memory>
+
 #include "tracker_svc/circle_fit.hpp"
 
 namespace lab::tracker::fit {
@@ -21,22 +22,20 @@ struct Slopes {
   alignas(32) float by[8][kLanes];   ///< slope of the value by each unknown
 };
 
+class Pixels;
+
 /// Pixels around one point of the picture, row by row; places are relative to that point.
 struct Window {
-  double base_x = 0;  ///< [px] in the picture
+  std::shared_ptr<const Pixels> pixels;  ///< whose the places are
+  double base_x = 0;                     ///< [px] in the picture
   double base_y = 0;
-  int count = 0;  ///< a multiple of kLanes
-  alignas(32) float x[kMostPixels + 2 * kLanes];
-  alignas(32) float y[kMostPixels + 2 * kLanes];
+  int count = 0;            ///< a multiple of kLanes
+  const float* x = nullptr;  ///< [px]
+  const float* y = nullptr;
   alignas(32) float value[kMostPixels + 2 * kLanes];  ///< [DN]
   Slopes slopes[kMostPixels / kLanes + 2];
   alignas(32) float light[kMostPixels + 2 * kLanes];     ///< [DN] on white, by the last fit
   alignas(32) float residual[kMostPixels + 2 * kLanes];  ///< of the last fit, weighted
 };
-
-/// Takes the pixels within `margin` px outside the outline centred on (base_x, base_y).
-/// @return false where the window would leave the picture
-bool gather(const optics::GreyView& picture, double base_x, double base_y, const DiscShape& shape,
-            float margin, Window& window);
 
 }  // namespace lab::tracker::fit

@@ -1,134 +1,35 @@
 #include "tracker_svc/circle_search.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstddef>
-#include <cstring>
 #include <numbers>
 
 namespace lab::tracker {
 namespace {
 
-using Bytes = std::uint8_t __attribute__((vector_size(32)));
-
 constexpr double kToNeighbour = 1.25;  // [big radii] outside of both circles, inside the cap
 constexpr double kRowsPerRadius = 0.72;  // of the small circle, between tested rows
+constexpr double kReach = 2.65;        // [big radii] from a candidate to the farthest pixel, and
+constexpr double kReachMore = 5;       // [px] on top
 constexpr float kSigmas = 3.3F;        // of read noise that no candidate is made of
 constexpr float kJunk = 0.9F;          // [big radii] around it in which nothing else is looked at
 constexpr int kDarker = 2;             // [1] than something long: a circle in it after all
 constexpr int kStandOut = 3;           // [noise / 4] of means around over means inside
-constexpr int kFaint = 3;              // [noise] a contrast at which single pixels are no guide
-
-/// What a row is tested with [DN]; sums stay within a byte for pixels below `most`.
-struct Levels {
-  std::uint8_t black = 0;
-  std::uint8_t most = 0;    // brighter pixels are in no circle
-  std::uint8_t clear = 0;   // added to twice the pixel: clearly darker, whatever the noise
-  std::uint8_t barely = 0;  // added to 9/8 of the pixel: darker at all
-};
-
-/// Of the words of one row, those with a pixel that is darker than its neighbours in the row and in
-/// the column.
-/// @param row the picture's row
-/// @param across [px] to the neighbours of each word, 0: not to be tested
-/// @param words the numbers of the words found
-/// @return how many
-__attribute__((target_clones("avx2", "default"))) int darkWords(
-    const std::uint8_t* row, std::ptrdiff_t stride, const int* starts, const std::int16_t* across,
-    int count, const Levels& levels, int* words) {
-  const Bytes low = Bytes{} + levels.black;
-  const Bytes most = Bytes{} + levels.most;
-  const Bytes barely = Bytes{} + levels.barely;
-  int found = 0;
-  for (int word = 0; word < count; ++word) {
-    const std::ptrdiff_t to = across[word];
-    if (to == 0) continue;
-    const std::uint8_t* at = row + starts[word];
-    Bytes here;
-    Bytes one;
-    Bytes other;
-    std::uint64_t four[4];
-    std::memcpy(&here, at, sizeof here);
-    std::memcpy(&one, at - to, sizeof one);
-    std::memcpy(&other, at + to, sizeof other);
-    here = here > low ? here : low;
-    const Bytes wanted = here + (here >> 3) + barely;
-    const Bytes beside = one < other ? one : other;
-    const auto dark = (wanted <= beside) & (here < most);
-    std::memcpy(four, &dark, sizeof four);
-    if ((four[0] | four[1] | four[2] | four[3]) == 0) continue;
-    std::memcpy(&one, at - to * stride, sizeof one);
-    std::memcpy(&other, at + to * stride, sizeof other);
-    const Bytes above = one < other ? one : other;
-    const auto darker = dark & (wanted <= above);
-    std::memcpy(four, &darker, sizeof four);
-    if ((four[0] | four[1] | four[2] | four[3]) != 0) words[found++] = word;
-  }
-  return found;
-}
-
-/// For each of 32 pixels: the darker end of the best of four pairs of neighbours; 0 where the pixel
-/// is not clearly darker than both ends of one pair, or not darker than all eight neighbours.
-/// Beside a circle in full light lies white that a light edge has left a seventh of its light, and
-/// still is brighter than the circle; something long is as dark as its own continuation.
-/// @param near [px] to four neighbours that must not be white yet
-__attribute__((target_clones("avx2", "default"))) void darkAmong(const std::uint8_t* at,
-                                                                 std::ptrdiff_t stride, int across,
-                                                                 int diagonal, int near,
-                                                                 const Levels& levels,
-                                                                 std::uint8_t* white) {
-  const std::ptrdiff_t ends[4] = {across, across * stride, diagonal * (stride + 1),
-                                  diagonal * (stride - 1)};
-  Bytes best{};
-  Bytes least = ~Bytes{};
-  for (const std::ptrdiff_t end : ends) {
-    Bytes one;
-    Bytes other;
-    std::memcpy(&one, at + end, sizeof one);
-    std::memcpy(&other, at - end, sizeof other);
-    const Bytes darker = one < other ? one : other;
-    best = best > darker ? best : darker;
-    least = least < darker ? least : darker;
-  }
-  // Lines are white again where a circle is still dark.
-  Bytes beside{};
-  for (const std::ptrdiff_t end : {static_cast<std::ptrdiff_t>(near), near * stride}) {
-    Bytes one;
-    Bytes other;
-    std::memcpy(&one, at + end, sizeof one);
-    std::memcpy(&other, at - end, sizeof other);
-    const Bytes brighter = one > other ? one : other;
-    beside = beside > brighter ? beside : brighter;
-  }
-  Bytes here;
-  std::memcpy(&here, at, sizeof here);
-  const Bytes low = Bytes{} + levels.black;
-  here = here > low ? here : low;
-  const Bytes clear = here + here + levels.clear;
-  const Bytes barely = here + (here >> 3) + levels.barely;
-  const auto dark = (clear <= best) & (barely <= least) & (here < levels.most) &
-                    (beside <= best - (best >> 2));
-  const Bytes out = dark ? best : Bytes{};
-  std::memcpy(white, &out, sizeof out);
-}
-
-/// Pixels p above black b that are clearly darker than white w: 2 (p - b) + noise <= w - b.
-Levels levelsOf(int black, int noise) {
-  Levels levels;
-  levels.black = static_cast<std::uint8_t>(black);
-  levels.clear = static_cast<std::uint8_t>(std::max(noise - black, 0));
-  levels.barely = static_cast<std::uint8_t>(std::max(noise / 2 - black / 8, 0));
-  levels.most = static_cast<std::uint8_t>((255 - levels.clear) / 2);
-  return levels;
-}
+constexpr int kLine = 64;              // [bytes] that come from memory together
+constexpr int kAhead = 4;              // [tested rows] that are asked for before they are needed
+constexpr int kBits = 64;
+// Opposite directions one after the other, the four axes first: junk is soon known for it.
+constexpr int kOrder[16] = {0, 8, 4, 12, 2, 10, 6, 14, 1, 9, 5, 13, 3, 11, 7, 15};
 
 }  // namespace
 
 CircleSearch::CircleSearch(const ScaleMap& scale, const optics::CapGeometry& cap,
-                           const optics::Imaging& imaging, int width, int height, int padding)
-    : imaging_(imaging), width_(width), height_(height) {
+                           const optics::Imaging& imaging, int width, int height)
+    : imaging_(imaging) {
   for (std::size_t i = 0; i < kDirections; ++i) {
-    const double angle = 2 * std::numbers::pi * static_cast<double>(i) / kDirections;
+    const double angle = 2 * std::numbers::pi * kOrder[i] / kDirections;
     cos_[i] = static_cast<float>(std::cos(angle));
     sin_[i] = static_cast<float>(std::sin(angle));
   }
@@ -136,38 +37,54 @@ CircleSearch::CircleSearch(const ScaleMap& scale, const optics::CapGeometry& cap
   noise_ = std::clamp(static_cast<int>(std::ceil(kSigmas * static_cast<float>(imaging.read_noise))),
                       1, 100);
   softness_ = static_cast<float>(std::sqrt(imaging.blur * imaging.blur + 1.0 / 12));
+  if (scale.largest() <= 0 || width < kWord || height < 1) return;
   const double small = cap.small_radius * static_cast<double>(scale.smallest());
   const double big = cap.big_radius * static_cast<double>(scale.largest());
   step_ = std::max(1, static_cast<int>(std::lround(kRowsPerRadius * small)));
-  margin_ = static_cast<int>(std::ceil(kToNeighbour * big)) + 1;
-  if (scale.largest() <= 0 || width < 2 * margin_ + kWord || height < 2 * margin_ + 1) return;
-  for (int x = margin_; x + kWord + margin_ <= width; x += kWord) word_starts_.push_back(x);
-  const int last = width - margin_ - kWord;
+  reach_ = static_cast<int>(std::ceil(kReach * big + kReachMore));
+  padding_ = (reach_ + kWord - 1) / kWord * kWord;
+  width_ = width + 2 * padding_;
+  height_ = height + 2 * padding_;
+  for (int x = 0; x + kWord <= width; x += kWord) word_starts_.push_back(padding_ + x);
+  const int last = padding_ + width - kWord;
   if (word_starts_.back() < last) word_starts_.push_back(last);
-  for (int y = 0; y < height; y += kBand) {
+  const std::size_t blocks = (word_starts_.size() + kBits - 1) / kBits;
+  edge_words_.assign(blocks, 0);
+  for (std::size_t i = 0; i < word_starts_.size(); ++i) {
+    const bool inside = word_starts_[i] - reach_ >= padding_ &&
+                        word_starts_[i] + kWord + reach_ <= width_ - padding_;
+    if (!inside) edge_words_[i / kBits] |= std::uint64_t{1} << (i % kBits);
+  }
+  addSizes(scale, cap);
+  cell_columns_ = width_ / kCell + 1;
+  cells_.assign(static_cast<std::size_t>(cell_columns_) *
+                    static_cast<std::size_t>(height_ / kCell + 1), std::int16_t{-1});
+  dark_.resize(2 * kBits);
+  marks_.assign(static_cast<std::size_t>(height_ / step_ + 1) * blocks, 0);
+}
+
+void CircleSearch::addSizes(const ScaleMap& scale, const optics::CapGeometry& cap) {
+  const int margin = reach_ / 2;
+  for (int y = 0; y < height_; y += kBand) {
     for (const int x : word_starts_) {
-      const LocalScale there = scale.at(
-          std::clamp(x + kWord / 2 - padding, 0, width - 2 * padding - 1),
-          std::clamp(y + kBand / 2 - padding, 0, height - 2 * padding - 1));
+      const LocalScale there =
+          scale.at(x + kWord / 2 - padding_,
+                   std::clamp(y + kBand / 2 - padding_, 0, height_ - 2 * padding_ - 1));
       Sizes sizes;
+      Neighbours to;
       if (there.mean > 0) {
         sizes.big = static_cast<float>(cap.big_radius) * there.mean;
         sizes.small = static_cast<float>(cap.small_radius) * there.mean;
-        sizes.near = static_cast<std::int16_t>(std::max<long>(std::lround(sizes.small / 2), 1));
+        to.near = static_cast<std::int16_t>(std::max<long>(std::lround(sizes.small / 2), 1));
         const double across = kToNeighbour * static_cast<double>(sizes.big);
-        sizes.across = static_cast<std::int16_t>(std::clamp<long>(std::lround(across), 1, margin_));
-        sizes.diagonal = static_cast<std::int16_t>(
-            std::clamp<long>(std::lround(across / std::numbers::sqrt2), 1, margin_));
+        to.across = static_cast<std::int16_t>(std::clamp<long>(std::lround(across), 1, margin));
+        to.diagonal = static_cast<std::int16_t>(
+            std::clamp<long>(std::lround(across / std::numbers::sqrt2), 1, margin));
       }
       sizes_.push_back(sizes);
+      neighbours_.push_back(to);
     }
   }
-  cell_columns_ = width / kCell + 1;
-  cells_.assign(static_cast<std::size_t>(cell_columns_) *
-                    static_cast<std::size_t>(height / kCell + 1), std::int16_t{-1});
-  across_.assign(word_starts_.size(), 0);
-  words_.assign(word_starts_.size(), 0);
-  marks_.assign(static_cast<std::size_t>(height / step_ + 1) * word_starts_.size(), 0);
 }
 
 void CircleSearch::find(const optics::GreyView& picture, std::span<const Region> regions,
@@ -177,104 +94,182 @@ void CircleSearch::find(const optics::GreyView& picture, std::span<const Region>
   spots_ = &spots;
   refused_ = refused;
   forget();
-  int top = height_;
+  open(picture, regions);
+  int top = picture.height;
   int bottom = 0;
   for (const Region& region : regions) {
-    mark(region);
-    top = std::min(top, region.top);
-    bottom = std::max(bottom, region.bottom);
+    mark(picture, region);
+    top = std::min(top, std::max(region.top, 0));
+    bottom = std::max(bottom, std::min(region.bottom, picture.height - 1));
   }
-  top = std::max(top, margin_);
-  bottom = std::min(bottom, height_ - 1 - margin_);
-  for (int y = (top + step_ - 1) / step_ * step_; y <= bottom; y += step_) testRow(picture, y);
-}
-
-void CircleSearch::mark(const Region& region) {
-  int first = 0;
-  int last = static_cast<int>(word_starts_.size()) - 1;
-  while (first < last && word_starts_[static_cast<std::size_t>(first)] + kWord <= region.left) {
-    ++first;
+  const int last = bottom + padding_;
+  for (int y = (top + padding_ + step_ - 1) / step_ * step_; y <= last; y += step_) {
+    testRow(y, std::min(kAhead * step_, last - y) * picture.stride);
   }
-  while (last > first && word_starts_[static_cast<std::size_t>(last)] > region.right) --last;
-  const int top = std::max(region.top, margin_);
-  const int bottom = std::min(region.bottom, height_ - 1 - margin_);
-  for (int y = (top + step_ - 1) / step_ * step_; y <= bottom; y += step_) {
-    std::uint8_t* marks = marks_.data() + static_cast<std::size_t>(y / step_) * word_starts_.size();
-    std::fill(marks + first, marks + last + 1, std::uint8_t{1});
+  const auto back = static_cast<float>(padding_);
+  for (Spot& spot : spots) {
+    spot.x -= back;
+    spot.y -= back;
+  }
+  std::erase_if(spots, [&](const Spot& spot) { return !picture.contains(spot.x, spot.y); });
+  if (refused == nullptr) return;
+  for (Refused& one : *refused) {
+    one.x -= back;
+    one.y -= back;
   }
 }
 
-void CircleSearch::testRow(const optics::GreyView& picture, int y) {
-  const std::size_t count = word_starts_.size();
-  const Sizes* sizes = &sizesAt(y);
-  std::uint8_t* marks = marks_.data() + static_cast<std::size_t>(y / step_) * count;
-  bool any = false;
-  for (std::size_t word = 0; word < count; ++word) {
-    across_[word] = marks[word] != 0 ? sizes[word].across : std::int16_t{0};
-    any = any || marks[word] != 0;
-    marks[word] = 0;
-  }
-  if (!any) return;
-  const int found = darkWords(picture.row(y), picture.stride, word_starts_.data(), across_.data(),
-                              static_cast<int>(count), levelsOf(black_, noise_), words_.data());
-  for (int i = 0; i < found; ++i) {
-    const auto word = static_cast<std::size_t>(words_[static_cast<std::size_t>(i)]);
-    takeWord(picture, y, word_starts_[word], sizes[word]);
+void CircleSearch::open(const optics::GreyView& picture, std::span<const Region> regions) {
+  aim(inner_, PaddedPicture::within(picture, padding_));
+  aim(edges_, padded_.begin(picture, padding_));
+  // Words at an edge, and all around their candidates, are read in the padded picture.
+  const int band = padding_ + 2 * reach_ + kWord;
+  const int grow = reach_ + kWord;
+  const int far_x = width_ - band;
+  const int far_y = height_ - band;
+  for (const Region& region : regions) {
+    const Region all{region.left + padding_ - grow, region.top + padding_ - grow,
+                     region.right + padding_ + grow, region.bottom + padding_ + grow};
+    const int top = std::max(all.top, band);
+    const int bottom = std::min(all.bottom, far_y - 1);
+    padded_.fill({all.left, all.top, all.right, std::min(all.bottom, band - 1)});
+    padded_.fill({all.left, std::max(all.top, far_y), all.right, all.bottom});
+    padded_.fill({all.left, top, std::min(all.right, band - 1), bottom});
+    padded_.fill({std::max(all.left, far_x), top, all.right, bottom});
   }
 }
 
-void CircleSearch::takeWord(const optics::GreyView& picture, int y, int x, const Sizes& sizes) {
-  std::uint8_t white[kWord];
-  darkAmong(picture.row(y) + x, picture.stride, sizes.across, sizes.diagonal, sizes.near,
-            levelsOf(black_, noise_), white);
-  std::uint64_t four[4];
-  std::memcpy(four, white, sizeof four);
-  if ((four[0] | four[1] | four[2] | four[3]) == 0) return;
-  for (int i = 0; i < kWord;) {
-    if (white[i] == 0) {
-      ++i;
-      continue;
+void CircleSearch::aim(Plane& plane, const optics::GreyView& view) const {
+  const bool same = plane.view.stride == view.stride && !plane.rays.empty();
+  plane.view = view;
+  if (same) return;
+  plane.rays.clear();
+  for (int r = 0; r < kMostSamples; ++r) {
+    for (std::size_t k = 0; k < kDirections; ++k) {
+      const long dx = std::lround(static_cast<float>(r) * cos_[k]);
+      const long dy = std::lround(static_cast<float>(r) * sin_[k]);
+      plane.rays.push_back(static_cast<std::int32_t>(dy * view.stride + dx));
     }
-    const int begin = i;
-    while (i < kWord && white[i] != 0) ++i;
-    const int middle = (begin + i - 1) / 2;
-    takeRun(picture, x + middle, y, white[middle], sizes);
   }
 }
 
-void CircleSearch::takeRun(const optics::GreyView& picture, int x, int y, int white,
-                           const Sizes& sizes) {
-  const int dark = picture.row(y)[x];
-  if (known(static_cast<float>(x), static_cast<float>(y), dark)) return;
-  const bool faint = white - dark < kFaint * noise_;
-  if (faint && !standsOut(picture, x, y, sizes)) return;
+const CircleSearch::Plane& CircleSearch::planeAt(int x, int y) const {
+  const int least = padding_ + reach_;
+  const bool inside =
+      x >= least && y >= least && x < width_ - least && y < height_ - least;
+  return inside ? inner_ : edges_;
+}
+
+void CircleSearch::mark(const optics::GreyView& picture, const Region& region) {
+  const int left = std::max(region.left, 0);
+  const int right = std::min(region.right, picture.width - 1);
+  if (left > right) return;
+  const auto last_word = static_cast<int>(word_starts_.size()) - 1;
+  const int first = std::min(left / kWord, last_word);
+  const int last = std::min(right / kWord, last_word);
+  const std::size_t blocks = edge_words_.size();
+  const int top = std::max(region.top, 0) + padding_;
+  const int bottom = std::min(region.bottom, picture.height - 1) + padding_;
+  const bool whole = right - left > picture.width / 2;
+  for (int block = first / kBits; block <= last / kBits; ++block) {
+    const int from = std::max(first - block * kBits, 0);
+    const int to = std::min(last - block * kBits, kBits - 1);
+    const std::uint64_t bits = ~std::uint64_t{0} >> (kBits - 1 - to + from) << from;
+    const auto place = static_cast<std::size_t>(block);
+    for (int y = (top + step_ - 1) / step_ * step_; y <= bottom; y += step_) {
+      marks_[static_cast<std::size_t>(y / step_) * blocks + place] |= bits;
+    }
+  }
+  // Scattered places come from memory one after the other unless all are asked for at once.
+  for (int y = region.top; y <= region.bottom && !whole; ++y) {
+    if (y < 0 || y >= picture.height) continue;
+    for (int x = left; x <= right; x += kLine) __builtin_prefetch(picture.row(y) + x);
+    __builtin_prefetch(picture.row(y) + right);
+  }
+}
+
+void CircleSearch::testRow(int y, std::ptrdiff_t ahead) {
+  const std::size_t blocks = edge_words_.size();
+  std::uint64_t* marks = marks_.data() + static_cast<std::size_t>(y / step_) * blocks;
+  const Levels levels = levelsOf(black_, noise_);
+  const std::size_t first = static_cast<std::size_t>(y / kBand) * word_starts_.size();
+  const bool at_edge = y < padding_ + reach_ || y >= height_ - padding_ - reach_;
+  for (std::size_t block = 0; block < blocks; ++block) {
+    const std::uint64_t wanted = marks[block];
+    marks[block] = 0;
+    if (wanted == 0) continue;
+    const std::uint64_t edge = at_edge ? wanted : wanted & edge_words_[block];
+    const int* starts = word_starts_.data() + block * kBits;
+    const Neighbours* to = neighbours_.data() + first + block * kBits;
+    int found = 0;
+    if (edge != 0) {
+      found = darkWords(edges_.view.row(y), edges_.view.stride, starts, to, edge, 0, levels,
+                        dark_.data());
+    }
+    if (edge != wanted) {
+      found += darkWords(inner_.view.row(y), inner_.view.stride, starts, to, wanted & ~edge,
+                         ahead, levels, dark_.data() + found);
+    }
+    for (int i = 0; i < found; ++i) {
+      DarkWord& word = dark_[static_cast<std::size_t>(i)];
+      word.number += static_cast<int>(block) * kBits;
+      takeWord(word, y);
+    }
+  }
+}
+
+void CircleSearch::takeWord(const DarkWord& word, int y) {
+  const auto number = static_cast<std::size_t>(word.number);
+  const std::size_t place = static_cast<std::size_t>(y / kBand) * word_starts_.size() + number;
+  Candidate candidate{.y = y, .to = neighbours_[place], .sizes = sizes_[place]};
+  std::uint32_t dark = word.dark;
+  int done = 0;
+  while (dark != 0) {
+    const int begin = std::countr_zero(dark);
+    const int length = std::countr_one(dark >> begin);
+    const int middle = done + begin + (length - 1) / 2;
+    candidate.x = word_starts_[number] + middle;
+    candidate.white = word.white[middle];
+    candidate.dark = planeAt(candidate.x, y).view.row(y)[candidate.x];
+    if (!known(static_cast<float>(candidate.x), static_cast<float>(y), candidate.dark)) {
+      take(candidate);
+    }
+    const int end = begin + length;
+    dark = end < kWord ? dark >> end : 0;
+    done += end;
+  }
+}
+
+void CircleSearch::take(const Candidate& candidate) {
+  const Plane& plane = planeAt(candidate.x, candidate.y);
+  const bool faint = candidate.white - candidate.dark < kFaint * noise_;
+  if (faint && !standsOut(plane, candidate, noise_)) return;
   Spot spot;
-  const Shape shape = shapeAround(picture, x, y, white, sizes, spot);
+  const Shape shape = shapeAround(plane, candidate, spot);
   if (shape == Shape::kLong) {
     // The next rows would only say the same again.
-    remember({static_cast<float>(x), static_cast<float>(y)}, kJunk * sizes.big, dark);
+    remember({static_cast<float>(candidate.x), static_cast<float>(candidate.y)},
+             kJunk * candidate.sizes.big, candidate.dark);
     return;
   }
   if (shape == Shape::kThin) return;
-  const auto from_x = static_cast<float>(x);
-  const auto from_y = static_cast<float>(y);
   if (faint) {
-    if (!weigh(picture, from_x, from_y, sizes, spot)) return;
-  } else if (shape == Shape::kOther && !settle(picture, from_x, from_y, sizes, spot)) {
+    if (!weigh(plane, candidate, spot)) return;
+  } else if (shape == Shape::kOther && !settle(plane, candidate, spot)) {
     return;
   }
-  if (known(spot.x, spot.y, dark)) return;
+  if (known(spot.x, spot.y, candidate.dark)) return;
   spots_->push_back(spot);
+  const Sizes& sizes = candidate.sizes;
   remember(spot, (spot.can_be_big ? sizes.big : sizes.small) + 1, 0);
 }
 
-bool CircleSearch::standsOut(const optics::GreyView& picture, int x, int y,
-                             const Sizes& sizes) const {
-  const std::uint8_t* at = picture.row(y) + x;
-  const std::ptrdiff_t stride = picture.stride;
-  const std::ptrdiff_t near = sizes.near;
-  const std::ptrdiff_t across = sizes.across;
-  const std::ptrdiff_t diagonal = sizes.diagonal;
+bool CircleSearch::standsOut(const Plane& plane, const Candidate& candidate, int noise) {
+  const std::uint8_t* at = plane.view.row(candidate.y) + candidate.x;
+  const std::ptrdiff_t stride = plane.view.stride;
+  const std::ptrdiff_t near = candidate.to.near;
+  const std::ptrdiff_t across = candidate.to.across;
+  const std::ptrdiff_t diagonal = candidate.to.diagonal;
   const int inner = at[0] + at[near] + at[-near] + at[near * stride] + at[-near * stride];
   int outer = 0;
   for (const std::ptrdiff_t to :
@@ -282,11 +277,7 @@ bool CircleSearch::standsOut(const optics::GreyView& picture, int x, int y,
     outer += at[to] + at[-to];
   }
   // The mean of eight less the mean of five, in units of 1/40 DN.
-  return 5 * outer - 8 * inner >= 40 * kStandOut * noise_ / 4;
-}
-
-const CircleSearch::Sizes& CircleSearch::sizesAt(int y) const {
-  return sizes_[static_cast<std::size_t>(y / kBand) * word_starts_.size()];
+  return 5 * outer - 8 * inner >= 40 * kStandOut * noise / 4;
 }
 
 void CircleSearch::forget() {

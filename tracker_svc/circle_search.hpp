@@ -10,6 +10,8 @@
 
 #include "optics/image.hpp"
 #include "optics/imaging.hpp"
+#include "tracker_svc/dark_words.hpp"
+#include "tracker_svc/padded_picture.hpp"
 #include "tracker_svc/scale_map.hpp"
 
 namespace lab::tracker {
@@ -21,14 +23,6 @@ struct Spot {
   float white = 0;  ///< [DN] around it, black level taken off
   bool can_be_big = false;
   bool can_be_small = false;
-};
-
-/// A part of a picture: first to last column and row, both included.
-struct Region {
-  int left = 0;
-  int top = 0;
-  int right = 0;
-  int bottom = 0;
 };
 
 /// Something dark that was looked at and is no circle.
@@ -45,37 +39,47 @@ struct Refused {
 /// it. Candidates are then centred on the outline around them.
 class CircleSearch {
  public:
-  /// @param width,height of the pictures [px], with `padding` that was added on every side
+  /// @param width,height of the pictures [px]
   CircleSearch(const ScaleMap& scale, const optics::CapGeometry& cap,
-               const optics::Imaging& imaging, int width, int height, int padding = 0);
+               const optics::Imaging& imaging, int width, int height);
 
   /// The circles whose candidates lie in one of the regions, in the order of their top rows. A
   /// circle is found in the same place whatever the regions, if one of them holds all of it.
   void find(const optics::GreyView& picture, std::span<const Region> regions,
             std::vector<Spot>& spots, std::vector<Refused>* refused);
 
-  /// The circle of the given size that a spot is part of; empty where the outline is not there.
-  [[nodiscard]] std::optional<Spot> centredAs(const optics::GreyView& picture, const Spot& spot,
-                                              bool big) const;
+  /// The circle of the given size that a spot is part of, in the picture that find() was given last
+  /// and that is still there; empty where the outline is not there.
+  [[nodiscard]] std::optional<Spot> centredAs(const Spot& spot, bool big) const;
 
  private:
-  static constexpr int kWord = 32;       // pixels tested at once
   static constexpr int kDirections = 16;
-  static constexpr int kBand = 32;       // rows that share one set of sizes
-  static constexpr int kCell = 8;        // [px] of the map of circles already found
+  static constexpr int kMostSamples = 48;  // [px] along a direction
+  static constexpr int kBand = 32;         // rows that share one set of sizes
+  static constexpr int kCell = 8;          // [px] of the map of circles already found
 
-  struct Sizes {  // of one word in one band
-    std::int16_t across = 0;    // [px] to the neighbours in a row and in a column, 0: no cap here
-    std::int16_t diagonal = 0;  // [px] to those on the diagonals, each way
-    std::int16_t near = 0;      // [px] to a place that is inside of both circles
-    float big = 0;              // [px]
-    float small = 0;            // [px]
+  struct Sizes {    // of one word in one band
+    float big = 0;  // [px]
+    float small = 0;
+  };
+  /// The picture, or its edges, in the coordinates of the padded picture.
+  struct Plane {
+    optics::GreyView view;
+    std::vector<std::int32_t> rays;  // [bytes] from a pixel to those around it: by distance [px],
+                                     // by direction
   };
   struct Ring {  // what one look around a point gives
     int outlines = 0;      // directions with an outline near the right distance
     int open = 0;          // pairs of opposite directions without any
     float dx = 0, dy = 0;  // [px] where the centre rather is
     float white = 0;       // [DN]
+  };
+  struct Candidate {  // the middle of a run of dark pixels
+    int x = 0, y = 0;
+    int dark = 0;     // [DN]
+    int white = 0;    // [DN]
+    Neighbours to;
+    Sizes sizes;
   };
 
   enum class Shape : std::uint8_t { kRound, kLong, kThin, kOther };
@@ -86,47 +90,51 @@ class CircleSearch {
     int left = 0, top = 0, right = 0, bottom = 0;  // cells
   };
 
-  void mark(const Region& region);
-  void testRow(const optics::GreyView& picture, int y);
-  void takeWord(const optics::GreyView& picture, int y, int x, const Sizes& sizes);
-  void takeRun(const optics::GreyView& picture, int x, int y, int white, const Sizes& sizes);
-  [[nodiscard]] bool standsOut(const optics::GreyView& picture, int x, int y,
-                               const Sizes& sizes) const;
-  [[nodiscard]] Shape shapeAround(const optics::GreyView& picture, int x, int y, int white,
-                                  const Sizes& sizes, Spot& spot) const;
-  [[nodiscard]] Ring lookAround(const optics::GreyView& picture, float x, float y, float radius,
+  void addSizes(const ScaleMap& scale, const optics::CapGeometry& cap);
+  void open(const optics::GreyView& picture, std::span<const Region> regions);
+  void aim(Plane& plane, const optics::GreyView& view) const;
+  [[nodiscard]] const Plane& planeAt(int x, int y) const;
+  void mark(const optics::GreyView& picture, const Region& region);
+  void testRow(int y, std::ptrdiff_t ahead);
+  void takeWord(const DarkWord& word, int y);
+  void take(const Candidate& candidate);
+  [[nodiscard]] static bool standsOut(const Plane& plane, const Candidate& candidate, int noise);
+  [[nodiscard]] Shape shapeAround(const Plane& plane, const Candidate& candidate,
+                                  Spot& spot) const;
+  [[nodiscard]] Ring lookAround(const Plane& plane, float x, float y, float radius,
                                 float slack) const;
-  [[nodiscard]] bool weigh(const optics::GreyView& picture, float x, float y, const Sizes& sizes,
-                           Spot& spot) const;
-  [[nodiscard]] bool settle(const optics::GreyView& picture, float x, float y, const Sizes& sizes,
-                            Spot& spot);
-  [[nodiscard]] int centre(const optics::GreyView& picture, float x, float y, float radius,
-                           Spot& spot) const;
+  [[nodiscard]] bool weigh(const Plane& plane, const Candidate& candidate, Spot& spot) const;
+  [[nodiscard]] bool settle(const Plane& plane, const Candidate& candidate, Spot& spot);
+  [[nodiscard]] int centre(const Plane& plane, float x, float y, float radius, Spot& spot) const;
   void forget();
   [[nodiscard]] bool known(float x, float y, int dark) const;
   void remember(const Spot& spot, float radius, int dark);
-  [[nodiscard]] const Sizes& sizesAt(int y) const;  // of the first word
 
   optics::Imaging imaging_;
-  int width_;
-  int height_;
+  int padding_ = 0;  // [px] added on every side of a picture
+  int width_ = 0;    // [px] with padding
+  int height_ = 0;
   int step_ = 3;     // [rows] between tested ones
-  int margin_ = 0;   // [px] at the edges of the picture where nothing is tested
+  int reach_ = 0;    // [px] around a candidate in which pixels are looked at
   int black_ = 0;    // [DN]
   float softness_ = 0;  // [px] standard deviation of blur and pixel
   int noise_ = 0;    // [DN] a difference that read noise alone does not make
   std::vector<int> word_starts_;
-  std::vector<Sizes> sizes_;  // by band, by word
+  std::vector<std::uint64_t> edge_words_;  // bits: words that reach beyond the picture
+  std::vector<Neighbours> neighbours_;     // by band, by word
+  std::vector<Sizes> sizes_;               // by band, by word
   std::array<float, kDirections> cos_{};
   std::array<float, kDirections> sin_{};
+  PaddedPicture padded_;
+  Plane inner_;  // of the picture as it is
+  Plane edges_;  // of its edges, padded
   std::vector<Spot>* spots_ = nullptr;
   std::vector<Refused>* refused_ = nullptr;
   int cell_columns_ = 0;
   std::vector<std::int16_t> cells_;  // last circle that covers each cell, -1: none
   std::vector<Claim> claims_;
-  std::vector<std::int16_t> across_;  // of the row that is tested, by word
-  std::vector<int> words_;            // in it that were found
-  std::vector<std::uint8_t> marks_;  // by tested row, by word: to be tested
+  std::vector<DarkWord> dark_;       // of the row that is tested
+  std::vector<std::uint64_t> marks_;  // by tested row, bits: words to be tested
 };
 
 }  // namespace lab::tracker

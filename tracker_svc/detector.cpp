@@ -4,10 +4,13 @@
 #include <cmath>
 #include <cstddef>
 #include <numbers>
+#include <numeric>
 #include <optional>
 #include <tuple>
+#include <utility>
 
 #include "tracker_svc/cap_check.hpp"
+#include "tracker_svc/cap_pose.hpp"
 
 namespace lab::tracker {
 namespace {
@@ -44,17 +47,18 @@ Detector::Detector(const optics::CameraModel& camera, const optics::CapGeometry&
       cap_(cap),
       imaging_(imaging),
       scale_(camera, cap),
-      search_(scale_, cap, imaging, camera.parameters().width + 2 * kPadding,
-              camera.parameters().height + 2 * kPadding, kPadding) {}
+      search_(scale_, cap, imaging, camera.parameters().width, camera.parameters().height) {}
 
 const std::vector<Detection>& Detector::search(const optics::GreyView& picture,
-                                               std::vector<Rejection>* rejected) {
+                                               std::vector<Rejection>* rejected,
+                                               std::span<const Expected> expected) {
   if (rejected != nullptr) rejected->clear();
   found_.clear();
   if (!canRead(picture)) return found_;
   const Region all{0, 0, picture.width - 1, picture.height - 1};
   look(picture, {&all, 1}, rejected);
   found_ = seen_;
+  for (const Rescued& one : rescue(picture, expected)) found_.push_back(one.pose);
   return found_;
 }
 
@@ -79,27 +83,33 @@ const std::vector<Detection>& Detector::follow(const optics::GreyView& picture,
   look(picture, regions_, nullptr);
 
   struct Match {
-    double distance;
+    double square;  // of their distance
     std::size_t expected;
     std::size_t seen;
   };
   std::vector<Match> matches;
   for (std::size_t i = 0; i < expected.size(); ++i) {
     for (std::size_t j = 0; j < seen_.size(); ++j) {
-      const double distance = std::hypot(seen_[j].x - expected[i].x, seen_[j].y - expected[i].y);
-      if (!(distance <= expected[i].reach)) continue;
+      const double dx = seen_[j].x - expected[i].x;
+      const double dy = seen_[j].y - expected[i].y;
+      const double square = dx * dx + dy * dy;
+      if (!(square <= expected[i].reach * expected[i].reach)) continue;
       if (std::abs(wrapped(seen_[j].theta - expected[i].theta)) > expected[i].turn) continue;
-      matches.push_back({distance, i, j});
+      matches.push_back({square, i, j});
     }
   }
   std::sort(matches.begin(), matches.end(), [](const Match& a, const Match& b) {
-    return std::tie(a.distance, a.expected, a.seen) < std::tie(b.distance, b.expected, b.seen);
+    return std::tie(a.square, a.expected, a.seen) < std::tie(b.square, b.expected, b.seen);
   });
   std::vector<bool> given(seen_.size(), false);
   for (const Match& match : matches) {
     if (given[match.seen] || found_[match.expected].quality > 0) continue;
     given[match.seen] = true;
     found_[match.expected] = seen_[match.seen];
+  }
+  const auto missing = [](const Detection& cap) { return cap.quality <= 0; };
+  if (std::ranges::any_of(found_, missing)) {
+    for (const Rescued& one : rescue(picture, expected)) found_[one.expected] = one.pose;
   }
   return found_;
 }
@@ -109,47 +119,10 @@ bool Detector::canRead(const optics::GreyView& picture) const {
          picture.height == camera_.parameters().height && picture.stride >= picture.width;
 }
 
-void Detector::findSpots(const optics::GreyView& picture, std::span<const Region> regions,
-                         bool explain) {
-  // What is tested comes in words, and is held against neighbours as far away as the padding.
-  constexpr int kReach = 3 * kPadding;
-  bool at_edge = false;
-  std::vector<Region> shifted;
-  for (const Region& region : regions) {
-    at_edge = at_edge || region.left < kReach || region.top < kReach ||
-              region.right >= picture.width - kReach || region.bottom >= picture.height - kReach;
-    shifted.push_back({std::max(region.left, 0) + kPadding, std::max(region.top, 0) + kPadding,
-                       std::min(region.right, picture.width - 1) + kPadding,
-                       std::min(region.bottom, picture.height - 1) + kPadding});
-  }
-  wide_ = at_edge ? padded_.around(picture) : PaddedPicture::within(picture);
-  search_.find(wide_, shifted, spots_, explain ? &refused_ : nullptr);
-  for (Spot& spot : spots_) {
-    spot.x -= kPadding;
-    spot.y -= kPadding;
-  }
-  for (Refused& refused : refused_) {
-    refused.x -= kPadding;
-    refused.y -= kPadding;
-  }
-  std::erase_if(spots_, [&](const Spot& spot) { return !picture.contains(spot.x, spot.y); });
-}
-
-std::optional<Spot> Detector::centredAs(Spot spot, bool big) const {
-  spot.x += kPadding;
-  spot.y += kPadding;
-  std::optional<Spot> found = search_.centredAs(wide_, spot, big);
-  if (found) {
-    found->x -= kPadding;
-    found->y -= kPadding;
-  }
-  return found;
-}
-
 void Detector::look(const optics::GreyView& picture, std::span<const Region> regions,
                     std::vector<Rejection>* rejected) {
   refused_.clear();
-  findSpots(picture, regions, rejected != nullptr);
+  search_.find(picture, regions, spots_, rejected != nullptr ? &refused_ : nullptr);
   circles_.assign(2 * spots_.size(), Circle{});
   gatherCouples(picture, rejected);
 
@@ -183,12 +156,27 @@ void Detector::look(const optics::GreyView& picture, std::span<const Region> reg
 
 void Detector::gatherCouples(const optics::GreyView& picture, std::vector<Rejection>* rejected) {
   couples_.clear();
-  for (std::size_t i = 0; i < spots_.size(); ++i) {
-    if (!spots_[i].can_be_big) continue;
-    for (std::size_t j = 0; j < spots_.size(); ++j) {
-      if (i != j && spots_[j].can_be_small) tryCouple(picture, i, j, rejected);
+  // Sorted by row, each spot needs to be held against few others only.
+  std::vector<std::size_t> order(spots_.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(),
+            [&](std::size_t a, std::size_t b) { return spots_[a].y < spots_[b].y; });
+  const float reach = (static_cast<float>(cap_.spacing()) + kRoughSpacing) * scale_.largest();
+  std::vector<std::pair<std::size_t, std::size_t>> near;
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const Spot& one = spots_[order[i]];
+    for (std::size_t j = i + 1; j < order.size(); ++j) {
+      const Spot& other = spots_[order[j]];
+      const float dx = other.x - one.x;
+      const float dy = other.y - one.y;
+      if (dy > reach) break;
+      if (dx * dx + dy * dy > reach * reach) continue;
+      if (one.can_be_big && other.can_be_small) near.emplace_back(order[i], order[j]);
+      if (other.can_be_big && one.can_be_small) near.emplace_back(order[j], order[i]);
     }
   }
+  std::sort(near.begin(), near.end());
+  for (const auto& [big, small] : near) tryCouple(picture, big, small, rejected);
 }
 
 void Detector::tryCouple(const optics::GreyView& picture, std::size_t big_spot,
@@ -234,8 +222,8 @@ void Detector::lookAgain(const optics::GreyView& picture, const std::vector<Coup
       const float dy = spots_[i].y - spots_[j].y;
       const float square = dx * dx + dy * dy;
       if (i == j || taken[j] || square > most * most || square < least * least) continue;
-      const std::optional<Spot> big = centredAs(spots_[i], true);
-      const std::optional<Spot> small = big ? centredAs(spots_[j], false) : big;
+      const std::optional<Spot> big = search_.centredAs(spots_[i], true);
+      const std::optional<Spot> small = big ? search_.centredAs(spots_[j], false) : big;
       if (!small) continue;
       spots_.push_back(*big);
       spots_.push_back(*small);
@@ -347,33 +335,15 @@ bool Detector::measure(const optics::GreyView& picture, Couple& couple,
 Detection Detector::poseOf(const Couple& couple, float rim) const {
   const Circle& big = circleOf(couple.big, true);
   const Circle& small = circleOf(couple.small, false);
+  const CapPose pose =
+      poseFromCircles({big.place, big.covariance}, {small.place, small.covariance}, cap_);
   Detection out;
-  const double dx = big.place.x - small.place.x;
-  const double dy = big.place.y - small.place.y;
-  const double square = dx * dx + dy * dy;
-  // The axis divides the line between the centres in the ratio of the offsets.
-  const double of_big = -cap_.small_offset / cap_.spacing();
-  const double of_small = 1 - of_big;
-  out.x = of_big * big.place.x + of_small * small.place.x;
-  out.y = of_big * big.place.y + of_small * small.place.y;
-  out.theta = std::atan2(dy, dx);
-  // d theta = (-dy, dx) / square (d big - d small).
-  const double tx = -dy / square;
-  const double ty = dx / square;
-  const auto& b = big.covariance;
-  const auto& s = small.covariance;
-  const double sum[3] = {b[0] + s[0], b[1] + s[1], b[2] + s[2]};
-  const double mix[3] = {of_big * b[0] - of_small * s[0], of_big * b[1] - of_small * s[1],
-                         of_big * b[2] - of_small * s[2]};
-  const double bb = of_big * of_big;
-  const double ss = of_small * of_small;
-  out.covariance = {bb * b[0] + ss * s[0],
-                    bb * b[1] + ss * s[1],
-                    mix[0] * tx + mix[1] * ty,
-                    bb * b[2] + ss * s[2],
-                    mix[1] * tx + mix[2] * ty,
-                    sum[0] * tx * tx + 2 * sum[1] * tx * ty + sum[2] * ty * ty};
-  out.spacing = static_cast<float>(std::sqrt(square));
+  out.x = pose.x;
+  out.y = pose.y;
+  out.theta = pose.theta;
+  out.covariance = pose.covariance;
+  out.spacing = static_cast<float>(
+      std::hypot(big.place.x - small.place.x, big.place.y - small.place.y));
   out.white = (big.fit.white + small.fit.white) / 2;
   out.big = {big.fit.x, big.fit.y};
   out.small = {small.fit.x, small.fit.y};

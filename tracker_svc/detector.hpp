@@ -12,7 +12,6 @@
 #include "optics/image.hpp"
 #include "optics/imaging.hpp"
 #include "tracker_svc/circle_fit.hpp"
-#include "tracker_svc/padded_picture.hpp"
 #include "tracker_svc/circle_search.hpp"
 #include "tracker_svc/pairing.hpp"
 #include "tracker_svc/scale_map.hpp"
@@ -75,13 +74,17 @@ class Detector {
 
   /// Every cap in the picture.
   /// @param rejected where not null, filled with what was looked at and refused
+  /// @param expected caps that were there before; where one of them is not found, but one of its
+  ///   circles and its rim are, its degraded pose comes behind the others
   /// @return valid until the next call
   const std::vector<Detection>& search(const optics::GreyView& picture,
-                                       std::vector<Rejection>* rejected = nullptr);
+                                       std::vector<Rejection>* rejected = nullptr,
+                                       std::span<const Expected> expected = {});
 
   /// The cap near each expected pose, and nothing else: result i belongs to expected[i], with
   /// quality 0 where there is none. A cap found this way is the same, to the last bit, as search()
-  /// finds, and nearly always so where a light edge crosses a circle. No cap is given twice.
+  /// finds, and nearly always so where a light edge crosses a circle. No cap is given twice. Where
+  /// only one of its circles is seen, its pose is degraded: kUsedRim.
   const std::vector<Detection>& follow(const optics::GreyView& picture,
                                        std::span<const Expected> expected);
 
@@ -96,12 +99,14 @@ class Detector {
     std::array<double, 3> covariance{};  // [m^2] xx, xy, yy
   };
 
+  struct Rescued {
+    std::size_t expected;  // index
+    Detection pose;
+  };
+
   [[nodiscard]] bool canRead(const optics::GreyView& picture) const;
   void look(const optics::GreyView& picture, std::span<const Region> regions,
             std::vector<Rejection>* rejected);
-  void findSpots(const optics::GreyView& picture, std::span<const Region> regions,
-                 bool explain);
-  [[nodiscard]] std::optional<Spot> centredAs(Spot spot, bool big) const;
   void gatherCouples(const optics::GreyView& picture, std::vector<Rejection>* rejected);
   void tryCouple(const optics::GreyView& picture, std::size_t big, std::size_t small,
                  std::vector<Rejection>* rejected);
@@ -115,21 +120,27 @@ class Detector {
   [[nodiscard]] bool measure(const optics::GreyView& picture, Couple& couple,
                              std::vector<Rejection>* rejected);
   [[nodiscard]] Detection poseOf(const Couple& couple, float rim) const;
+  /// Degraded poses of those expected caps that were not seen; valid until the next call.
+  const std::vector<Rescued>& rescue(const optics::GreyView& picture,
+                                     std::span<const Expected> expected);
+  [[nodiscard]] Detection poseFromOne(const optics::GreyView& picture, const Expected& expected);
+  /// The only good circle where the cap's circles can be; -1: none, several, or of unclear size.
+  [[nodiscard]] int loneCircle(const optics::GreyView& picture, const Expected& expected,
+                               bool& is_big);
   void explainTheRest(std::vector<Rejection>& rejected) const;
 
   optics::CameraModel camera_;
   optics::CapGeometry cap_;
   optics::Imaging imaging_;
   ScaleMap scale_;
-  CircleSearch search_;    // in the coordinates of the padded picture
-  PaddedPicture padded_;
-  optics::GreyView wide_;  // the picture, padded
+  CircleSearch search_;
   std::vector<Spot> spots_;
   std::vector<Refused> refused_;
   std::vector<Circle> circles_;  // two for each spot: as a big one, as a small one
   std::vector<Couple> couples_;
   std::vector<Region> regions_;
   std::vector<Detection> seen_;
+  std::vector<Rescued> rescued_;
   std::vector<Detection> found_;
 };
 

@@ -8,7 +8,6 @@
 namespace lab::tracker {
 namespace {
 
-constexpr float kDegradedBelow = 0.5F;  // quality, see Detection
 constexpr double kMoment = 1e-3;        // [s] between pictures without times of their own
 constexpr double kCm = 100;
 
@@ -30,19 +29,21 @@ std::int64_t numberOf(const Detection& detection, const std::vector<Track>& trac
 const std::vector<FilmRow>& FilmTracking::take(std::int64_t number, double time,
                                                const optics::GreyView& picture,
                                                std::vector<Rejection>* rejected) {
-  found_ = detector_.search(picture, rejected);
+  tracker_time_ = total_.frames == 0 ? time : std::max(time, tracker_time_ + kMoment);
+  found_ = detector_.search(picture, rejected, tracker_.expect(tracker_time_));
   if (most_robots_ > 0 && found_.size() > most_robots_) {
     std::stable_sort(found_.begin(), found_.end(),
                      [](const Detection& a, const Detection& b) { return a.quality > b.quality; });
     total_.surplus += static_cast<std::int64_t>(found_.size() - most_robots_);
     found_.resize(most_robots_);
   }
-  tracker_time_ = total_.frames == 0 ? time : std::max(time, tracker_time_ + kMoment);
   const std::vector<Track>& tracks = tracker_.update(tracker_time_, found_);
 
   rows_.clear();
   for (const Detection& detection : found_) {
-    rows_.push_back({number, numberOf(detection, tracks), time, detection});
+    const std::int64_t id = numberOf(detection, tracks);
+    if (id == 0 && (detection.used & kUsedRim) != 0) continue;  // of another cap than expected
+    rows_.push_back({number, id, time, detection});
   }
   std::stable_sort(rows_.begin(), rows_.end(),
                    [](const FilmRow& a, const FilmRow& b) { return a.id < b.id; });
@@ -64,7 +65,7 @@ void FilmTracking::count(std::int64_t number) {
   total_.most = std::max(total_.most, robots);
   for (const FilmRow& row : rows_) {
     confidences_ += static_cast<double>(row.pose.quality);
-    if (row.pose.quality < kDegradedBelow) ++total_.degraded;
+    if ((row.pose.used & kUsedRim) != 0) ++total_.degraded;
     // Numbers of tracks only grow.
     if (row.id > highest_id_) {
       highest_id_ = row.id;

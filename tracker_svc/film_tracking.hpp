@@ -1,5 +1,6 @@
 /// Trajectories from a film: every picture is searched as if it were the first, and identities are
-/// followed from one to the next. Knows no file and no bus.
+/// followed from one to the next; only a cap with one circle covered must have been seen before.
+/// Knows no file and no bus.
 #pragma once
 
 #include <cstdint>

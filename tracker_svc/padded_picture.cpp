@@ -1,22 +1,33 @@
 #include "tracker_svc/padded_picture.hpp"
 
 #include <algorithm>
-#include <cstring>
+#include <cstddef>
 
 namespace lab::tracker {
 
-optics::GreyView PaddedPicture::around(const optics::GreyView& picture) {
-  const int width = picture.width + 2 * kPadding;
-  const int height = picture.height + 2 * kPadding;
-  pixels_.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
-  for (int y = 0; y < height; ++y) {
-    const std::uint8_t* from = picture.row(std::clamp(y - kPadding, 0, picture.height - 1));
-    std::uint8_t* to = pixels_.data() + static_cast<std::ptrdiff_t>(y) * width;
-    std::memset(to, from[0], kPadding);
-    std::memcpy(to + kPadding, from, static_cast<std::size_t>(picture.width));
-    std::memset(to + kPadding + picture.width, from[picture.width - 1], kPadding);
+optics::GreyView PaddedPicture::begin(const optics::GreyView& picture, int padding) {
+  picture_ = picture;
+  padding_ = padding;
+  width_ = picture.width + 2 * padding;
+  height_ = picture.height + 2 * padding;
+  pixels_.resize(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_));
+  return {pixels_.data(), width_, height_, width_};
+}
+
+void PaddedPicture::fill(const Region& part) {
+  const int left = std::max(part.left, 0);
+  const int right = std::min(part.right, width_ - 1) + 1;
+  const int begin = std::clamp(padding_, left, std::max(left, right));
+  const int end = std::clamp(padding_ + picture_.width, left, std::max(left, right));
+  const int bottom = std::min(part.bottom, height_ - 1);
+  if (left >= right) return;
+  for (int y = std::max(part.top, 0); y <= bottom; ++y) {
+    const std::uint8_t* from = picture_.row(std::clamp(y - padding_, 0, picture_.height - 1));
+    std::uint8_t* to = pixels_.data() + static_cast<std::ptrdiff_t>(y) * width_;
+    std::fill(to + left, to + begin, from[0]);
+    std::copy(from + (begin - padding_), from + (end - padding_), to + begin);
+    std::fill(to + end, to + right, from[picture_.width - 1]);
   }
-  return {pixels_.data(), width, height, width};
 }
 
 }  // namespace lab::tracker

@@ -2,30 +2,43 @@
 /// everything else.
 #pragma once
 
-#include <span>
+#include <cstdint>
 #include <vector>
 
 #include "optics/image.hpp"
 
 namespace lab::tracker {
 
-/// Room for the neighbours of a circle at the edge, and a whole number of the words that the search
-/// tests at once.
-inline constexpr int kPadding = 32;  // [px]
+/// A part of a picture: first to last column and row, both included.
+struct Region {
+  int left = 0;
+  int top = 0;
+  int right = 0;
+  int bottom = 0;
+};
 
+/// Pixel (x, y) of the picture is pixel (x + padding, y + padding) of the padded one.
 class PaddedPicture {
  public:
-  /// The picture with its outermost pixels repeated kPadding times on every side: pixel (x, y) of the
-  /// picture is pixel (x + kPadding, y + kPadding) of this one. Valid until the next call.
-  [[nodiscard]] optics::GreyView around(const optics::GreyView& picture);
+  /// Begins with another picture, of which nothing is there yet.
+  /// @param padding [px] on every side, in which the outermost pixels are repeated
+  /// @return of the size of all of it; valid until the next call
+  [[nodiscard]] optics::GreyView begin(const optics::GreyView& picture, int padding);
+
+  /// Fills a part of the padded picture, as far as it lies in it.
+  void fill(const Region& part);
 
   /// The same coordinates without a copy, for who reads no pixel that the picture has not.
-  [[nodiscard]] static optics::GreyView within(const optics::GreyView& picture) {
-    return {picture.data - kPadding * picture.stride - kPadding, picture.width + 2 * kPadding,
-            picture.height + 2 * kPadding, picture.stride};
+  [[nodiscard]] static optics::GreyView within(const optics::GreyView& picture, int padding) {
+    return {picture.data - padding * picture.stride - padding, picture.width + 2 * padding,
+            picture.height + 2 * padding, picture.stride};
   }
 
  private:
+  optics::GreyView picture_;
+  int padding_ = 0;
+  int width_ = 0;
+  int height_ = 0;
   std::vector<std::uint8_t> pixels_;
 };
 

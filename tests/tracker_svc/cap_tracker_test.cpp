@@ -26,6 +26,69 @@ std::vector<dynamics::CoreSettings> programs() {
           sim::always(sim::bpProgram(0, 0.2, 0.5)), sim::always(sim::abpProgram(0.15))};
 }
 
+Detection degraded(Detection detection) {
+  detection.used = kUsedBig | kUsedRim;
+  detection.quality = 0.4F;
+  detection.covariance = {1e-8, 0, 0, 1e-8, 0, 4e-5};
+  return detection;
+}
+
+TEST(CapTracker, ADegradedPoseKeepsATrackAndBeginsNone) {
+  CapTracker dut({}, {7});
+  const Detection cap = capAt(0.5, 0.5, 0.3);
+  const std::vector<Detection> begin{degraded(capAt(0.2, 0.2, 0))};
+  EXPECT_TRUE(dut.update(0, begin).empty());
+  for (int k = 1; k <= 5; ++k) static_cast<void>(dut.update(0.02 * k, {&cap, 1}));
+  ASSERT_TRUE(dut.bind(7, 0.5, 0.5, 0.01));
+  const Detection rim = degraded(capAt(0.501, 0.5, 0.31));
+  for (int k = 6; k <= 500; ++k) {  // ten seconds: twice as long as an unseen one is kept
+    const std::vector<Track>& tracks = dut.update(0.02 * k, {&rim, 1});
+    ASSERT_EQ(tracks.size(), 1U);
+    EXPECT_TRUE(tracks[0].seen);
+    EXPECT_EQ(tracks[0].number, 1);
+    EXPECT_EQ(tracks[0].robot_id, 7);
+    EXPECT_EQ(tracks[0].pose.used, rim.used);
+    EXPECT_LT(tracks[0].pose.quality, 0.5F);
+  }
+  EXPECT_EQ(dut.counts().unbound, 0);
+  EXPECT_EQ(dut.counts().lost, 0);
+  // Where it was told to be before, as good as ever.
+  EXPECT_NEAR(dut.expect(10.02)[0].x, 0.501, 1e-4);
+}
+
+TEST(CapTracker, ADegradedPoseFlipsNothingAndBindsNothing) {
+  CapTracker dut({}, {7});
+  const Detection cap = capAt(0.5, 0.5, 0.3);
+  static_cast<void>(dut.update(0, {&cap, 1}));
+  const Detection round = degraded(capAt(0.5, 0.5, 0.3 + 3.1415));
+  static_cast<void>(dut.update(0.02, {&round, 1}));
+  static_cast<void>(dut.update(0.04, {&round, 1}));
+  EXPECT_EQ(dut.counts().flips, 0);
+  EXPECT_FALSE(dut.bind(7, 0.5, 0.5, 0.01)) << "not by what is hardly seen";
+  const std::vector<Track>& tracks = dut.update(0.06, {&cap, 1});
+  EXPECT_EQ(tracks[0].number, 1);
+  EXPECT_TRUE(dut.bind(7, 0.5, 0.5, 0.01));
+}
+
+TEST(CapTracker, DegradedPosesTellNothingOfMotion) {
+  // The same motion and reports, once seen as it should be and once by the rim alone.
+  for (const bool sharp : {true, false}) {
+    CapTracker dut({}, {1, 2});
+    for (int k = 0; k < 400; ++k) {
+      const double time = 0.02 * k;
+      const double turn = time > 1 ? (time - 1) * 2 : 0;  // one turns on the spot, the other stands
+      const double wheel = time > 1 ? 2 * 0.075 / 2 : 0;
+      const std::vector<WheelReport> reports{{1, time, -wheel, wheel}, {2, time, 0, 0}};
+      dut.take(reports);
+      std::vector<Detection> caps{capAt(0.4, 0.4, std::remainder(turn, 6.283185307179586)),
+                                  capAt(0.8, 0.4, 1)};
+      if (!sharp && k > 10) caps = {degraded(caps[0]), degraded(caps[1])};
+      static_cast<void>(dut.update(time, caps));
+    }
+    EXPECT_EQ(dut.counts().bound > 0, sharp);
+  }
+}
+
 // The hard bar: one hundredth of the pictures lost, one cap in 500 missed, and two seconds a minute
 // with six times the noise, as under the light that a black projector leaves.
 void runCrowd(std::size_t program, std::uint64_t seed, double minutes) {

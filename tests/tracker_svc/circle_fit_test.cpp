@@ -113,6 +113,7 @@ TEST_F(CircleFitTest, EvenLightReachesTheBoundWithoutBias) {
     EXPECT_EQ(pool.edges, 0) << radius;
     EXPECT_LT(pool.rms(), 1.4 * least) << radius;
     EXPECT_GT(pool.rms(), 0.8 * least) << radius;  // better than possible: the test is wrong
+    EXPECT_NEAR(pool.nees(), 1, pool.neesTolerance()) << radius;
     const double allowed = 4 * pool.rms() / std::sqrt(2.0 * count);
     EXPECT_LT(std::abs(pool.sum_x / count), allowed) << radius;
     EXPECT_LT(std::abs(pool.sum_y / count), allowed) << radius;
@@ -205,6 +206,17 @@ TEST_F(CircleFitTest, OverexposureAndDefocusDoNotBias) {
   const Pool softer = fitMany(4.1, 80, [](CirclePicture& p) { p.imaging.blur = 2.5; });
   EXPECT_EQ(softer.refused, 0);
   EXPECT_LT(softer.rms(), 0.06);
+}
+
+// Glare adds the same to paint and white: the ratio rises, the circle stays.
+TEST_F(CircleFitTest, GlareOverACircleIsNoOtherPaint) {
+  const Pool pool = fitMany(6.7, 40, [](CirclePicture& p) {
+    p.white = 220;
+    p.ratio = (0.0814 * 180 + 40) / 220;
+  });
+  EXPECT_EQ(pool.refused, 0);
+  EXPECT_EQ(pool.edges, 0);
+  EXPECT_LT(pool.rms(), 0.0125);
 }
 
 TEST_F(CircleFitTest, TellsRatioScaleAndWhite) {

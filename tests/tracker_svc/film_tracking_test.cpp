@@ -5,6 +5,7 @@
 #include <map>
 #include <set>
 
+#include "covered_cap.hpp"
 #include "painted_film.hpp"
 
 namespace lab::tracker {
@@ -137,6 +138,44 @@ TEST(FilmTracking, SaysWhatItRefused) {
     return std::hypot(one.where.x - disc.x, one.where.y - disc.y) < 3;
   });
   EXPECT_TRUE(there);
+}
+
+TEST(FilmTracking, KeepsACapWhoseCircleIsCoveredForAWhile) {
+  Bench bench;
+  FilmTracking dut(bench.detector, bench.caps);
+  constexpr std::size_t kCovered = 1;
+  std::set<std::int64_t> ids;
+
+  for (std::int64_t k = 0; k < 14; ++k) {
+    const double time = PaintedFilm::timeOf(k);
+    const std::vector<sim::PaintedRobot> robots = PaintedFilm::robotsAt(time);
+    optics::GreyImage picture = bench.film.frame(k);
+    const bool covered = k >= 3 && k < 10;
+    if (covered) lay(overCircle(robots[kCovered], false), bench.detector.camera(), picture);
+    const std::vector<FilmRow>& rows = dut.take(k, time, picture.view());
+    ASSERT_EQ(rows.size(), 3U) << k;
+    for (const FilmRow& row : rows) {
+      const sim::PaintedRobot& robot = robots[kCovered];
+      const bool is_it = std::hypot(row.pose.x - robot.x, row.pose.y - robot.y) < 0.001;
+      EXPECT_EQ((row.pose.used & kUsedRim) != 0, is_it && covered) << k;
+      EXPECT_EQ(row.pose.quality < 0.5F, is_it && covered) << k;
+      if (is_it) ids.insert(row.id);
+    }
+  }
+
+  EXPECT_EQ(ids.size(), 1U);
+  EXPECT_EQ(dut.summary().ids, 3);
+  EXPECT_EQ(dut.summary().degraded, 7);
+}
+
+TEST(FilmTracking, DoesNotBeginWithACapOfOneCircle) {
+  Bench bench;
+  FilmTracking dut(bench.detector, bench.caps);
+  optics::GreyImage picture = bench.film.frame(0);
+  lay(overCircle(PaintedFilm::robotsAt(0)[0], true), bench.detector.camera(), picture);
+
+  EXPECT_EQ(dut.take(0, 0, picture.view()).size(), 2U);
+  EXPECT_EQ(dut.take(1, 1 / PaintedFilm::kFps, picture.view()).size(), 2U);
 }
 
 TEST(FilmCsv, WritesTheColumnsThatItNames) {

@@ -11,6 +11,7 @@
 #include "common/virtual_loop.hpp"
 #include "optics/simulated_camera.hpp"
 #include "sim_svc/camera_painter.hpp"
+#include "tests/tracker_svc/covered_cap.hpp"
 
 namespace lab::tracker {
 namespace {
@@ -137,6 +138,8 @@ class TrackerServiceTest : public testing::Test {
       }
       optics::GreyImage image(experiment.camera.width, experiment.camera.height);
       painter->paint(robots, number, image.pixels);
+      const optics::CameraModel camera(painter->settings().camera);
+      for (const Cover& cover : covers) lay(cover, camera, image);
       show(image);
     }
   }
@@ -162,6 +165,7 @@ class TrackerServiceTest : public testing::Test {
   std::unique_ptr<sim::CameraPainter> painter;
   std::unique_ptr<TrackerService> dut;
   std::vector<sim::PaintedRobot> robots;
+  std::vector<Cover> covers;  ///< that lie over them
   std::int64_t number = 0;
   std::vector<tracked_frame_t> frames;
   std::vector<tracked_details_t> details;
@@ -200,6 +204,36 @@ TEST_F(TrackerServiceTest, SaysUnknownRobotsUntilEachHasTurned) {
   EXPECT_EQ(statuses.back().bindings, 3);
   EXPECT_EQ(statuses.back().caps, 3);
   EXPECT_EQ(statuses.back().unbound, 0);
+}
+
+TEST_F(TrackerServiceTest, KeepsARobotWithOneCircleCoveredAndSaysSo) {
+  start(kThree);
+  handshake();
+  for (const bool big : {true, false}) {
+    covers = {overCircle(robots[1], big)};
+    film(40);  // two searches through the whole picture among them
+    ASSERT_THAT(frames.back().robots, SizeIs(3));
+    const tracked_pose_t& pose = frames.back().robots[1];
+    EXPECT_EQ(pose.robot_id, 2);
+    EXPECT_NEAR(pose.x, robots[1].x, 1e-3);
+    EXPECT_NEAR(std::remainder(pose.theta - robots[1].theta, 2 * std::numbers::pi), 0, 0.06);
+    EXPECT_GT(pose.confidence, 0);
+    EXPECT_LT(pose.confidence, 0.5);
+    EXPECT_GT(pose.covariance[0], frames.back().robots[0].covariance[0]);
+    const cap_detail_t& detail = details.back().caps[1];
+    EXPECT_EQ(detail.used, cap_detail_t::USED_RIM |
+                               (big ? cap_detail_t::USED_SMALL : cap_detail_t::USED_BIG));
+    EXPECT_EQ(detail.spacing, 0);
+    EXPECT_GT(frames.back().robots[0].confidence, 0.5);
+  }
+  covers = {overCircle(robots[1], true), overCircle(robots[1], false)};
+  film(2);
+  EXPECT_THAT(frames.back().robots, SizeIs(2)) << "what is not seen is not said";
+  covers.clear();
+  film(2);
+  ASSERT_THAT(frames.back().robots, SizeIs(3));
+  EXPECT_GT(frames.back().robots[1].confidence, 0.5);
+  EXPECT_EQ(statuses.back().unbindings, 0);
 }
 
 TEST_F(TrackerServiceTest, SaysWhatTheCameraDoes) {
