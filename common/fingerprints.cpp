@@ -6,6 +6,8 @@
 #include <lab/clock_t.hpp>
 #include <lab/experiment_event_t.hpp>
 #include <lab/light_command_t.hpp>
+#include <lab/light_delivery_t.hpp>
+#include <lab/light_seen_t.hpp>
 #include <lab/light_status_t.hpp>
 #include <lab/robot_calibration_t.hpp>
 #include <lab/robot_command_t.hpp>
@@ -33,8 +35,8 @@ std::array<Type, sizeof...(Messages)> types() {
 
 const auto& allTypes() {
   static const auto all =
-      types<analysis_t, clock_t, experiment_event_t, light_command_t, light_status_t,
-            robot_calibration_t, robot_command_t, robot_status_t, robot_steps_t, robot_stop_t,
+      types<analysis_t, clock_t, experiment_event_t, light_command_t, light_delivery_t,
+            light_seen_t, light_status_t, robot_calibration_t, robot_command_t, robot_status_t, robot_steps_t, robot_stop_t,
             service_status_t, sim_truth_t, tracked_details_t, tracked_frame_t, tracker_status_t>();
   return all;
 }
@@ -43,13 +45,14 @@ const auto& allTypes() {
 
 std::string fingerprintList() {
   std::string list;
-  for (const Type& type : allTypes()) {
-    std::array<char, 17> hash{};
-    std::snprintf(hash.data(), hash.size(), "%016llx",
-                  static_cast<unsigned long long>(type.hash));
-    list += std::string(type.name) + " " + hash.data() + "\n";
-  }
+  for (const Type& type : allTypes()) list += fingerprintLine(type.name, type.hash);
   return list;
+}
+
+std::string fingerprintLine(std::string_view type, std::int64_t hash) {
+  std::array<char, 17> digits{};
+  std::snprintf(digits.data(), digits.size(), "%016llx", static_cast<unsigned long long>(hash));
+  return std::string(type) + " " + digits.data() + "\n";
 }
 
 std::string_view typeWithFingerprint(std::int64_t hash) {

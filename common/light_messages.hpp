@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <lab/light_command_t.hpp>
+#include <lab/light_drive_t.hpp>
 #include <lab/light_layer_t.hpp>
 #include <lab/light_status_t.hpp>
 #include <map>
@@ -9,12 +11,23 @@
 #include <vector>
 
 #include "common/experiment.hpp"
+#include "light/drive.hpp"
 #include "light/field.hpp"
 #include "light/image.hpp"
 
 namespace lab {
 
 [[nodiscard]] light_layer_t toMessage(const light::Layer& layer);
+[[nodiscard]] light_drive_t toMessage(const light::Drive& drive, std::int32_t layer);
+
+/// Fills in the command's layers and drives.
+void setLayers(light_command_t& command, const std::vector<light::DrivenLayer>& layers);
+
+/// The layers of a command with what drives them, with the pixels of those images that are in
+/// `images`. A drive of a layer that is not there is left out.
+[[nodiscard]] std::vector<light::DrivenLayer> toDrivenLayers(const light_command_t& command,
+                                                             const light::ImageStore& images = {});
+
 [[nodiscard]] std::vector<light_layer_t> toMessages(const std::vector<light::Layer>& layers);
 
 /// The layers of a message, with the pixels of those images that are in `images`. What arrives is
@@ -35,6 +48,10 @@ struct ExperimentImages {
   light::ImageStore store;                     ///< by SHA-256
   std::map<std::string, std::string> digests;  ///< SHA-256 by the path written in the file
 };
+
+/// The layers of an experiment, with the digests and pixels of their images.
+[[nodiscard]] std::vector<light::DrivenLayer> toDrivenLayers(const std::vector<LayerSpec>& layers,
+                                                             const ExperimentImages& images);
 
 /// Loads them from `directory`, where the experiment file lies.
 /// @throws std::runtime_error for one that cannot be read, naming its path.

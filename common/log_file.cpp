@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "common/channels.hpp"
+#include "common/contract_upgrade.hpp"
 
 namespace lab {
 namespace fs = std::filesystem;
@@ -46,10 +47,10 @@ void readFile(const fs::path& path, const PacketHandler& handler, LogReadResult&
     const std::string_view channel(event->channel, static_cast<std::size_t>(event->channellen));
     if (channel == channels::kLcmSelfTest) continue;
     ++result.events;
-    handler(
-        {channel,
-         {static_cast<const std::uint8_t*>(event->data), static_cast<std::size_t>(event->datalen)},
-         event->timestamp});
+    const Bytes data(static_cast<const std::uint8_t*>(event->data),
+                     static_cast<std::size_t>(event->datalen));
+    const std::optional<std::vector<std::uint8_t>> newer = upgraded(data);
+    handler({channel, newer ? Bytes(*newer) : data, event->timestamp});
   }
   if (std::ferror(log->f) != 0) throw std::runtime_error("cannot read the log " + path.string());
   if (ftello(log->f) != whole) ++result.resyncs;

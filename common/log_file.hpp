@@ -44,7 +44,8 @@ struct LogReadResult {
 
 /// Calls `handler` for every event of the files, in the files' order. LCM's reader gives up at the
 /// first damaged byte, and a damaged length makes it swallow what follows; this goes on at the next
-/// whole event and counts the place.
+/// whole event and counts the place. Messages of older contract versions come as this version
+/// writes them.
 /// @throws std::runtime_error when a file cannot be opened or read.
 LogReadResult readLog(const std::vector<std::filesystem::path>& files,
                       const PacketHandler& handler);

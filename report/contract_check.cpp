@@ -7,6 +7,8 @@
 #include <lab/analysis_t.hpp>
 #include <lab/clock_t.hpp>
 #include <lab/light_command_t.hpp>
+#include <lab/light_delivery_t.hpp>
+#include <lab/light_seen_t.hpp>
 #include <lab/light_status_t.hpp>
 #include <lab/robot_calibration_t.hpp>
 #include <lab/robot_command_t.hpp>
@@ -20,6 +22,7 @@
 #include <sstream>
 
 #include "common/channels.hpp"
+#include "common/contract_upgrade.hpp"
 #include "common/fingerprints.hpp"
 #include "common/version.hpp"
 #include "report/report_error.hpp"
@@ -45,6 +48,8 @@ const auto& channelTypes() {
       ChannelType{channels::kTrackerStatus, tracker_status_t::getHash()},
       ChannelType{channels::kLightCommand, light_command_t::getHash()},
       ChannelType{channels::kLightStatus, light_status_t::getHash()},
+      ChannelType{channels::kLightSeen, light_seen_t::getHash()},
+      ChannelType{channels::kLightDelivery, light_delivery_t::getHash()},
       ChannelType{channels::kAnalysis, analysis_t::getHash()},
       ChannelType{channels::kServiceStatus, service_status_t::getHash()},
       ChannelType{channels::kExperimentEvent, experiment_event_t::getHash()},
@@ -114,7 +119,7 @@ void ContractCheck::judge(const std::string& log_name) const {
                                   static_cast<std::uint64_t>(channel.foreign_hash), way_out));
   }
   const std::string changed =
-      fingerprints_.empty() ? "" : firstDifference(fingerprintList(), fingerprints_);
+      fingerprints_.empty() ? "" : firstDifference(fingerprintList() + olderFingerprintList(), fingerprints_);
   if (!changed.empty()) {
     throw ReportError(
         fmt::format("{}: written{} with another {}; {}", log_name, by, changed, way_out));

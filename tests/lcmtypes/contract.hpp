@@ -10,6 +10,8 @@
 #include <lab/clock_t.hpp>
 #include <lab/experiment_event_t.hpp>
 #include <lab/light_command_t.hpp>
+#include <lab/light_delivery_t.hpp>
+#include <lab/light_seen_t.hpp>
 #include <lab/light_status_t.hpp>
 #include <lab/robot_calibration_t.hpp>
 #include <lab/robot_command_t.hpp>
@@ -33,14 +35,16 @@ struct TypeList {};
 
 /// What travels on a channel.
 using ChannelTypes = TypeList<analysis_t, clock_t, experiment_event_t, light_command_t,
-                              light_status_t, robot_calibration_t, robot_command_t,
+                              light_delivery_t, light_seen_t, light_status_t,
+                              robot_calibration_t, robot_command_t,
                               robot_status_t, robot_steps_t, robot_stop_t, service_status_t,
                               sim_truth_t, tracked_details_t, tracked_frame_t,
                               tracker_status_t>;
 
 /// What travels inside those.
 using PartTypes =
-    TypeList<cap_detail_t, channel_count_t, curve_t, estimate_t, light_band_t, light_layer_t,
+    TypeList<cap_detail_t, channel_count_t, curve_t, estimate_t, light_band_t,
+             light_delay_t, light_drive_t, light_layer_t,
              motor_calibration_t, program_t, robot_order_t, robot_state_t, robot_step_t,
              stream_count_t, tracked_pose_t, true_pose_t>;
 
@@ -68,7 +72,17 @@ inline auto fields(program_t& m) {
 inline auto fields(light_band_t& m) { return std::tie(m.low, m.high, m.program); }
 inline auto fields(light_layer_t& m) {
   return std::tie(m.kind, m.blend, m.x, m.y, m.angle, m.size, m.inner, m.softness, m.intensity,
-                  m.intensity2, m.image);
+                  m.intensity2, m.image, m.seed, m.phase, m.columns, m.rows, m.num_grid, m.grid);
+}
+inline auto fields(light_drive_t& m) {
+  return std::tie(m.layer, m.vx, m.vy, m.spin, m.phase_rate, m.waveform, m.period, m.low, m.start,
+                  m.seed, m.image_rate, m.image_loop, m.num_images, m.images, m.follow,
+                  m.num_robots, m.robots, m.predict, m.stale, m.when_lost, m.rate, m.decay,
+                  m.diffusion, m.gate, m.gate_robot, m.gate_program, m.gate_x, m.gate_y,
+                  m.gate_radius);
+}
+inline auto fields(light_delay_t& m) {
+  return std::tie(m.until, m.count, m.p50, m.p95, m.p99, m.max);
 }
 inline auto fields(robot_order_t& m) {
   return std::tie(m.num_robots, m.robot_ids, m.mode, m.wheel_left, m.wheel_right, m.light_sensor,
@@ -110,16 +124,25 @@ inline auto fields(clock_t& m) { return std::tie(m.utime, m.sender, m.instance, 
 inline auto fields(experiment_event_t& m) {
   return std::tie(m.utime, m.sender, m.instance, m.seq, m.kind, m.text, m.contract_version,
                   m.fingerprints, m.version, m.step, m.label, m.commanded_utime, m.presented_utime,
-                  m.first_acted_utime, m.last_acted_utime, m.robots_acted, m.robots_expected);
+                  m.seen_utime, m.first_acted_utime, m.last_acted_utime, m.robots_acted,
+                  m.robots_expected, m.ended_by);
 }
 inline auto fields(light_command_t& m) {
   return std::tie(m.utime, m.sender, m.instance, m.seq, m.priority, m.from_utime, m.ramp,
-                  m.hold_until_utime, m.release, m.label, m.num_layers, m.layers);
+                  m.hold_until_utime, m.release, m.label, m.num_layers, m.layers, m.num_drives,
+                  m.drives);
+}
+inline auto fields(light_delivery_t& m) {
+  return std::tie(m.utime, m.sender, m.instance, m.seq, m.steps, m.num_delays, m.delays);
+}
+inline auto fields(light_seen_t& m) {
+  return std::tie(m.utime, m.sender, m.instance, m.seq, m.frame, m.level, m.sync);
 }
 inline auto fields(light_status_t& m) {
   return std::tie(m.utime, m.sender, m.instance, m.seq, m.frame, m.frame_period, m.commander,
                   m.command_instance, m.command_seq, m.label, m.first_shown_utime, m.moving,
-                  m.calibration_id, m.last_refusal, m.mix, m.num_previous, m.previous, m.num_layers,
+                  m.calibration_id, m.last_refusal, m.display, m.vsync, m.latency, m.sync, m.trouble,
+                  m.tracker_instance, m.num_tracked_frames, m.tracked_frames, m.mix, m.num_previous, m.previous, m.num_layers,
                   m.layers);
 }
 inline auto fields(robot_calibration_t& m) {
