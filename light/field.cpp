@@ -1,14 +1,21 @@
 #include "light/field.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
+#include <type_traits>
 
+#include "light/clones.hpp"
 #include "light/image.hpp"
 
 namespace lab::light {
 
 namespace {
+
+constexpr double kTurn = 2 * std::numbers::pi;
+constexpr std::size_t kBlock = 64;  // places whose numbers stay in the nearest cache
 
 double clampToShown(double intensity) { return std::min(std::max(intensity, 0.0), 1.0); }
 
@@ -52,7 +59,12 @@ auto withKind(LayerKind kind, Function&& function) {
     case LayerKind::kChecker:
       return function.template operator()<LayerKind::kChecker>();
     case LayerKind::kImage:
+    case LayerKind::kGrid:
       return function.template operator()<LayerKind::kImage>();
+    case LayerKind::kNoise:
+      return function.template operator()<LayerKind::kNoise>();
+    case LayerKind::kWave:
+      return function.template operator()<LayerKind::kWave>();
     default:
       return function.template operator()<LayerKind::kUniform>();
   }
@@ -69,6 +81,18 @@ bool allUniform(const std::vector<Layer>& layers) {
 struct CompiledLayers::Paint {
   double value;
   double cover;
+};
+
+/// What is remembered from one place to the next.
+template <LayerKind kKind>
+struct CompiledLayers::Reader {
+  explicit Reader(const Entry&) {}
+};
+
+template <>
+struct CompiledLayers::Reader<LayerKind::kNoise> {
+  explicit Reader(const Entry& entry) : noise(entry.noise) {}
+  NoiseReader noise;
 };
 
 CompiledLayers::Entry CompiledLayers::compile(const Layer& layer) {
@@ -101,7 +125,15 @@ CompiledLayers::Entry CompiledLayers::compile(const Layer& layer) {
     case LayerKind::kStripes:
       entry.inner = 0.5 * layer.inner * layer.size;
       break;
+    case LayerKind::kWave:
+      // Without whole turns the phase keeps its digits, however long the wave has travelled.
+      entry.phase = std::remainder(layer.phase, kTurn);
+      break;
+    case LayerKind::kNoise:
+      entry.noise = Noise(layer.seed, layer.phase);
+      break;
     case LayerKind::kImage:
+    case LayerKind::kGrid:
       entry.outer = 0.5 * layer.size;
       entry.inner = 0.5 * layer.inner;
       entry.reach = std::hypot(entry.outer, entry.inner) + layer.softness;
@@ -114,7 +146,9 @@ CompiledLayers::Entry CompiledLayers::compile(const Layer& layer) {
 }
 
 template <LayerKind kKind>
-inline CompiledLayers::Paint CompiledLayers::paint(const Entry& entry, double x, double y) {
+inline CompiledLayers::Paint CompiledLayers::paint(const Entry& entry,
+                                                   [[maybe_unused]] Reader<kKind>& reader,
+                                                   double x, double y) {
   const double from_x = x - entry.x;
   const double from_y = y - entry.y;
   const auto u = [&] { return entry.cosine * from_x + entry.sine * from_y; };
@@ -153,22 +187,30 @@ inline CompiledLayers::Paint CompiledLayers::paint(const Entry& entry, double x,
                                               0.5 + 0.5 * up / entry.inner)
                                      : 0;
     return {between(1 - grey), cover};
+  } else if constexpr (kKind == LayerKind::kNoise) {
+    return {between(1 - reader.noise.at(u() / entry.length, w() / entry.length)), 1};
+  } else if constexpr (kKind == LayerKind::kWave) {
+    return {between(0.5 - 0.5 * std::cos(kTurn * u() / entry.length - entry.phase)), 1};
   } else {
     return {entry.value, 1};
   }
 }
 
 CompiledLayers::Paint CompiledLayers::paint(const Entry& entry, double x, double y) {
-  return withKind(entry.kind, [&]<LayerKind kKind>() { return paint<kKind>(entry, x, y); });
+  return withKind(entry.kind, [&]<LayerKind kKind>() {
+    Reader<kKind> reader(entry);
+    return paint<kKind>(entry, reader, x, y);
+  });
 }
 
 template <LayerKind kKind>
 void CompiledLayers::paintRow(const Entry& entry, double first_x, double step, double y,
                               std::size_t count, double* row) {
   if (std::abs(y - entry.y) > entry.reach) return;
+  Reader<kKind> reader(entry);
   for (std::size_t i = 0; i < count; ++i) {
     const double x = first_x + static_cast<double>(i) * step;
-    const Paint painted = paint<kKind>(entry, x, y);
+    const Paint painted = paint<kKind>(entry, reader, x, y);
     row[i] += painted.cover * (blended(entry.blend, row[i], painted.value) - row[i]);
   }
 }
@@ -176,7 +218,13 @@ void CompiledLayers::paintRow(const Entry& entry, double first_x, double step, d
 CompiledLayers::CompiledLayers(const std::vector<Layer>& layers) {
   entries_.reserve(layers.size());
   for (const Layer& layer : layers) entries_.push_back(compile(layer));
-  const bool uniform = allUniform(layers);
+  noteUniform();
+}
+
+void CompiledLayers::noteUniform() {
+  const bool uniform = std::all_of(entries_.begin(), entries_.end(), [](const Entry& entry) {
+    return entry.kind == LayerKind::kUniform || entry.kind == LayerKind::kFade;
+  });
   uniform_ = false;  // evaluate() must look at the layers for this one value
   uniform_value_ = uniform ? evaluate(0, 0) : 0;
   uniform_ = uniform;
@@ -226,6 +274,72 @@ void CompiledLayers::evaluateRow(double first_x, double step, double y, std::siz
   finish_picture();
 }
 
+/// One block of places at most kBlock long: values and covers first, then what they do to the
+/// intensity below, so that each loop is free of the choice of kind and of blend.
+LAB_CLONES __attribute__((flatten)) void CompiledLayers::paintAt(const Entry& entry,
+                                                                 const double* x, const double* y,
+                                                                 std::size_t count, double* row) {
+  std::array<double, kBlock> value;
+  std::array<double, kBlock> cover;
+  withKind(entry.kind, [&]<LayerKind kKind>() {
+    Reader<kKind> reader(entry);
+    for (std::size_t i = 0; i < count; ++i) {
+      const Paint painted = paint<kKind>(entry, reader, x[i], y[i]);
+      value[i] = painted.value;
+      cover[i] = painted.cover;
+    }
+  });
+  const auto blend = [&](auto constant) {
+    for (std::size_t i = 0; i < count; ++i) {
+      row[i] += cover[i] * (blended(constant, row[i], value[i]) - row[i]);
+    }
+  };
+  switch (entry.blend) {
+    case Blend::kOver:
+      return blend(std::integral_constant<Blend, Blend::kOver>{});
+    case Blend::kAdd:
+      return blend(std::integral_constant<Blend, Blend::kAdd>{});
+    case Blend::kMultiply:
+      return blend(std::integral_constant<Blend, Blend::kMultiply>{});
+    case Blend::kMax:
+      return blend(std::integral_constant<Blend, Blend::kMax>{});
+    case Blend::kMin:
+      return blend(std::integral_constant<Blend, Blend::kMin>{});
+  }
+}
+
+void CompiledLayers::evaluateAt(const double* x, const double* y, std::size_t count,
+                                double* out) const {
+  if (uniform_) {
+    std::fill_n(out, count, uniform_value_);
+    return;
+  }
+  std::array<double, kBlock> row;
+  for (std::size_t from = 0; from < count; from += kBlock) {
+    const std::size_t block = std::min(kBlock, count - from);
+    double* const shown = out + from;
+    double share = 1;
+    const auto begin = [&] { std::fill_n(row.data(), block, 0.0); };
+    const auto finish = [&] {
+      for (std::size_t i = 0; i < block; ++i) {
+        shown[i] += share * (clampToShown(row[i]) - shown[i]);
+      }
+    };
+    std::fill_n(shown, block, 0.0);
+    begin();
+    for (const Entry& entry : entries_) {
+      if (entry.kind == LayerKind::kFade) {
+        finish();
+        share = entry.value;
+        begin();
+      } else {
+        paintAt(entry, x + from, y + from, block, row.data());
+      }
+    }
+    finish();
+  }
+}
+
 CompiledField::CompiledField(const Field& field) : layers_(field.layers), mix_(field.mix) {
   if (isMoving(field)) previous_ = CompiledLayers(field.previous);
 }
@@ -255,6 +369,15 @@ void CompiledField::evaluateRow(double first_x, double step, double y, std::size
   if (mix_ >= 1) return;
   std::vector<double> before(count);
   previous_.evaluateRow(first_x, step, y, count, before.data());
+  for (std::size_t i = 0; i < count; ++i) out[i] = before[i] + mix_ * (out[i] - before[i]);
+}
+
+void CompiledField::evaluateAt(const double* x, const double* y, std::size_t count,
+                               double* out) const {
+  layers_.evaluateAt(x, y, count, out);
+  if (mix_ >= 1) return;
+  std::vector<double> before(count);
+  previous_.evaluateAt(x, y, count, before.data());
   for (std::size_t i = 0; i < count; ++i) out[i] = before[i] + mix_ * (out[i] - before[i]);
 }
 

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "light/layer.hpp"
+#include "light/noise.hpp"
 
 namespace lab::light {
 
@@ -34,6 +35,13 @@ struct Field {
 /// Whether a cross-fade is under way, so that the field changes without a new command.
 [[nodiscard]] inline bool isMoving(const Field& field) { return field.mix < 1; }
 
+/// The places within `radius` of (x, y) [m].
+struct Disc {
+  double x = 0;
+  double y = 0;
+  double radius = 0;
+};
+
 /// A list of layers made ready for evaluation. It keeps the pixels of its images alive.
 class CompiledLayers {
  public:
@@ -49,7 +57,18 @@ class CompiledLayers {
   /// evaluate(), several times faster.
   void evaluateRow(double first_x, double step, double y, std::size_t count, double* out) const;
 
+  /// Intensity at `count` places (x[i], y[i]): the same numbers as evaluate(), several times faster.
+  void evaluateAt(const double* x, const double* y, std::size_t count, double* out) const;
+
+  /// What shows the same inside the disc with as few layers as possible (culling.cpp): none that
+  /// paints nothing there or lies under an opaque one, light of one value where an edge is out of
+  /// sight. The numbers are the same but for the rounding of the last bit.
+  [[nodiscard]] CompiledLayers within(const Disc& disc) const;
+
   [[nodiscard]] bool isUniform() const { return uniform_; }
+
+  /// Whether they were made of the same layers; images are compared by identity.
+  bool operator==(const CompiledLayers&) const = default;
 
  private:
   struct Entry {
@@ -61,17 +80,28 @@ class CompiledLayers {
     double slope, offset;  ///< of E's t: t = slope d + offset
     double value, value2;
     double reach;  ///< [m] nothing is painted further from (x, y)
+    double phase;
+    Noise noise;
     std::shared_ptr<const Image> pixels;
+
+    bool operator==(const Entry&) const = default;
   };
   struct Paint;
+  template <LayerKind kKind>
+  struct Reader;
+  struct Culling;
 
   static Entry compile(const Layer& layer);
   template <LayerKind kKind>
-  static Paint paint(const Entry& entry, double x, double y);
+  static Paint paint(const Entry& entry, Reader<kKind>& reader, double x, double y);
   static Paint paint(const Entry& entry, double x, double y);
   template <LayerKind kKind>
   static void paintRow(const Entry& entry, double first_x, double step, double y, std::size_t count,
                        double* row);
+
+  static void paintAt(const Entry& entry, const double* x, const double* y, std::size_t count,
+                      double* row);
+  void noteUniform();
 
   std::vector<Entry> entries_;
   bool uniform_ = true;
@@ -99,7 +129,15 @@ class CompiledField {
   /// evaluate() for one row: see CompiledLayers::evaluateRow().
   void evaluateRow(double first_x, double step, double y, std::size_t count, double* out) const;
 
+  /// evaluate() at many places: see CompiledLayers::evaluateAt().
+  void evaluateAt(const double* x, const double* y, std::size_t count, double* out) const;
+
+  /// See CompiledLayers::within().
+  [[nodiscard]] CompiledField within(const Disc& disc) const;
+
   [[nodiscard]] bool isUniform() const { return layers_.isUniform() && previous_.isUniform(); }
+
+  bool operator==(const CompiledField&) const = default;
 
  private:
   CompiledLayers layers_;

@@ -41,6 +41,7 @@ double widestEdge(const Layer& layer) {
     case LayerKind::kChecker:
       return layer.size;
     case LayerKind::kImage:
+    case LayerKind::kGrid:
       return std::min(layer.size, layer.inner);
     default:
       return kLargestPlace;
@@ -64,6 +65,7 @@ Problem outsideInner(const Layer& layer) {
       return std::string(field) + " = " + text(layer.inner) +
              ", allowed: a share of the period above 0 and below 1";
     case LayerKind::kImage:
+    case LayerKind::kGrid:
       return outside(field, layer.inner, kSmallestSize, kLargestPlace, " m");
     default:
       return outside(field, layer.inner, 0, kLargestPlace, " m");
@@ -86,27 +88,43 @@ Problem imageProblem(const Layer& layer) {
   return {};
 }
 
+Problem gridProblem(const Layer& layer) {
+  if (!layer.pixels) return "grid = no pixels, allowed: columns x rows of them";
+  const Image& grid = *layer.pixels;
+  Problem problem = outside("columns", grid.columns, 1, kMostColumns, "");
+  if (!problem) problem = outside("rows", grid.rows, 1, kMostRows, "");
+  if (problem) return problem;
+  const std::size_t wanted =
+      static_cast<std::size_t>(grid.columns) * static_cast<std::size_t>(grid.rows);
+  if (grid.grey.size() == wanted) return {};
+  return "grid = " + std::to_string(grid.grey.size()) + " pixels, allowed: columns x rows = " +
+         std::to_string(wanted);
+}
+
 }  // namespace
 
 std::optional<std::string> validate(const Layer& layer) {
   const int kind = static_cast<int>(layer.kind);
   const int blend = static_cast<int>(layer.blend);
-  if (kind < 1 || kind > static_cast<int>(LayerKind::kFade)) {
-    return "kind = " + std::to_string(kind) + ", allowed: 1 to 10";
+  if (kind < 1 || kind > static_cast<int>(kLastKind)) {
+    return "kind = " + std::to_string(kind) + ", allowed: 1 to " +
+           std::to_string(static_cast<int>(kLastKind));
   }
   if (blend < 0 || blend > static_cast<int>(Blend::kMin)) {
     return "blend = " + std::to_string(blend) + ", allowed: 0 to 4";
   }
   const double smallest = readsSize(layer.kind) ? kSmallestSize : 0;
-  Problem problem = outside("x", layer.x, -kLargestPlace, kLargestPlace, " m");
-  if (!problem) problem = outside("y", layer.y, -kLargestPlace, kLargestPlace, " m");
+  Problem problem = outside("x", layer.x, -kFurthestPlace, kFurthestPlace, " m");
+  if (!problem) problem = outside("y", layer.y, -kFurthestPlace, kFurthestPlace, " m");
   if (!problem) problem = outside("angle", layer.angle, -kLargestAngle, kLargestAngle, " rad");
   if (!problem) problem = outside("size", layer.size, smallest, kLargestPlace, " m");
   if (!problem) problem = outsideInner(layer);
   if (!problem) problem = outside("softness", layer.softness, 0, widestEdge(layer), " m");
   if (!problem) problem = outside("intensity", layer.intensity, 0, 1, "");
   if (!problem) problem = outside("intensity2", layer.intensity2, 0, 1, "");
+  if (!problem) problem = outside("phase", layer.phase, -kLargestPhase, kLargestPhase, "");
   if (!problem && layer.kind == LayerKind::kImage) problem = imageProblem(layer);
+  if (!problem && layer.kind == LayerKind::kGrid) problem = gridProblem(layer);
   return problem;
 }
 

@@ -44,11 +44,20 @@ enum class LayerKind : std::int8_t {
   /// width `size` along u and height `inner` along w centred on (x, y). The image's top is at +w.
   kImage = 9,
   /// Paints nothing: ends a picture and begins the next one. What the layers before it show,
-  /// clamped
-  /// to 0..1, and what the layers after it show, up to the next kFade, are mixed with the shares
-  /// (1 - intensity) and intensity. A list P, fade, Q is the frozen cross-fade from P to Q.
+  /// clamped to 0..1, and what the layers after it show, up to the next kFade, are mixed with the
+  /// shares (1 - intensity) and intensity. A list P, fade, Q is the frozen cross-fade from P to Q.
   kFade = 10,
+  /// c = 1, v = intensity2 + (intensity - intensity2) n(u / size, w / size), n the smooth noise of
+  /// light/noise.hpp for `seed` and `phase`: uniform over 0..1 at every place, correlated over
+  /// `size`, and while phase grows by 1 the pattern turns smoothly into another one.
+  kNoise = 11,
+  /// c = 1, v = intensity2 + (intensity - intensity2) (1 + cos(2 pi u / size - phase)) / 2: a crest
+  /// lies at u = 0 for phase 0, and travels along u while phase grows.
+  kWave = 12,
+  /// As kImage, with `pixels` that came with the layer instead of a file.
+  kGrid = 13,
 };
+inline constexpr LayerKind kLastKind = LayerKind::kGrid;
 
 /// How a layer changes the intensity I below it: I' = I + c (b - I), with b as given here. There is
 /// no mask kind: a mask is any layer with kMultiply.
@@ -72,6 +81,8 @@ struct Layer {
   double softness = 0;    ///< [m] width of the edge
   double intensity = 0;   ///< [1] 0 dark .. 1 projector white, at sensor height
   double intensity2 = 0;  ///< [1] the other end or the other half
+  std::uint64_t seed = 0;  ///< of the pattern (kNoise)
+  double phase = 0;       ///< [rad] of a wave; [1] time of noise, in units of its memory
   std::string image{};    ///< SHA-256 of the image file, 64 lower-case hexadecimal digits (kImage)
   std::shared_ptr<const Image> pixels = nullptr;  ///< its grey values, null while not at hand
 
@@ -79,10 +90,12 @@ struct Layer {
 };
 
 /// Limits that validate() keeps.
-inline constexpr double kLargestPlace = 10;     ///< [m] of x, y and every length
+inline constexpr double kLargestPlace = 10;     ///< [m] of every length
+inline constexpr double kFurthestPlace = 1e6;   ///< [m] of x and y: layers move, for days
+inline constexpr double kLargestPhase = 1e9;    ///< [rad] or [1]
 inline constexpr double kSmallestSize = 0.001;  ///< [m] of size, where the kind reads it
 inline constexpr double kLargestAngle = 100;    ///< [rad]
-inline constexpr std::size_t kMostLayers = 64;  ///< in one picture
+inline constexpr std::size_t kMostLayers = 160;  ///< in one picture
 
 /// Why the layer cannot be painted, as "field = found, allowed: range", or nothing.
 [[nodiscard]] std::optional<std::string> validate(const Layer& layer);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -207,6 +208,51 @@ TEST(LightField, SoftEdgeOfEveryShapeIsHalfOnItsLine) {
   EXPECT_NEAR(at(LayerKind::kStripes, 0.05, 0.7), 0.5, kExact);
   EXPECT_NEAR(at(LayerKind::kChecker, 0.1, 0.03), 0.5, kExact);
   EXPECT_NEAR(at(LayerKind::kChecker, 0.1, 0.1), 0.5, kExact);
+}
+
+TEST(LightField, WaveHasItsCrestWhereItsPhaseSays) {
+  Layer layer{.kind = LayerKind::kWave, .x = 0.6, .y = 0.45, .size = 0.2};
+  layer.intensity = 0.9;
+  layer.intensity2 = 0.1;
+  const auto at = [&](double phase, double x) {
+    layer.phase = phase;
+    return evaluate(fieldOf({layer}), x, 0.1);
+  };
+  EXPECT_NEAR(at(0, 0.6), 0.9, kExact);
+  EXPECT_NEAR(at(0, 0.7), 0.1, kExact);
+  EXPECT_NEAR(at(0, 0.65), 0.5, kExact);
+  // A quarter of a turn later the crest is a quarter of a period further.
+  EXPECT_NEAR(at(kQuarterTurn, 0.65), 0.9, kExact);
+  EXPECT_NEAR(at(kQuarterTurn + 4e6 * kQuarterTurn, 0.65), 0.9, 1e-6);
+}
+
+TEST(LightField, NoiseRunsBetweenItsIntensities) {
+  Layer layer{.kind = LayerKind::kNoise, .size = 0.05};
+  layer.intensity = 0.7;
+  layer.intensity2 = 0.2;
+  const CompiledField dut(fieldOf({layer}));
+  double least = 1;
+  double most = 0;
+  for (double x = 0; x < 4; x += 0.01) {
+    least = std::min(least, dut.evaluate(x, 0.3));
+    most = std::max(most, dut.evaluate(x, 0.3));
+  }
+  EXPECT_GE(least, 0.2);
+  EXPECT_LT(least, 0.22);
+  EXPECT_LE(most, 0.7);
+  EXPECT_GT(most, 0.68);
+}
+
+TEST(LightField, GridIsAnImageOfItsOwnPixels) {
+  const auto pixels = makeImage(2, 1, {0, 255});
+  Layer grid{.kind = LayerKind::kGrid, .x = 0.5, .y = 0.5, .size = 0.4, .inner = 0.2};
+  grid.intensity = 1;
+  grid.pixels = pixels;
+  const Field dut = fieldOf({grid});
+  EXPECT_EQ(evaluate(dut, 0.35, 0.5), 0);
+  EXPECT_NEAR(evaluate(dut, 0.5, 0.5), 0.5, kExact);
+  EXPECT_EQ(evaluate(dut, 0.65, 0.5), 1);
+  EXPECT_EQ(evaluate(dut, 0.75, 0.5), 0);
 }
 
 TEST(LightField, TurnsWithItsLayers) {

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 
 #include "tests/light/light_samples.hpp"
@@ -14,7 +15,10 @@ using testing::HasSubstr;
 using testing::Optional;
 using testing::StartsWith;
 
-Layer valid(LayerKind kind) { return oneOfEachKind()[static_cast<std::size_t>(kind) - 1]; }
+Layer valid(LayerKind kind) {
+  const std::vector<Layer> all = oneOfEachKind();
+  return *std::ranges::find(all, kind, &Layer::kind);
+}
 
 TEST(Layer, OfEveryKindIsAccepted) {
   for (const Layer& layer : oneOfEachKind()) {
@@ -29,11 +33,11 @@ TEST(Layer, ByDefaultIsAcceptedAndDark) {
 
 TEST(Layer, OfUnknownKindOrBlendIsRefused) {
   Layer kind;
-  kind.kind = static_cast<LayerKind>(11);
+  kind.kind = static_cast<LayerKind>(14);
   Layer blend;
   blend.blend = static_cast<Blend>(-1);
 
-  EXPECT_THAT(validate(kind), Optional(std::string("kind = 11, allowed: 1 to 10")));
+  EXPECT_THAT(validate(kind), Optional(std::string("kind = 14, allowed: 1 to 13")));
   EXPECT_THAT(validate(blend), Optional(std::string("blend = -1, allowed: 0 to 4")));
 }
 
@@ -47,7 +51,8 @@ TEST(Layer, WithAnyNumberNotFiniteIsRefusedByName) {
                                                             {"inner", &Layer::inner},
                                                             {"softness", &Layer::softness},
                                                             {"intensity", &Layer::intensity},
-                                                            {"intensity2", &Layer::intensity2}};
+                                                            {"intensity2", &Layer::intensity2},
+                                                            {"phase", &Layer::phase}};
   for (const double value : bad) {
     for (const auto& [name, member] : fields) {
       for (Layer layer : oneOfEachKind()) {
@@ -117,16 +122,33 @@ TEST(Layer, ImageNeedsADigestAndItsPixels) {
   EXPECT_THAT(validate(layer), Optional(HasSubstr("that of its pixels")));
 }
 
+TEST(Layer, GridNeedsItsPixelsAndNotTooMany) {
+  const auto with = [](int columns, int rows, std::size_t pixels) {
+    Layer layer = valid(LayerKind::kGrid);
+    layer.pixels = makeImage(columns, rows, std::vector<std::uint8_t>(pixels));
+    return validate(layer);
+  };
+  EXPECT_EQ(with(160, 120, 19200), std::nullopt);
+  EXPECT_THAT(with(161, 1, 161), Optional(std::string("columns = 161, allowed: 1 to 160")));
+  EXPECT_THAT(with(1, 0, 0), Optional(std::string("rows = 0, allowed: 1 to 120")));
+  EXPECT_THAT(with(4, 3, 11),
+              Optional(std::string("grid = 11 pixels, allowed: columns x rows = 12")));
+  Layer without = valid(LayerKind::kGrid);
+  without.pixels = nullptr;
+  EXPECT_THAT(validate(without), Optional(StartsWith("grid = no pixels")));
+}
+
 TEST(Layers, NameTheLayerThatIsWrong) {
   std::vector<Layer> layers(3);
-  layers[2].y = 11;
-  EXPECT_THAT(validate(layers), Optional(std::string("layers[2].y = 11 m, allowed: -10 to 10 m")));
+  layers[2].softness = 11;
+  EXPECT_THAT(validate(layers),
+              Optional(std::string("layers[2].softness = 11 m, allowed: 0 to 10 m")));
 }
 
 TEST(Layers, AreRefusedWhenTooMany) {
   EXPECT_EQ(validate(std::vector<Layer>(kMostLayers)), std::nullopt);
   EXPECT_THAT(validate(std::vector<Layer>(kMostLayers + 1)),
-              Optional(std::string("layers = 65 layers, allowed: at most 64")));
+              Optional(std::string("layers = 161 layers, allowed: at most 160")));
 }
 
 }  // namespace

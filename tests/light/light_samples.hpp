@@ -27,9 +27,13 @@ inline std::vector<Layer> oneOfEachKind() {
   base.intensity = 0.8;
   base.intensity2 = 0.1;
   std::vector<Layer> layers;
-  for (int kind = 1; kind <= 9; ++kind) {
+  for (int kind = 1; kind <= static_cast<int>(kLastKind); ++kind) {
     Layer layer = base;
     layer.kind = static_cast<LayerKind>(kind);
+    if (layer.kind == LayerKind::kFade) continue;
+    if (layer.kind == LayerKind::kGrid) layer.pixels = image;
+    if (layer.kind == LayerKind::kNoise) layer.seed = 5;
+    if (layer.kind == LayerKind::kWave || layer.kind == LayerKind::kNoise) layer.phase = 1.3;
     if (layer.kind == LayerKind::kImage) {
       layer.image = image->sha256;
       layer.pixels = image;
