@@ -15,6 +15,7 @@ using light::Layer;
 using light::LayerKind;
 
 constexpr std::size_t kMostReplaced = 64;  // instances of one sender; older ones are long gone
+constexpr std::int64_t kRemembered_us = 300'000;  // frames before poses are asked for
 
 std::int64_t microseconds(double seconds) { return std::llround(seconds * 1e6); }
 
@@ -28,16 +29,41 @@ bool sameCommand(const LightCommand& a, const LightCommand& b) {
   return a.sender == b.sender && a.instance == b.instance && a.seq == b.seq;
 }
 
-/// A list of layers that shows what `field` shows. It grows by one picture a call, so past the
-/// limit the pictures furthest back, which show the least, are left out.
+/// A grid of half as many columns and rows, each the mean of up to four.
+std::shared_ptr<const light::Image> halved(const light::Image& image) {
+  auto half = std::make_shared<light::Image>();
+  half->columns = (image.columns + 1) / 2;
+  half->rows = (image.rows + 1) / 2;
+  for (int row = 0; row < half->rows; ++row) {
+    for (int column = 0; column < half->columns; ++column) {
+      int sum = 0;
+      for (const int down : {2 * row, std::min(2 * row + 1, image.rows - 1)}) {
+        for (const int right : {2 * column, std::min(2 * column + 1, image.columns - 1)}) {
+          sum += image.grey[static_cast<std::size_t>(down * image.columns + right)];
+        }
+      }
+      half->grey.push_back(static_cast<std::uint8_t>((sum + 2) / 4));
+    }
+  }
+  return half;
+}
+
+/// A list of layers that shows what `field` shows. It grows by one picture a call: past what a
+/// message holds its grids become coarser, and then the pictures furthest back, which show the
+/// least, are left out.
 std::vector<Layer> frozen(const Field& field) {
   if (!isMoving(field)) return field.layers;
   if (isUniform(field)) return {Layer{.intensity = evaluate(field, 0, 0)}};
   std::vector<Layer> layers = field.previous;
   layers.push_back({.kind = LayerKind::kFade, .intensity = field.mix});
   layers.insert(layers.end(), field.layers.begin(), field.layers.end());
+  if (Scene::bytesOf(layers) > Scene::kMostBytes) {
+    for (Layer& layer : layers) {
+      if (layer.kind == LayerKind::kGrid && layer.pixels) layer.pixels = halved(*layer.pixels);
+    }
+  }
   const auto is_fade = [](const Layer& layer) { return layer.kind == LayerKind::kFade; };
-  while (layers.size() > light::kMostLayers) {
+  while (layers.size() > Scene::kMostResolved || Scene::bytesOf(layers) > Scene::kMostBytes) {
     const auto first_fade = std::find_if(layers.begin(), layers.end(), is_fade);
     if (first_fade == layers.end()) break;
     layers.erase(layers.begin(), first_fade + 1);
@@ -45,10 +71,41 @@ std::vector<Layer> frozen(const Field& field) {
   return layers;
 }
 
+/// Whether two lists show the same; of what moment a grid is makes no difference.
+bool showSame(const std::vector<Layer>& a, const std::vector<Layer>& b) {
+  return std::ranges::equal(a, b, [](const Layer& left, const Layer& right) {
+    if (left.kind != LayerKind::kGrid || left.seed == right.seed) return left == right;
+    Layer other = left;
+    other.seed = right.seed;
+    return other == right;
+  });
+}
+
+bool showSame(const Field& a, const Field& b) {
+  return a.mix == b.mix && showSame(a.layers, b.layers) && showSame(a.previous, b.previous);
+}
+
+/// A square at the origin, a grid of one pixel.
+Layer syncPatch(double side, bool bright) {
+  auto pixel = std::make_shared<light::Image>();
+  pixel->columns = 1;
+  pixel->rows = 1;
+  pixel->grey = {static_cast<std::uint8_t>(bright ? 255 : 0)};
+  Layer layer;
+  layer.kind = LayerKind::kGrid;
+  layer.x = layer.y = side / 2;
+  layer.size = layer.inner = side;
+  layer.intensity = 1;
+  layer.pixels = std::move(pixel);
+  return layer;
+}
+
 }  // namespace
 
 ProjectorCore::ProjectorCore(Config config)
-    : config_(std::move(config)), timeout_us_(microseconds(config_.command_timeout)) {
+    : config_(std::move(config)),
+      timeout_us_(microseconds(config_.command_timeout)),
+      latency_us_(microseconds(config_.latency)) {
   if (timeout_us_ <= 0) {
     throw std::invalid_argument("command_timeout = " + text(config_.command_timeout) +
                                 " s, allowed: above 0");
@@ -57,7 +114,8 @@ ProjectorCore::ProjectorCore(Config config)
     throw std::invalid_argument("safe_field." + *problem);
   }
   safe_label_ = "safe field: no command yet";
-  field_.layers = config_.safe_field;
+  safe_ = std::make_shared<Scene>(config_.safe_field);
+  target_ = safe_;
 }
 
 std::optional<std::string> ProjectorCore::problem(const LightCommand& command,
@@ -79,12 +137,7 @@ std::optional<std::string> ProjectorCore::problem(const LightCommand& command,
            " us, allowed: 0, or after now and after from_utime";
   }
   if (command.release) return {};
-  for (std::size_t i = 0; i < command.layers.size(); ++i) {
-    if (command.layers[i].kind == LayerKind::kFade) {
-      return "layers[" + std::to_string(i) + "].kind = 10, allowed in a command: 1 to 9";
-    }
-  }
-  return light::validate(command.layers);
+  return Scene::problem(command.layers, config_.surroundings);
 }
 
 std::int64_t ProjectorCore::endOf(const Sender& sender) const {
@@ -114,7 +167,7 @@ Answer ProjectorCore::apply(const LightCommand& command, std::int64_t received_u
   }
 
   if (auto reason = problem(command, received)) return {Verdict::kRefused, std::move(*reason)};
-  LightCommand accepted = command;
+  Accepted accepted{command, command.from_utime == 0 ? received : command.from_utime};
   accepted.from_utime = std::max(command.from_utime, received);
   Sender sender = known != senders_.end() ? known->second : Sender{};
   if (known != senders_.end() && sender.instance != command.instance) {
@@ -124,7 +177,7 @@ Answer ProjectorCore::apply(const LightCommand& command, std::int64_t received_u
   }
   // A command is the whole wish from its from_utime on: it replaces what was planned for later.
   std::erase_if(sender.scheduled,
-                [&](const LightCommand& later) { return later.from_utime >= accepted.from_utime; });
+                [&](const Accepted& later) { return later.from_utime >= accepted.from_utime; });
   if (sender.scheduled.size() >= kMostScheduled) {
     return {Verdict::kRefused, "from_utime = " + std::to_string(command.from_utime) +
                                    " us, allowed: at most " + std::to_string(kMostScheduled) +
@@ -142,7 +195,7 @@ Answer ProjectorCore::apply(const LightCommand& command, std::int64_t received_u
 
 void ProjectorCore::bringIntoForce(Sender& sender) {
   while (!sender.scheduled.empty() && sender.scheduled.front().from_utime <= now_) {
-    LightCommand& due = sender.scheduled.front();
+    Accepted& due = sender.scheduled.front();
     if (due.release) {
       leaving_ramp_ = due.ramp;
       sender.active.reset();
@@ -150,6 +203,7 @@ void ProjectorCore::bringIntoForce(Sender& sender) {
       sender.active_since = due.from_utime;
       sender.active = std::move(due);
     }
+    sender.scene = nullptr;
     sender.scheduled.erase(sender.scheduled.begin());
   }
 }
@@ -173,9 +227,9 @@ void ProjectorCore::advance(std::int64_t utime) {
   now_ = std::max(now_, utime);
 }
 
-const ProjectorCore::Sender* ProjectorCore::commander() const {
-  const Sender* best = nullptr;
-  for (const auto& [name, sender] : senders_) {
+ProjectorCore::Sender* ProjectorCore::commander() {
+  Sender* best = nullptr;
+  for (auto& [name, sender] : senders_) {
     if (!sender.active || now_ >= endOf(sender)) continue;
     const auto rank = [](const Sender& one) {
       return std::pair(one.active->priority, one.active_since);
@@ -186,7 +240,7 @@ const ProjectorCore::Sender* ProjectorCore::commander() const {
 }
 
 void ProjectorCore::chooseCommander() {
-  const Sender* best = commander();
+  Sender* const best = commander();
   const bool was_commanded = commanding_.has_value();
   if (best == nullptr && !was_commanded) return;
   if (best != nullptr && was_commanded && sameCommand(*best->active, *commanding_)) {
@@ -195,7 +249,7 @@ void ProjectorCore::chooseCommander() {
   // How the last command went decides how what it covered comes back.
   bool silenced = false;
   if (was_commanded) {
-    const std::optional<LightCommand>& last = senders_.at(commanding_->sender).active;
+    const std::optional<Accepted>& last = senders_.at(commanding_->sender).active;
     if (last && sameCommand(*last, *commanding_)) {
       silenced = commanding_->hold_until_utime == 0;
       leaving_ramp_ = silenced ? 0 : commanding_->ramp;
@@ -205,41 +259,119 @@ void ProjectorCore::chooseCommander() {
   }
   if (best != nullptr) {
     const bool is_new = best->active_since == now_;
-    startRamp(best->active->layers, is_new ? best->active->ramp : leaving_ramp_);
+    if (!best->scene) {
+      best->scene = std::make_shared<Scene>(best->active->layers, best->active->origin_utime,
+                                            config_.surroundings);
+    }
+    startRamp(best->scene, is_new ? best->active->ramp : leaving_ramp_);
     commanding_ = *best->active;
   } else {
     safe_label_ = silenced ? "safe field: " + commanding_->sender + " fell silent"
                            : "safe field: " + commanding_->sender + " gave the light back";
-    startRamp(config_.safe_field, leaving_ramp_);
+    startRamp(safe_, leaving_ramp_);
     commanding_.reset();
   }
 }
 
-light::Field ProjectorCore::fieldAt(std::int64_t utime) const {
-  const std::int64_t since = utime - ramp_start_;
-  if (since >= ramp_us_) return {field_.layers, {}, 1};
-  return {field_.layers, field_.previous,
-          static_cast<double>(since) / static_cast<double>(ramp_us_)};
+const std::vector<Layer>& ProjectorCore::layersOf(Scene& scene, const Moment& moment) {
+  const Scene::Picture& picture = scene.at(moment, robots_);
+  trouble_ = picture.trouble;
+  return picture.safe ? config_.safe_field : picture.layers;
 }
 
-void ProjectorCore::startRamp(const std::vector<Layer>& layers, double ramp) {
-  field_.previous = frozen(fieldAt(now_));
-  field_.layers = layers;
+light::Field ProjectorCore::fieldAt(const Moment& moment) {
+  light::Field field;
+  if (isFading(moment.decided)) {
+    field.previous = layersOf(*previous_, moment);
+    field.mix = static_cast<double>(moment.decided - ramp_start_) / static_cast<double>(ramp_us_);
+  }
+  field.layers = layersOf(*target_, moment);
+  return field;
+}
+
+void ProjectorCore::startRamp(std::shared_ptr<Scene> scene, double ramp) {
+  if (isFading(now_)) {
+    previous_ = std::make_shared<Scene>(frozen(fieldAt({now_, now_ + latency_us_})));
+  } else {
+    previous_ = target_;
+  }
+  target_ = std::move(scene);
   ramp_start_ = now_;
   ramp_us_ = microseconds(ramp);
   ++version_;
 }
 
-const Shown& ProjectorCore::frame(std::int64_t presentation_utime) {
-  advance(presentation_utime);
-  shown_.changed = shown_version_ != version_ || shown_.moving;
-  if (shown_.changed) shown_.field = fieldAt(now_);
-  shown_.moving = light::isMoving(shown_.field);
+std::vector<Scene*> ProjectorCore::scenes() const {
+  std::vector<Scene*> all;
+  const auto add = [&](const std::shared_ptr<Scene>& scene) {
+    if (scene && std::ranges::find(all, scene.get()) == all.end()) all.push_back(scene.get());
+  };
+  for (const auto& [name, sender] : senders_) add(sender.scene);
+  add(target_);
+  add(previous_);
+  return all;
+}
+
+void ProjectorCore::take(SeenFrame frame) {
+  if (!waiting_.empty() && frame.instance != waiting_.back().instance) waiting_.clear();
+  waiting_.push_back(std::move(frame));
+}
+
+/// Frames enter a picture where somebody asks for poses. Else those are kept that tracks can be
+/// made of, so that what begins to follow robots knows how they move.
+void ProjectorCore::takeFrames() {
+  const std::vector<Scene*> all = scenes();
+  const bool used = std::ranges::any_of(all, [](const Scene* one) { return one->needsPoses(); });
+  shown_.tracked_frames.clear();
+  if (!used) {
+    robots_.forgetPoses();
+    shown_.tracker_instance = 0;
+    if (waiting_.empty()) return;
+    const std::int64_t oldest = waiting_.back().utime - kRemembered_us;
+    std::erase_if(waiting_, [oldest](const SeenFrame& frame) { return frame.utime < oldest; });
+    return;
+  }
+  for (const SeenFrame& frame : waiting_) {
+    shown_.tracker_instance = frame.instance;
+    shown_.tracked_frames.push_back(frame.number);
+    robots_.take(frame);
+    for (Scene* scene : all) scene->take(frame, robots_);
+  }
+  waiting_.clear();
+}
+
+const Shown& ProjectorCore::frame(std::int64_t decided_utime, std::int64_t shown_utime) {
+  advance(decided_utime);
+  const bool is_new = shown_version_ != version_;
+  const bool was_fading = light::isMoving(shown_.field);
+  const std::int64_t tracker = shown_.tracker_instance;
+  const bool turns = config_.sync_patch > 0 &&
+                     (is_new || decided_utime >= sync_turn_ + microseconds(kSyncPeriod));
+  if (turns) {
+    shown_.sync = shown_.sync == 1 ? 0 : 1;
+    sync_layer_ = syncPatch(config_.sync_patch, shown_.sync == 1);
+    sync_turn_ = decided_utime;
+  }
+  if (!isFading(now_)) previous_ = nullptr;
+  takeFrames();
+  shown_.changed = is_new || turns || was_fading || tracker != shown_.tracker_instance;
+  if (shown_.changed || !target_->isStill()) {
+    light::Field field = fieldAt({now_, shown_utime});
+    if (config_.sync_patch > 0) {
+      // One that has not turned is the very same layer, and so no change.
+      field.layers.push_back(sync_layer_);
+      if (light::isMoving(field)) field.previous.push_back(sync_layer_);
+    }
+    shown_.changed = shown_.changed || !showSame(field, shown_.field) || trouble_ != shown_.trouble;
+    shown_.field = std::move(field);
+    shown_.trouble = trouble_;
+  }
+  shown_.moving = light::isMoving(shown_.field) || !target_->isStill();
   ++shown_.frame;
-  shown_.presentation_utime = presentation_utime;
-  if (shown_version_ != version_) {
+  shown_.presentation_utime = shown_utime;
+  if (is_new) {
     shown_version_ = version_;
-    shown_.first_shown_utime = presentation_utime;
+    shown_.first_shown_utime = shown_utime;
     shown_.commander = commanding_ ? commanding_->sender : std::string{};
     shown_.instance = commanding_ ? commanding_->instance : 0;
     shown_.seq = commanding_ ? commanding_->seq : 0;

@@ -3,11 +3,13 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "light/field.hpp"
+#include "projector_ctl/scene.hpp"
 
 namespace lab::projector {
 
@@ -22,7 +24,7 @@ struct LightCommand {
   std::int64_t hold_until_utime = 0;  ///< in force until then without repetition, 0: repeat it
   bool release = false;               ///< the sender gives the light back; `layers` is not read
   std::string label{};                ///< for people
-  std::vector<light::Layer> layers{};
+  std::vector<light::DrivenLayer> layers{};  ///< their time is 0 at from_utime
 };
 
 /// What became of a command.
@@ -41,15 +43,20 @@ struct [[nodiscard]] Answer {
 /// One displayed frame.
 struct Shown {
   light::Field field{};
-  bool changed = false;                 ///< field or command differ from the last frame's
-  bool moving = false;                  ///< a cross-fade is under way
+  bool changed = false;  ///< field, command or trouble differ from the last frame's
+  bool moving = false;   ///< a cross-fade is under way, or layers change by themselves
   std::string commander{};              ///< empty: the safe field
   std::int64_t instance = 0;            ///< of the commander, 0 for the safe field
   std::int64_t seq = 0;                 ///< of the command, 0 for the safe field
   std::string label{};                  ///< of the command; for the safe field, why it is shown
   std::int64_t frame = 0;               ///< counts frames from 1
-  std::int64_t presentation_utime = 0;  ///< of this frame
+  std::int64_t presentation_utime = 0;  ///< of this frame: when it is on the arena
   std::int64_t first_shown_utime = 0;   ///< of the first frame that showed this command
+  int sync = -1;                        ///< the sync patch: 0 dark, 1 bright, -1: there is none
+  std::string trouble{};                ///< why something else than wanted is shown
+  std::int64_t tracker_instance = 0;    ///< whose poses are in use, 0: nobody's
+  std::vector<std::int64_t> tracked_frames{};  ///< that entered since the frame before; where poses
+                                               ///< come into use, those still remembered
 };
 
 /// Resolves commands to a field.
@@ -64,13 +71,24 @@ struct Shown {
 /// the moment its command comes into force (its from_utime, or its arrival when that is later),
 /// from the field shown at that moment, and what comes back after a release or a hold fades in over
 /// the ramp of the command that went. What silence ends, ends at once.
+///
+/// What changes by itself (scene.hpp) is resolved frame by frame, for the moment the frame is on
+/// the arena; a cross-fade resolves both its ends, and one that is interrupted freezes as it then
+/// is. A
+/// scene begins when its command first commands, and lives as long as the command: a trail goes on
+/// being laid while another command covers it.
 class ProjectorCore {
  public:
   struct Config {
     std::vector<light::Layer> safe_field{light::Layer{}};
     double command_timeout = 2.5;  ///< [s]
+    Surroundings surroundings{};
+    double latency = 0;     ///< [s] from a frame's decision to its light
+    double sync_patch = 0;  ///< [m] side of the square at the origin that turns with each command,
+                            ///< and every kSyncPeriod, so that a camera learns where it is
   };
 
+  static constexpr double kSyncPeriod = 0.5;           ///< [s] between turns of the sync patch
   static constexpr double kLongestRamp = 3600;         ///< [s]
   static constexpr double kFurthestStart = 24 * 3600;  ///< [s] of from_utime after arrival
   static constexpr std::size_t kMostScheduled = 16;    ///< commands of one sender not yet in force
@@ -82,45 +100,76 @@ class ProjectorCore {
   /// Takes a command that arrived at `received_utime`. Its image layers must have their pixels.
   Answer apply(const LightCommand& command, std::int64_t received_utime);
 
-  /// The frame presented at `presentation_utime`, valid until the next call. Call it in order of
-  /// time, with every command that arrived before already applied.
-  const Shown& frame(std::int64_t presentation_utime);
+  /// Takes a camera frame: it enters the next picture. Frames of one tracker enter at a time; those
+  /// of another one replace them.
+  void take(SeenFrame frame);
+
+  /// The program that a robot says it runs.
+  void report(std::int32_t robot, const std::string& program, std::int64_t utime) {
+    robots_.report(robot, program, utime);
+  }
+
+  /// The frame decided at `decided_utime`, valid until the next call. Call it in order of time,
+  /// with everything that arrived before already taken.
+  const Shown& frame(std::int64_t decided_utime) {
+    return frame(decided_utime, decided_utime + latency_us_);
+  }
+
+  /// The same for a frame whose light is expected on the arena at `shown_utime`.
+  const Shown& frame(std::int64_t decided_utime, std::int64_t shown_utime);
 
  private:
+  struct Accepted : LightCommand {
+    std::int64_t origin_utime = 0;  ///< of its layers' time
+  };
+
   struct Sender {
     std::int64_t instance = 0;
     std::vector<std::int64_t> replaced;  ///< instances
     std::int64_t newest_seq = 0;
     std::int64_t heard_utime = 0;
-    std::optional<LightCommand> active;
+    std::optional<Accepted> active;
     std::int64_t active_since = 0;
-    std::vector<LightCommand> scheduled;  ///< by from_utime
+    std::shared_ptr<Scene> scene;         ///< of the active command, once it commanded
+    std::vector<Accepted> scheduled;  ///< by from_utime
   };
 
   [[nodiscard]] std::optional<std::string> problem(const LightCommand& command,
                                                    std::int64_t received_utime) const;
   [[nodiscard]] std::int64_t endOf(const Sender& sender) const;
-  [[nodiscard]] const Sender* commander() const;
-  [[nodiscard]] light::Field fieldAt(std::int64_t utime) const;
+  [[nodiscard]] Sender* commander();
+  [[nodiscard]] bool isFading(std::int64_t utime) const { return utime - ramp_start_ < ramp_us_; }
 
   void advance(std::int64_t utime);
   void bringIntoForce(Sender& sender);
   void chooseCommander();
-  void startRamp(const std::vector<light::Layer>& layers, double ramp);
+  void startRamp(std::shared_ptr<Scene> scene, double ramp);
+  light::Field fieldAt(const Moment& moment);
+  const std::vector<light::Layer>& layersOf(Scene& scene, const Moment& moment);
+  [[nodiscard]] std::vector<Scene*> scenes() const;
+  void takeFrames();
 
   Config config_;
   std::int64_t timeout_us_;
+  std::int64_t latency_us_;
   std::map<std::string, Sender> senders_;
+  Robots robots_;
+  std::vector<SeenFrame> waiting_;  ///< for the next picture
 
   std::int64_t now_ = 0;     ///< everything up to here has happened
   double leaving_ramp_ = 0;  ///< [s] of the command that gave way last
   std::optional<LightCommand> commanding_;
   std::string safe_label_;
+  std::shared_ptr<Scene> safe_;
 
-  light::Field field_;  ///< its mix is that of ramp_start_
+  std::shared_ptr<Scene> target_;
+  std::shared_ptr<Scene> previous_;  ///< what a cross-fade comes from
   std::int64_t ramp_start_ = 0;
   std::int64_t ramp_us_ = 0;
   std::int64_t version_ = 0;  ///< counts changes of command or target
+  std::string trouble_;       ///< of what was resolved last
+  light::Layer sync_layer_;
+  std::int64_t sync_turn_ = 0;  ///< utime of its last turn
 
   Shown shown_;
   std::int64_t shown_version_ = -1;

@@ -5,60 +5,67 @@
 #include <lab/light_command_t.hpp>
 #include <lab/light_status_t.hpp>
 #include <lab/robot_state_t.hpp>
+#include <lab/robot_status_t.hpp>
+#include <lab/tracked_frame_t.hpp>
 #include <utility>
 
 #include "common/channels.hpp"
+#include "common/projector_file.hpp"
+#include "common/experiment_messages.hpp"
 #include "common/units.hpp"
 #include "light/raster.hpp"
+#include "projector_ctl/overlay.hpp"
+#include "projector_ctl/projector_messages.hpp"
 
 namespace lab::projector {
 
 namespace {
 
-LightCommand toCommand(const light_command_t& message, const light::ImageStore& images) {
-  LightCommand command;
-  command.sender = message.sender;
-  command.instance = message.instance;
-  command.seq = message.seq;
-  command.priority = message.priority;
-  command.from_utime = message.from_utime;
-  command.ramp = message.ramp;
-  command.hold_until_utime = message.hold_until_utime;
-  command.release = message.release != 0;
-  command.label = message.label;
-  command.layers = toLayers(message.layers, images);
-  return command;
-}
-
-ProjectorCore::Config coreConfig(const Experiment& experiment) {
+ProjectorCore::Config coreConfig(const Experiment& experiment, const light::ImageStore& images) {
   ProjectorCore::Config config;
   config.safe_field = {light::Layer{.intensity = experiment.light.safe_intensity}};
+  config.surroundings = surroundingsOf(experiment, images);
+  config.latency = experiment.projector.latency;
+  if (experiment.camera.tracker == Tracker::kCamera) {
+    config.sync_patch = experiment.projector.sync_patch;
+  }
   return config;
 }
 
 }  // namespace
 
-ProjectorService::ProjectorService(const ServiceContext& context, std::filesystem::path pictures)
+ProjectorService::ProjectorService(const ServiceContext& context, std::filesystem::path pictures,
+                                   std::unique_ptr<Presenter> presenter)
     : node_(context.node),
       loop_(context.loop),
+      experiment_(context.experiment),
       pictures_(std::move(pictures)),
       arena_width_(context.experiment.arena_width),
       arena_height_(context.experiment.arena_height),
       images_(loadImages(context.experiment, context.directory).store),
       clock_(context.experiment.light.frame_rate),
-      core_(coreConfig(context.experiment)) {
+      core_(coreConfig(context.experiment, images_)) {
+  const Projector& projector = experiment_.projector;
+  if (presenter == nullptr) {
+    headless_calibration_ =
+        projectorInForce(experiment_, context.directory, projector.width, projector.height).id;
+  }
   node_.subscribe<light_command_t>(channels::kLightCommand, [this](const light_command_t& message) {
-    arrivals_.push_back({toCommand(message, images_), loop_.now()});
+    arrivals_.push_back({toCommand(message, experiment_, images_), loop_.now()});
   });
-  scheduleFrame(clock_.numberAtOrAfter(loop_.now()));
-}
-
-void ProjectorService::scheduleFrame(std::int64_t number) {
-  loop_.at(clock_.boundary(number), [this, number] {
-    showFrame(clock_.boundary(number));
-    // A loop that fell behind leaves frames out, as a display would.
-    scheduleFrame(std::max(number + 1, clock_.numberAtOrAfter(loop_.now())));
+  node_.subscribe<tracked_frame_t>(channels::kTrackedFrame, [this](const tracked_frame_t& message) {
+    frames_.push_back({toSeenFrame(message), loop_.now()});
   });
+  node_.subscribe<robot_status_t>(channels::kRobotStatus, [this](const robot_status_t& message) {
+    takePrograms(message);
+  });
+  loop_of_frames_ = std::make_unique<FrameLoop>(
+      loop_, clock_,
+      FrameLoop::Owner{
+          [this](std::int64_t swap) -> const light::Field& { return decide(swap); },
+          [this](const FrameLoop::Swapped& swapped) { frameShown(swapped); },
+          [this] { return overlayLines(*shown_, swapped_, loop_of_frames_->rate()); }},
+      std::move(presenter));
 }
 
 void ProjectorService::applyUntil(std::int64_t utime) {
@@ -73,43 +80,108 @@ void ProjectorService::applyUntil(std::int64_t utime) {
       if (refusal != last_refusal_) {
         node_.noteError(refusal);
         last_refusal_ = refusal;
-        refused_ = true;
+        publish_ = true;
       }
     }
     ++applied;
   }
   arrivals_.erase(arrivals_.begin(), arrivals_.begin() + static_cast<std::ptrdiff_t>(applied));
+  takeFrames(utime);
 }
 
-void ProjectorService::showFrame(std::int64_t presentation_utime) {
-  applyUntil(presentation_utime);
-  const Shown& shown = core_.frame(presentation_utime);
-  const double silent = units::seconds(presentation_utime - status_utime_);
-  const bool due = silent > 1 / kStatusRate - 0.5 * clock_.period();
-  if (shown.changed || shown.moving || refused_ || due) {
+/// A status names the frames of one tracker. Where there are two, those of the other wait for the
+/// next picture.
+void ProjectorService::takeFrames(std::int64_t utime) {
+  if (frames_.empty()) return;
+  const std::int64_t instance =
+      entered_.empty() ? frames_.front().frame.instance : entered_tracker_;
+  std::erase_if(frames_, [&](FrameArrival& arrival) {
+    const bool takes = arrival.utime <= utime && arrival.frame.instance == instance;
+    if (takes) core_.take(std::move(arrival.frame));
+    return takes;
+  });
+  publish_ = publish_ || std::ranges::any_of(frames_, [&](const FrameArrival& arrival) {
+               return arrival.frame.instance != instance;
+             });
+}
+
+void ProjectorService::takePrograms(const robot_status_t& status) {
+  for (const robot_state_t& robot : status.robots) {
+    core_.report(robot.robot_id, programName(experiment_, robot.program), robot.utime);
+  }
+}
+
+const light::Field& ProjectorService::decide(std::int64_t swap_utime) {
+  applyUntil(swap_utime);
+  shown_ = &core_.frame(swap_utime);
+  return shown_->field;
+}
+
+void ProjectorService::frameShown(const FrameLoop::Swapped& swapped) {
+  const Shown& shown = *shown_;
+  const bool other_display = swapped.display != swapped_.display || swapped.vsync != swapped_.vsync ||
+                             swapped.trouble != swapped_.trouble;
+  publish_ = publish_ || other_display;
+  if (swapped.trouble != swapped_.trouble && !swapped.trouble.empty()) {
+    node_.noteError(swapped.trouble);
+  }
+  swapped_ = swapped;
+  if (shown.first_shown_utime == shown.presentation_utime) first_light_utime_ = lightUtime();
+  noteEntered(shown);
+  if (shown.trouble != trouble_) {
+    trouble_ = shown.trouble;
+    if (!trouble_.empty()) node_.noteError(trouble_);
+  }
+  const double silent = units::seconds(swapped.utime - status_utime_);
+  const bool due = silent > 1 / kStatusRate - 0.5 * swapped.period;
+  if (shown.changed || publish_ || due) {
     publish(shown);
-    status_utime_ = presentation_utime;
-    refused_ = false;
+    status_utime_ = swapped.utime;
+    publish_ = false;
   }
   if (shown.frame == 1) node_.ready();
-  if (!pictures_.empty() && !shown.moving && shown.first_shown_utime != pictured_utime_) {
+  if (!pictures_.empty() && !light::isMoving(shown.field) && shown.first_shown_utime != pictured_utime_) {
     savePicture(shown);
     pictured_utime_ = shown.first_shown_utime;
   }
 }
 
+void ProjectorService::noteEntered(const Shown& shown) {
+  if (shown.tracker_instance != entered_tracker_) entered_.clear();
+  entered_tracker_ = shown.tracker_instance;
+  entered_.insert(entered_.end(), shown.tracked_frames.begin(), shown.tracked_frames.end());
+}
+
+std::int64_t ProjectorService::lightUtime() const {
+  return swapped_.utime + std::llround(1e6 * experiment_.projector.latency);
+}
+
 void ProjectorService::publish(const Shown& shown) {
   light_status_t status{};
-  status.utime = shown.presentation_utime;
+  status.utime = lightUtime();
   status.frame = shown.frame;
-  status.frame_period = clock_.period();
+  status.frame_period = swapped_.period;
   status.commander = shown.commander;
   status.command_instance = shown.instance;
   status.command_seq = shown.seq;
   status.label = shown.label;
-  status.first_shown_utime = shown.first_shown_utime;
+  status.first_shown_utime = first_light_utime_;
+  status.calibration_id =
+      headless_calibration_.empty() ? swapped_.calibration_id : headless_calibration_;
   status.moving = shown.moving ? 1 : 0;
   status.last_refusal = last_refusal_;
+  status.display = swapped_.display;
+  status.vsync = swapped_.vsync;
+  status.latency = experiment_.projector.latency;
+  status.sync = static_cast<std::int8_t>(shown.sync);
+  status.trouble = shown.trouble;
+  if (!swapped_.trouble.empty()) {
+    status.trouble = swapped_.trouble + (shown.trouble.empty() ? "" : "; " + shown.trouble);
+  }
+  status.tracker_instance = entered_tracker_;
+  status.tracked_frames = entered_;
+  status.num_tracked_frames = static_cast<std::int32_t>(entered_.size());
+  entered_.clear();
   status.mix = shown.field.mix;
   status.previous = toMessages(shown.field.previous);
   status.num_previous = static_cast<std::int32_t>(status.previous.size());

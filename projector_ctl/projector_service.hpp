@@ -1,21 +1,24 @@
-/// The projector on the bus: LIGHT_COMMAND in, LIGHT_STATUS out.
+/// The projector on the bus: LIGHT_COMMAND, TRACKED_FRAME and ROBOT_STATUS in, LIGHT_STATUS out.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
+#include <lab/robot_status_t.hpp>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "common/light_messages.hpp"
 #include "common/service_main.hpp"
 #include "projector_ctl/frame_clock.hpp"
+#include "projector_ctl/frame_loop.hpp"
 #include "projector_ctl/projector_core.hpp"
 
 namespace lab::projector {
 
-/// Headless: it shows its field to whoever listens to LIGHT_STATUS, frame by frame at the
-/// experiment's frame rate. LIGHT_STATUS goes out with every frame that differs from the last or
-/// that will differ from the next, and at 10 Hz otherwise. A refused command is said in
+/// Frame by frame it shows its field on a display, at the display's refreshes, or headless, to
+/// whoever listens to LIGHT_STATUS, at the experiment's frame rate. LIGHT_STATUS goes out with every frame that differs from the last, and
+/// at 10 Hz otherwise. A refused command is said in
 /// last_refusal and in the heartbeat; what was shown stays.
 class ProjectorService final : public Service {
  public:
@@ -26,7 +29,9 @@ class ProjectorService final : public Service {
   /// @param pictures where each new field is left as light_<first shown utime>.png once it is fully
   /// faded in, the arena in kPictureColumns columns; empty: nowhere.
   /// @throws std::runtime_error when an image of the experiment cannot be read.
-  explicit ProjectorService(const ServiceContext& context, std::filesystem::path pictures = {});
+  /// @param presenter the display, null: headless
+  explicit ProjectorService(const ServiceContext& context, std::filesystem::path pictures = {},
+                            std::unique_ptr<Presenter> presenter = nullptr);
 
  private:
   struct Arrival {
@@ -34,14 +39,24 @@ class ProjectorService final : public Service {
     std::int64_t utime;
   };
 
-  void scheduleFrame(std::int64_t number);
-  void showFrame(std::int64_t presentation_utime);
+  struct FrameArrival {
+    SeenFrame frame;
+    std::int64_t utime;
+  };
+
+  const light::Field& decide(std::int64_t swap_utime);
+  void frameShown(const FrameLoop::Swapped& swapped);
   void applyUntil(std::int64_t utime);
+  void takeFrames(std::int64_t utime);
+  void takePrograms(const robot_status_t& status);
+  void noteEntered(const Shown& shown);
   void publish(const Shown& shown);
   void savePicture(const Shown& shown);
+  [[nodiscard]] std::int64_t lightUtime() const;
 
   Node& node_;
   Loop& loop_;
+  const Experiment& experiment_;
   std::filesystem::path pictures_;
   double arena_width_;   ///< [m]
   double arena_height_;  ///< [m]
@@ -49,10 +64,19 @@ class ProjectorService final : public Service {
   FrameClock clock_;
   ProjectorCore core_;
   std::vector<Arrival> arrivals_;  ///< not yet given to the core
+  std::vector<FrameArrival> frames_;  ///< not yet given to the core
+  std::vector<std::int64_t> entered_;  ///< numbers of frames in use since the last LIGHT_STATUS
+  std::int64_t entered_tracker_ = 0;
+  std::string headless_calibration_;  ///< id of that in force without a display, empty: none
   std::string last_refusal_;
-  bool refused_ = false;             ///< since the last LIGHT_STATUS
+  std::string trouble_;
+  bool publish_ = false;             ///< with the next frame, whether it changes or not
   std::int64_t pictured_utime_ = 0;  ///< first_shown_utime of what the last picture shows
   std::int64_t status_utime_ = 0;    ///< of the last LIGHT_STATUS
+  const Shown* shown_ = nullptr;     ///< of the frame under way
+  FrameLoop::Swapped swapped_;       ///< the frame shown last
+  std::int64_t first_light_utime_ = 0;  ///< of the command shown
+  std::unique_ptr<FrameLoop> loop_of_frames_;
 };
 
 /// The service as a process or as a part of a lab in one process.

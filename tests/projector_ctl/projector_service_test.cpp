@@ -6,11 +6,16 @@
 #include <filesystem>
 #include <lab/light_command_t.hpp>
 #include <lab/light_status_t.hpp>
+#include <lab/robot_status_t.hpp>
 #include <lab/service_status_t.hpp>
+#include <lab/tracked_frame_t.hpp>
+#include <limits>
 #include <vector>
 
 #include "common/channels.hpp"
+#include "common/experiment_messages.hpp"
 #include "common/memory_bus.hpp"
+#include "common/units.hpp"
 #include "common/virtual_loop.hpp"
 #include "light/raster.hpp"
 
@@ -193,7 +198,9 @@ TEST_F(ProjectorServiceTest, ShowsTheImagesOfTheExperiment) {
   const std::vector<std::uint8_t> png = light::encodePng(2, 1, std::vector<std::uint8_t>{0, 255});
   ASSERT_EQ(light::writeFile(path, png), std::nullopt);
   LightStep step;
-  step.layers.push_back({.kind = light_layer_t::IMAGE, .image = name});
+  LayerSpec& picture = step.layers.emplace_back();
+  picture.kind = light_layer_t::IMAGE;
+  picture.image = name;
   experiment.light.steps.push_back(step);
   start();
   std::filesystem::remove(path);
@@ -231,7 +238,9 @@ TEST_F(ProjectorServiceTest, RefusesAnImageThatTheExperimentDoesNotName) {
 
 TEST_F(ProjectorServiceTest, NamesAnImageThatIsMissingAtStart) {
   LightStep step;
-  step.layers.push_back({.kind = light_layer_t::IMAGE, .image = "no_such_picture.png"});
+  LayerSpec& picture = step.layers.emplace_back();
+  picture.kind = light_layer_t::IMAGE;
+  picture.image = "no_such_picture.png";
   experiment.light.steps.push_back(step);
   try {
     start();
@@ -263,6 +272,127 @@ TEST_F(ProjectorServiceTest, LeavesAPictureOfEachNewFieldOnceItIsFadedIn) {
   EXPECT_EQ(files, 2);
   EXPECT_NEAR(light::sample(*safe.image, 0.5, 0.5), 0.1, 0.5 / 255);
   EXPECT_EQ(light::sample(*bright.image, 0.5, 0.5), 1);
+}
+
+TEST_F(ProjectorServiceTest, SaysWhenTheLightIsOnTheArenaAndHow) {
+  experiment.projector.latency = 0.04;
+  start();
+  runTo(0.5);
+  EXPECT_EQ(statuses.front().utime, kEpoch + 40'000);
+  EXPECT_EQ(statuses.front().latency, 0.04);
+  EXPECT_EQ(statuses.front().display, "headless");
+  EXPECT_EQ(statuses.front().vsync, "clock");
+  EXPECT_EQ(statuses.front().sync, -1);
+  EXPECT_EQ(statuses.front().tracker_instance, 0);
+  EXPECT_EQ(statuses.front().first_shown_utime, kEpoch + 40'000);
+}
+
+TEST_F(ProjectorServiceTest, FollowsTrackedRobotsAndSaysWhichFramesItUsed) {
+  experiment.robots.emplace_back().id = 3;
+  experiment.projector.latency = 0.04;
+  Node tracker{bus, loop, {"sim_svc", 2, 77}};
+  std::int64_t number = 0;
+  loop.every(20'000, kEpoch + 5'000, [&] {
+    tracked_frame_t frame{};
+    frame.utime = loop.now() - 20'000;
+    frame.frame = ++number;
+    tracked_pose_t pose{};
+    pose.robot_id = 3;
+    pose.x = 0.2 + 0.1 * units::seconds(frame.utime - kEpoch);
+    pose.y = 0.3;
+    pose.confidence = 1;
+    frame.robots = {pose};
+    frame.num_robots = 1;
+    // It is not seen for a while.
+    if (number < 100 || number > 150) tracker.publish(channels::kTrackedFrame, frame);
+  });
+  start();
+  light::Layer spot{.kind = light::LayerKind::kDisk, .size = 0.05, .intensity = 1};
+  light::Drive drive;
+  drive.follow = light::Follow::kRobots;
+  light_command_t command{};
+  setLayers(command, {{spot, drive}});
+  command.seq = 1;
+  send(command);
+  runTo(1.5);
+  EXPECT_GT(statuses.size(), 85U) << "every frame of a moving field";
+  std::int64_t last = 0;
+  for (const light_status_t& status : statuses) {
+    EXPECT_EQ(status.moving, 1);
+    EXPECT_EQ(status.tracker_instance, status.utime < kEpoch + 50'000 ? 0 : 77);
+    for (const std::int64_t frame : status.tracked_frames) {
+      if (last != 0) {
+        EXPECT_EQ(frame, last + 1);
+      }
+      last = frame;
+    }
+  }
+  ASSERT_EQ(statuses.back().layers.size(), 1U);
+  EXPECT_NEAR(statuses.back().layers[0].x,
+              0.2 + 0.1 * units::seconds(statuses.back().utime - kEpoch), 1e-6);
+
+  runTo(2.9);
+  EXPECT_THAT(statuses.back().trouble, HasSubstr("robot 3 (last seen 00:00:01.9"));
+  EXPECT_EQ(statuses.back().layers.size(), 0U);
+  const std::string trouble = statuses.back().trouble;
+  runTo(3.5);
+  EXPECT_EQ(heartbeat.last_error, trouble);
+  EXPECT_EQ(statuses.back().trouble, "");
+  EXPECT_EQ(statuses.back().layers.size(), 1U);
+}
+
+TEST_F(ProjectorServiceTest, RefusesAFloodOfLayersAndNumbersThatAreNoneWithOneMessage) {
+  start();
+  light_command_t command{};
+  command.seq = 1;
+  command.layers.assign(1'000'000, toMessage(light::Layer{}));
+  send(command);
+  runTo(2.1);
+  EXPECT_EQ(statuses.back().last_refusal,
+            "LIGHT_COMMAND 1 of lab: layers = more than 160 layers, allowed: at most 160");
+  EXPECT_EQ(heartbeat.last_error, statuses.back().last_refusal);
+  light::Drive drive;
+  drive.follow = light::Follow::kRobots;
+  drive.stale = std::numeric_limits<double>::quiet_NaN();
+  light_command_t second{};
+  setLayers(second, {{{.kind = light::LayerKind::kDisk, .size = 0.1}, drive}});
+  second.seq = 2;
+  send(second);
+  runTo(3);
+  EXPECT_THAT(statuses.back().last_refusal, HasSubstr("layers[0].stale = nan s"));
+  EXPECT_EQ(statuses.back().commander, "");
+}
+
+TEST_F(ProjectorServiceTest, GatesByTheNamesThatTheExperimentGivesItsPrograms) {
+  experiment.robots.emplace_back().id = 3;
+  ProgramSpec spec;
+  spec.v = 0.05;
+  experiment.programs["a_name"] = spec;
+  experiment.programs["same"] = spec;
+  start();
+  Node robots{bus, loop, {"sim_svc", 2, 77}};
+  robot_status_t report{};
+  robot_state_t robot{};
+  robot.robot_id = 3;
+  loop.every(20'000, kEpoch + 5'000, [&] {
+    robot.utime = loop.now();
+    report.robots = {robot};
+    report.num_robots = 1;
+    robots.publish(channels::kRobotStatus, report);
+  });
+  light::Drive drive;
+  drive.gate = light::Gate::kProgram;
+  drive.gate_program = "same";
+  light_command_t command{};
+  setLayers(command, {{light::Layer{.intensity = 0.9}, drive}});
+  command.seq = 1;
+  send(command);
+  runTo(1);
+  EXPECT_EQ(statuses.back().last_refusal, "");
+  EXPECT_EQ(statuses.back().layers.size(), 0U);
+  robot.program = toMessage(spec);
+  runTo(1.1);
+  EXPECT_EQ(statuses.back().layers.size(), 1U);
 }
 
 }  // namespace

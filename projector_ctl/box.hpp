@@ -1,0 +1,20 @@
+/// A rectangle of a picture.
+#pragma once
+
+namespace lab::projector {
+
+/// x right, y down from the picture's top left pixel [px].
+struct Box {
+  int x = 0;
+  int y = 0;
+  int width = 0;
+  int height = 0;
+
+  [[nodiscard]] bool touches(const Box& other) const {
+    return x < other.x + other.width && other.x < x + width && y < other.y + other.height &&
+           other.y < y + height;
+  }
+  bool operator==(const Box&) const = default;
+};
+
+}  // namespace lab::projector

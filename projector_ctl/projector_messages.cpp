@@ -1,0 +1,73 @@
+#include "projector_ctl/projector_messages.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "common/experiment_messages.hpp"
+#include "common/light_messages.hpp"
+
+namespace lab::projector {
+
+Surroundings surroundingsOf(const Experiment& experiment, light::ImageStore images) {
+  Surroundings surroundings;
+  surroundings.arena_width = experiment.arena_width;
+  surroundings.arena_height = experiment.arena_height;
+  for (const RobotSpec& robot : experiment.robots) surroundings.robots.push_back(robot.id);
+  for (const auto& [name, program] : experiment.programs) surroundings.programs.push_back(name);
+  surroundings.programs.push_back(modelName(program_t::NONE));
+  surroundings.images = std::move(images);
+  return surroundings;
+}
+
+LightCommand toCommand(const light_command_t& message, const Experiment& experiment,
+                       const light::ImageStore& images) {
+  LightCommand command;
+  command.sender = message.sender;
+  command.instance = message.instance;
+  command.seq = message.seq;
+  command.priority = message.priority;
+  command.from_utime = message.from_utime != 0 ? message.from_utime : message.utime;
+  command.ramp = message.ramp;
+  command.hold_until_utime = message.hold_until_utime;
+  command.release = message.release != 0;
+  command.label = message.label;
+  if (message.layers.size() <= light::kMostLayers) {
+    command.layers = toDrivenLayers(message, images);
+  } else {
+    command.layers.resize(light::kMostLayers + 1);  // to be refused: nobody reads so many
+  }
+  for (light::DrivenLayer& layer : command.layers) {
+    const auto program = experiment.programs.find(layer.drive.gate_program);
+    if (program != experiment.programs.end()) {
+      layer.drive.gate_program = programName(experiment, toMessage(program->second));
+    }
+  }
+  return command;
+}
+
+SeenFrame toSeenFrame(const tracked_frame_t& message) {
+  SeenFrame frame{message.instance, message.frame, message.utime, {}};
+  for (const tracked_pose_t& pose : message.robots) {
+    if (pose.robot_id < 0) continue;
+    frame.robots.push_back({pose.robot_id, pose.x, pose.y, pose.theta,
+                            std::max(pose.covariance[0], pose.covariance[3]), pose.covariance[5],
+                            pose.confidence});
+  }
+  return frame;
+}
+
+ShownRecord toShownRecord(const light_status_t& message) {
+  ShownRecord record;
+  record.projector = message.instance;
+  record.utime = message.utime;
+  record.latency = message.latency;
+  record.commander = message.commander;
+  record.command_instance = message.command_instance;
+  record.command_seq = message.command_seq;
+  record.tracker_instance = message.tracker_instance;
+  record.tracked_frames = message.tracked_frames;
+  record.layers = toLayers(message.layers);
+  return record;
+}
+
+}  // namespace lab::projector

@@ -1,0 +1,84 @@
+#include "projector_ctl/replay.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace lab::projector {
+namespace {
+
+constexpr std::size_t kMostFrames = 4000;  // that wait for a status that names them
+
+/// The moment that a status' trails were worked out for: where a display shows a frame a little
+/// earlier or later than was expected, it is not the status' own. 0: there are none.
+std::int64_t trailMomentOf(const ShownRecord& status) {
+  for (const light::Layer& layer : status.layers) {
+    if (layer.kind == light::LayerKind::kGrid && layer.seed != 0) {
+      return static_cast<std::int64_t>(layer.seed);
+    }
+  }
+  return 0;
+}
+
+}  // namespace
+
+void Replay::take(const LightCommand& command) {
+  commands_.try_emplace({command.sender, command.instance, command.seq}, command);
+}
+
+void Replay::take(SeenFrame frame) {
+  const std::pair key{frame.instance, frame.number};
+  frames_.insert_or_assign(key, std::move(frame));
+  if (frames_.size() <= kMostFrames) return;
+  const auto oldest =
+      std::ranges::min_element(frames_, {}, [](const auto& entry) { return entry.second.utime; });
+  frames_.erase(oldest);
+}
+
+/// @return whether all frames were at hand
+bool Replay::play(const ShownRecord& status) {
+  bool complete = true;
+  if (status.tracker_instance == 0) robots_.forgetPoses();
+  for (const std::int64_t number : status.tracked_frames) {
+    const auto frame = frames_.find({status.tracker_instance, number});
+    if (frame == frames_.end()) {
+      complete = false;
+      continue;
+    }
+    robots_.take(frame->second);
+    for (auto& [key, played] : scenes_) played.scene->take(frame->second, robots_);
+    frames_.erase(frame);
+  }
+  return complete;
+}
+
+std::optional<std::vector<light::Layer>> Replay::layersOf(const ShownRecord& status) {
+  if (status.projector != projector_) {
+    scenes_.clear();
+    robots_ = {};
+    projector_ = status.projector;
+  }
+  const Key key{status.commander, status.command_instance, status.command_seq};
+  const auto command = commands_.find(key);
+  if (command != commands_.end() && !scenes_.contains(key)) {
+    // Of a sender, the command before this one may still fade out; older ones are over.
+    std::erase_if(scenes_, [&](const auto& entry) {
+      return std::get<0>(entry.first) == status.commander &&
+             std::get<2>(entry.first) + 1 < status.command_seq;
+    });
+    scenes_[key].scene =
+        std::make_unique<Scene>(command->second.layers, command->second.from_utime, surroundings_);
+  }
+  if (!play(status)) {
+    for (auto& [known, played] : scenes_) played.complete = !played.scene->needsPoses();
+  }
+  const auto played = scenes_.find(key);
+  if (played == scenes_.end() || !played->second.complete) return {};
+  const std::int64_t decided = status.utime - std::llround(status.latency * 1e6);
+  const Scene::Picture& picture =
+      played->second.scene->at({decided, status.utime, trailMomentOf(status)}, robots_);
+  if (picture.safe) return {};
+  return picture.layers;
+}
+
+}  // namespace lab::projector

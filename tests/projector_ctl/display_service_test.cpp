@@ -1,0 +1,250 @@
+// The projector on a display that misbehaves, in virtual time.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <lab/light_command_t.hpp>
+#include <lab/light_status_t.hpp>
+#include <lab/service_status_t.hpp>
+#include <memory>
+#include <vector>
+
+#include "common/channels.hpp"
+#include "common/light_messages.hpp"
+#include "common/memory_bus.hpp"
+#include "common/virtual_loop.hpp"
+#include "projector_ctl/projector_service.hpp"
+#include "tests/projector_ctl/scripted_display.hpp"
+
+namespace lab::projector {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+constexpr int kSafe = 51;    // 0.2 of white
+constexpr int kBright = 204;  // 0.8
+
+class DisplayServiceTest : public testing::Test {
+ protected:
+  DisplayServiceTest() {
+    experiment.light.safe_intensity = 0.2;
+    loop.drainWith([this] { bus.deliver(); });
+    bus.subscribe(channels::kLightStatus, [this](const Packet& packet) {
+      light_status_t status{};
+      ASSERT_TRUE(decode(packet.data, status));
+      statuses.push_back(status);
+    });
+    bus.subscribe(channels::kServiceStatus, [this](const Packet& packet) {
+      service_status_t heartbeat{};
+      ASSERT_TRUE(decode(packet.data, heartbeat));
+      if (heartbeat.sender == "projector_ctl") said = heartbeat.last_error;
+    });
+  }
+
+  Screen::Setup setup() {
+    Screen::Setup setup;
+    setup.open = [this] { return std::make_unique<ScriptedDisplay>(script); };
+    setup.place = [this](int columns, int rows) {
+      if (columns != calibrated) throw std::runtime_error("calibration of another size");
+      return Screen::Placement{{1.2, 0.9, columns, rows}, "c0ffee"};
+    };
+    setup.safe_field = {{light::Layer{.intensity = 0.2}}, {}, 1};
+    setup.now = [this] { return loop.now(); };
+    return setup;
+  }
+
+  void start() {
+    dut = std::make_unique<ProjectorService>(
+        ServiceContext{node, loop, experiment, testing::TempDir()}, std::filesystem::path{},
+        std::make_unique<InlinePresenter>(setup()));
+    node.start();
+  }
+
+  void command(double intensity) {
+    light_command_t command{};
+    command.seq = ++seq;
+    command.hold_until_utime = loop.now() + 3600'000'000;
+    command.label = "step";
+    command.layers.push_back(toMessage(light::Layer{.intensity = intensity}));
+    command.num_layers = 1;
+    sender.publishCommand(channels::kLightCommand, command);
+  }
+
+  void run(double seconds) {
+    loop.runUntil(loop.now() + static_cast<std::int64_t>(seconds * 1e6 + 0.5));
+  }
+
+  [[nodiscard]] int shown() { return script.screen.row(90)[120]; }
+
+  VirtualLoop loop;
+  MemoryBus bus{[this] { return loop.now(); }};
+  Node node{bus, loop, {"projector_ctl", 2, 1}};
+  Node sender{bus, loop, {"lab", 0, 5}};
+  Experiment experiment;
+  DisplayScript script;
+  int calibrated = 240;
+  std::int64_t seq = 0;
+  std::vector<light_status_t> statuses;
+  std::string said;
+  std::unique_ptr<ProjectorService> dut;
+};
+
+TEST_F(DisplayServiceTest, ShowsTheSafeFieldThenWhatIsCommandedThenTheSafeField) {
+  start();
+  EXPECT_EQ(shown(), kSafe);
+  run(0.5);
+  EXPECT_EQ(shown(), kSafe);
+  command(0.8);
+  run(0.5);
+  EXPECT_EQ(shown(), kBright);
+  const light_status_t& status = statuses.back();
+  EXPECT_EQ(status.display, "bench");
+  EXPECT_EQ(status.vsync, "none");
+  EXPECT_EQ(status.calibration_id, "c0ffee");
+  EXPECT_EQ(status.trouble, "");
+  EXPECT_EQ(status.command_seq, 1);
+  dut.reset();
+  EXPECT_EQ(shown(), kSafe);
+  EXPECT_EQ(script.closed, script.opened);
+}
+
+TEST_F(DisplayServiceTest, TakesItsTimesFromTheSwapsOfADisplayThatWaits) {
+  experiment.projector.latency = 0.04;
+  script.waits = true;
+  script.info.refresh_rate = 50;
+  std::vector<std::int64_t> swaps;
+  // Virtual time stands while a callback runs: the swap of this display is when it is asked.
+  std::int64_t extra = 0;
+  Screen::Setup display = setup();
+  display.now = [&] { return loop.now() + extra; };
+  script.swap = [&] {
+    if (swaps.size() < 11) extra += 20'000;  // while the pace is measured
+    swaps.push_back(loop.now());
+  };
+  Screen screen(std::move(display));
+  screen.open();
+  EXPECT_EQ(screen.state().pace, Pace::kDisplay);
+  EXPECT_NEAR(screen.state().period, 0.02, 1e-9);
+}
+
+TEST_F(DisplayServiceTest, AddsTheLatencyToTheSwap) {
+  experiment.projector.latency = 0.04;
+  std::vector<std::int64_t> swaps;
+  script.swap = [&] { swaps.push_back(loop.now()); };
+  start();
+  run(0.3);
+  statuses.clear();
+  command(0.8);
+  run(0.2);
+  ASSERT_FALSE(statuses.empty());
+  for (const light_status_t& status : statuses) {
+    EXPECT_TRUE(std::count(swaps.begin(), swaps.end(), status.utime - 40'000)) << status.utime;
+    EXPECT_LE(status.first_shown_utime, status.utime);
+  }
+  dut.reset();  // its last picture needs `swaps`
+}
+
+TEST_F(DisplayServiceTest, GoesOnWithoutADisplayThatIsGoneAndOpensItAgain) {
+  start();
+  command(0.8);
+  run(0.5);
+  script.events = {DisplayEvent::kGone};
+  script.there = false;
+  run(0.05);
+  const std::int64_t frame = statuses.back().frame;
+  EXPECT_THAT(statuses.back().trouble, HasSubstr("gone"));
+  EXPECT_EQ(statuses.back().display, "bench (gone)");
+  EXPECT_EQ(statuses.back().vsync, "clock");
+  run(2);
+  EXPECT_THAT(said, HasSubstr("gone"));
+  EXPECT_NEAR(static_cast<double>(statuses.back().frame - frame), 120, 2);  // by the clock
+  command(0.4);
+  run(1);
+  EXPECT_EQ(statuses.back().command_seq, 2);
+  EXPECT_EQ(script.opened, 1);
+  script.there = true;
+  run(1.1);
+  EXPECT_EQ(script.opened, 2);
+  EXPECT_EQ(shown(), 102);  // what is commanded by now
+  EXPECT_EQ(statuses.back().trouble, "");
+  EXPECT_EQ(statuses.back().display, "bench");
+}
+
+TEST_F(DisplayServiceTest, ADisplayThatFailsWhilePresentingIsGone) {
+  start();
+  run(0.2);
+  script.breaks = true;
+  run(0.05);
+  EXPECT_THAT(statuses.back().trouble, HasSubstr("lost"));
+  run(1.2);
+  EXPECT_EQ(statuses.back().trouble, "");
+  EXPECT_EQ(script.opened, 2);
+}
+
+TEST_F(DisplayServiceTest, ClosedByHandItStaysClosed) {
+  start();
+  run(0.2);
+  script.events = {DisplayEvent::kEscape};
+  run(1.5);
+  script.events = {DisplayEvent::kEscape};  // too late for a second one
+  run(0.2);
+  EXPECT_EQ(script.closed, 0);
+  script.events = {DisplayEvent::kEscape, DisplayEvent::kEscape};
+  run(0.1);
+  EXPECT_EQ(script.closed, 1);
+  EXPECT_THAT(statuses.back().trouble, HasSubstr("by hand"));
+  run(3);
+  EXPECT_EQ(script.opened, 1);
+  EXPECT_THAT(said, HasSubstr("by hand"));
+}
+
+TEST_F(DisplayServiceTest, ClosingTheWindowIsClosingByHand) {
+  start();
+  run(0.2);
+  script.events = {DisplayEvent::kClosed};
+  run(3);
+  EXPECT_EQ(script.opened, 1);
+  EXPECT_THAT(statuses.back().trouble, HasSubstr("window was closed"));
+}
+
+TEST_F(DisplayServiceTest, ADisplayOfAnotherSizeThanItsCalibrationShowsTheSafeField) {
+  start();
+  command(0.8);
+  run(0.5);
+  EXPECT_EQ(shown(), kBright);
+  script.info.width = 320;
+  script.events = {DisplayEvent::kResized};
+  run(0.5);
+  EXPECT_EQ(script.opened, 3);  // once to see that it does not fit
+  EXPECT_EQ(script.screen.width, 320);
+  EXPECT_EQ(shown(), kSafe);
+  EXPECT_THAT(statuses.back().trouble, HasSubstr("calibration of another size"));
+  script.info.width = 240;
+  script.events = {DisplayEvent::kResized};
+  run(0.5);
+  EXPECT_EQ(shown(), kBright);
+  EXPECT_EQ(statuses.back().trouble, "");
+}
+
+TEST_F(DisplayServiceTest, WritesOnThePictureOnlyWhenAsked) {
+  script.info.width = calibrated = 960;
+  script.info.height = 180;
+  start();
+  command(0);
+  run(0.2);
+  const auto bright = [&] {
+    return std::count(script.screen.pixels.begin(), script.screen.pixels.end(), 255);
+  };
+  EXPECT_EQ(bright(), 0);
+  script.events = {DisplayEvent::kOverlay};
+  run(0.2);
+  EXPECT_GT(bright(), 500);
+  script.events = {DisplayEvent::kOverlay};
+  run(0.2);
+  EXPECT_EQ(bright(), 0);
+  EXPECT_EQ(std::count(script.screen.pixels.begin(), script.screen.pixels.end(), 0), 960 * 180);
+}
+
+}  // namespace
+}  // namespace lab::projector
