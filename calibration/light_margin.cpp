@@ -1,0 +1,65 @@
+#include "calibration/light_margin.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "optics/projector_tone.hpp"
+
+namespace lab::calibration {
+namespace {
+
+/// A normal error beyond either edge.
+double chanceOutside(double to_low, double to_high, double sigma) {
+  const double unit = sigma * std::numbers::sqrt2;
+  return 0.5 * (std::erfc(to_low / unit) + std::erfc(to_high / unit));
+}
+
+void findWorstPlace(const LightFit& fit, const BandLimits& band, double width, double height,
+                    BandMargin& margin) {
+  constexpr int kNet = 12;
+  const optics::ProjectorTone tone(fit.gamma, fit.vignetting, width, height);
+  double least = std::numeric_limits<double>::infinity();
+  for (int i = 0; i <= kNet; ++i) {
+    for (int j = 0; j <= kNet; ++j) {
+      const optics::Place place{width * i / kNet, height * j / kNet};
+      const double light = fit.ambient + fit.scale * tone.light(margin.light, place);
+      for (const auto& [sensor, gain] : fit.gains) {
+        const double reading = gain * light;
+        const double inside = std::min(reading - band.low, band.high - reading);
+        if (inside >= least) continue;
+        least = inside;
+        margin.plain_light = reading;
+        margin.plain_place = place;
+        margin.plain_sensor = sensor;
+      }
+    }
+  }
+  margin.plain_right = least > 0;
+}
+
+}  // namespace
+
+std::vector<BandMargin> bandMargins(const LightFit& fit, const std::vector<BandLimits>& bands,
+                                    double width, double height) {
+  const optics::ProjectorTone tone(fit.gamma, fit.vignetting, width, height);
+  double least_gain = 1;
+  for (const auto& [sensor, gain] : fit.gains) least_gain = std::min(least_gain, gain);
+  const double unit = least_gain * fit.scale * tone.weakest();  // [reading] of a light of 1
+  const double sigma = std::max(fit.residual, kLeastSigma) / unit;
+  std::vector<BandMargin> margins;
+  for (const BandLimits& band : bands) {
+    BandMargin margin;
+    margin.program = band.program;
+    margin.light = (band.low + band.high) / 2;
+    margin.margin = (band.high - band.low) / 2;
+    margin.sigmas = margin.margin / sigma;
+    margin.chance = chanceOutside(margin.margin, margin.margin, sigma);
+    findWorstPlace(fit, band, width, height, margin);
+    margins.push_back(margin);
+  }
+  return margins;
+}
+
+}  // namespace lab::calibration
