@@ -4,9 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
+#include <utility>
 
 #include "common/random.hpp"
+#include "sim_svc/camera_painter_bending.hpp"
 #include "sim_svc/camera_painter_cells.hpp"
 #include "sim_svc/camera_painter_ground.hpp"
 #include "sim_svc/camera_painter_light.hpp"
@@ -64,6 +67,8 @@ class CameraPainter::Parts {
   void show(Shown& shown, const std::vector<light::Layer>& layers);
   void uncover(const Box& cells);
   void lightCaps(const Box& pixels);
+  [[nodiscard]] painter::LitPlaces places(const std::optional<painter::BentPlaces>& bent,
+                                          const painter::PlaneShift& shift) const;
   void paintPiece(std::span<const PaintedRobot> robots, double duration);
   [[nodiscard]] int pieces(std::span<const PaintedRobot> robots) const;
   void clear();
@@ -74,6 +79,8 @@ class CameraPainter::Parts {
   painter::Ground ground_;
   painter::PlaneShift to_projector_;
   painter::PlaneShift to_camera_;
+  std::optional<painter::BentPlaces> bent_ground_;  ///< empty: light is where it is wanted
+  std::optional<painter::BentPlaces> bent_caps_;
   std::vector<float> gain_;    ///< [DN] of a pixel in full light of albedo 1
   std::vector<float> offset_;  ///< [DN] of a pixel in the dark
   std::array<Shown, 2> shown_;
@@ -92,12 +99,18 @@ CameraPainter::Parts::Parts(PainterSettings the_settings)
       spread_(settings.imaging.blur),
       lattice_{settings.camera.width, settings.camera.height, spread_.reach() + 1},
       ground_(settings, lattice_, model_),
-      to_projector_(painter::PlaneShift::towards(settings.projector, settings.cap.height)),
-      to_camera_(painter::PlaneShift::towards(model_.centre(), settings.cap.height)),
+      to_projector_(painter::PlaneShift::towards(settings.projector, settings.cap.height,
+                                                 settings.sheet)),
+      to_camera_(painter::PlaneShift::towards(model_.centre(), settings.cap.height,
+                                              settings.sheet)),
       cap_light_(lattice_.size()),
       cap_light_before_(lattice_.size()),
       grey_(lattice_.size()) {
   makePixels();
+  if (!settings.bending.isStraight()) {
+    bent_ground_.emplace(settings, lattice_, ground_, to_projector_);
+    bent_caps_.emplace(settings, lattice_, ground_, to_camera_);
+  }
   mean.resize(gain_.size());
   blurred_.resize(gain_.size());
   show(shown_[0], {});
@@ -146,18 +159,41 @@ void CameraPainter::Parts::makePixels() {
 }
 
 void CameraPainter::Parts::show(Shown& shown, const std::vector<light::Layer>& layers) {
-  shown.layers = layers;
-  shown.projection = painter::Projection(
+  const painter::LitPlaces lit = places(bent_ground_, to_projector_);
+  painter::Projection projection(
       layers, settings,
       painter::cellSize(model_, settings.arena_width / 2, settings.arena_height / 2));
+  const bool first = shown.mean.empty();
   shown.grey.resize(lattice_.size());
   shown.mean.resize(gain_.size());
-  shown.projection.light(lattice_, ground_, to_projector_, lattice_.all(), shown.grey);
-  reflect(ground_.albedo.data(), static_cast<float>(settings.ambient), shown.grey.data(),
-          static_cast<int>(lattice_.size()));
-  spread_.apply(lattice_, shown.grey.data(), lattice_.picture(), blurred_.data());
-  develop(blurred_.data(), gain_.data(), offset_.data(), shown.mean.data(),
-          static_cast<int>(gain_.size()));
+  const Box whole{0, 0, lattice_.columns() / 2, lattice_.rows() / 2};
+  const std::vector<Box> boxes =
+      first ? std::vector{whole} : projection.changed(shown.projection, lattice_, lit);
+  shown.layers = layers;
+  shown.projection = std::move(projection);
+  // The light first: a pixel sees the cells around it.
+  for (const Box& box : boxes) {
+    const Box cells{2 * box.x0, 2 * box.y0, 2 * box.x1, 2 * box.y1};
+    shown.projection.light(lattice_, lit, cells, shown.grey);
+    for (int j = cells.y0; j < cells.y1; ++j) {
+      const std::size_t at = lattice_.at(cells.x0, j);
+      reflect(&ground_.albedo[at], static_cast<float>(settings.ambient), &shown.grey[at],
+              cells.width());
+    }
+  }
+  for (const Box& box : boxes) {
+    const int margin = lattice_.margin;
+    const Box seen = Box{box.x0 - margin, box.y0 - margin, box.x1 - margin, box.y1 - margin}
+                         .grown(spread_.reach())
+                         .within(lattice_.picture());
+    spread_.apply(lattice_, shown.grey.data(), seen, blurred_.data());
+    for (int y = seen.y0; y < seen.y1; ++y) {
+      const std::size_t at =
+          static_cast<std::size_t>(y) * static_cast<std::size_t>(lattice_.width) +
+          static_cast<std::size_t>(seen.x0);
+      develop(&blurred_[at], &gain_[at], &offset_[at], &shown.mean[at], seen.width());
+    }
+  }
 }
 
 void CameraPainter::Parts::setLight(const light::Field& field) {
@@ -210,13 +246,19 @@ void CameraPainter::Parts::clear() {
   stale_ = false;
 }
 
+painter::LitPlaces CameraPainter::Parts::places(const std::optional<painter::BentPlaces>& bent,
+                                                const painter::PlaneShift& shift) const {
+  return bent ? bent->view() : painter::LitPlaces{ground_.x.data(), ground_.y.data(), shift};
+}
+
 /// The light at cap height in these pixels.
 void CameraPainter::Parts::lightCaps(const Box& pixels) {
   // One pixel more: the outermost are painted the slow way.
   const Box cells = lattice_.cells(pixels.grown(1)).within(lattice_.all());
-  shown_[now_].projection.light(lattice_, ground_, to_camera_, cells, cap_light_);
+  const painter::LitPlaces lit = places(bent_caps_, to_camera_);
+  shown_[now_].projection.light(lattice_, lit, cells, cap_light_);
   if (mix_ >= 1) return;
-  shown_[1 - now_].projection.light(lattice_, ground_, to_camera_, cells, cap_light_before_);
+  shown_[1 - now_].projection.light(lattice_, lit, cells, cap_light_before_);
   for (int j = cells.y0; j < cells.y1; ++j) {
     for (int i = cells.x0; i < cells.x1; ++i) {
       float& light = cap_light_[lattice_.at(i, j)];
@@ -280,6 +322,7 @@ int CameraPainter::Parts::pieces(std::span<const PaintedRobot> robots) const {
 }
 
 void CameraPainter::Parts::expose(std::span<const PaintedRobot> robots) {
+  if (settings.sheet > 0) robots = {};
   const int count = pieces(robots);
   const double duration = settings.exposure / count;
   std::vector<PaintedRobot> moved(robots.begin(), robots.end());

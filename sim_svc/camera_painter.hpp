@@ -11,6 +11,7 @@
 #include "optics/camera_model.hpp"
 #include "optics/cap.hpp"
 #include "optics/imaging.hpp"
+#include "optics/simulated_projector.hpp"
 
 namespace lab::sim {
 
@@ -23,6 +24,7 @@ struct Albedos {
   double hole = 0.28;    ///< of the two light sensors
   double wall = 0.45;
   double outside = 0.30;
+  double sheet = 0.86;
 };
 
 /// A flat disc on the floor.
@@ -58,6 +60,9 @@ struct PainterSettings {
   double arena_height = 0.90;  ///< [m]
   /// The projector's lens [m]. Its picture is right at cap height and shifted elsewhere.
   std::array<double, 3> projector = {0.60, 1.18, 2.10};
+  /// What becomes of the light on its way to cap height.
+  optics::Bending bending;
+  double sheet = 0;              ///< [m] above the floor: a white sheet hides everything, 0: none
   double edge_softness = 0.001;  ///< [m] no edge in the light is sharper than the projector
   double ambient = 0.03;         ///< [1] room light, of full projector light
   double exposure = 0.01;        ///< [s]

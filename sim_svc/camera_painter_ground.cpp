@@ -58,7 +58,8 @@ class Room {
     const double out =
         std::max(std::max(-x, x - settings_.arena_width), std::max(-y, y - settings_.arena_height));
     const auto beyond = [&](double edge) { return clamp01((out - edge) / cell + 0.5); };
-    double value = albedos.floor * (1 + 0.025 * mottle);
+    const double ground = settings_.sheet > 0 ? albedos.sheet : albedos.floor;
+    double value = ground * (1 + 0.025 * mottle);
     value += beyond(0) * (albedos.circle - value);
     value += beyond(kFoot) * (albedos.wall - value);
     value += beyond(kWall) * (albedos.outside * (1 + 0.25 * mottle) - value);
@@ -73,7 +74,7 @@ class Room {
 
 std::vector<FloorStrip> scuffs(const PainterSettings& settings) {
   std::vector<FloorStrip> strips;
-  if (!settings.texture) return strips;
+  if (!settings.texture || settings.sheet > 0) return strips;
   Random random(deriveSeed(settings.seed, 0, "scuffs"));
   for (int i = 0; i < kScuffs; ++i) {
     FloorStrip strip;
@@ -90,16 +91,17 @@ std::vector<FloorStrip> scuffs(const PainterSettings& settings) {
   return strips;
 }
 
-/// Floor points of all cells: exact on every second pixel, straight between (an error of 2e-4 px
+/// Points of all cells on the floor, or on the sheet that hides it: exact on every second pixel, straight between (an error of 2e-4 px
 /// for a lens of k1 = -0.12).
-void tracePlaces(const Lattice& lattice, const optics::CameraModel& model, Ground& ground) {
+void tracePlaces(const Lattice& lattice, const optics::CameraModel& model, double height,
+                 Ground& ground) {
   constexpr int kStep = 4;  // [cells]
   const int nodes_x = lattice.columns() / kStep + 2;
   const int nodes_y = lattice.rows() / kStep + 2;
   const auto places = [&](int node_row) {
     std::vector<optics::Place> row;
     for (int i = 0; i < nodes_x; ++i) {
-      row.push_back(model.toPlane({lattice.pixel(i * kStep), lattice.pixel(node_row * kStep)}, 0)
+      row.push_back(model.toPlane({lattice.pixel(i * kStep), lattice.pixel(node_row * kStep)}, height)
                         .value_or(optics::Place{kFarAway, kFarAway}));
     }
     return row;
@@ -170,7 +172,7 @@ double cellSize(const optics::CameraModel& model, double x, double y) {
 Ground::Ground(const PainterSettings& settings, const Lattice& lattice,
                const optics::CameraModel& model)
     : x(lattice.size()), y(lattice.size()), albedo(lattice.size()) {
-  tracePlaces(lattice, model, *this);
+  tracePlaces(lattice, model, settings.sheet, *this);
   const Room room(settings);
   const double cell = cellSize(model, settings.arena_width / 2, settings.arena_height / 2);
   for (std::size_t at = 0; at < lattice.size(); ++at) {
@@ -180,6 +182,7 @@ Ground::Ground(const PainterSettings& settings, const Lattice& lattice,
   for (const FloorStrip& strip : scuffs(settings)) {
     lay(strip, strip.width / 2, lattice, model, *this);
   }
+  if (settings.sheet > 0) return;
   for (const FloorStrip& strip : settings.strips) {
     lay(strip, strip.width / 2, lattice, model, *this);
   }

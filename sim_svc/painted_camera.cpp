@@ -23,7 +23,7 @@ CameraFormat formatOf(const Camera& camera) {
 
 }  // namespace
 
-PainterSettings painterSettings(const Experiment& experiment) {
+PainterSettings painterSettings(const Experiment& experiment, const optics::Bending& bending) {
   PainterSettings settings;
   settings.camera = optics::simulatedCamera(experiment.camera.width, experiment.camera.height,
                                             experiment.arena_width, experiment.arena_height);
@@ -32,6 +32,8 @@ PainterSettings painterSettings(const Experiment& experiment) {
   settings.arena_height = experiment.arena_height;
   settings.projector = {experiment.arena_width / 2, experiment.arena_height + kBehindTheWall,
                         kProjectorHeight};
+  settings.bending = bending;
+  settings.sheet = experiment.projector.sheet;
   settings.ambient = experiment.camera.ambient;
   settings.exposure = experiment.camera.exposure;
   settings.gain = experiment.camera.gain;
@@ -39,11 +41,12 @@ PainterSettings painterSettings(const Experiment& experiment) {
   return settings;
 }
 
-PaintedCamera::PaintedCamera(const Experiment& experiment, Cameras& cameras, Loop& loop)
+PaintedCamera::PaintedCamera(const Experiment& experiment, Cameras& cameras, Loop& loop,
+                             const optics::Bending& bending)
     : loop_(loop),
       delay_us_(units::microseconds(experiment.camera.delay)),
       sink_(cameras.offer(formatOf(experiment.camera))),
-      painter_(painterSettings(experiment)) {}
+      painter_(painterSettings(experiment, bending)) {}
 
 void PaintedCamera::show(light::Field field) {
   light_ = std::make_shared<const light::Field>(std::move(field));

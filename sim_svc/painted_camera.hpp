@@ -16,13 +16,16 @@ namespace lab::sim {
 /// How the simulated camera of an experiment paints: the camera over its arena, its exposure and
 /// gain, the room's light, and the projector 28 cm behind the far wall. The calibration file is
 /// what the tracker believes, not what the camera is, and plays no part here.
-[[nodiscard]] PainterSettings painterSettings(const Experiment& experiment);
+[[nodiscard]] PainterSettings painterSettings(const Experiment& experiment,
+                                              const optics::Bending& bending = {});
 
 /// Takes scenes and shows pictures of them, a delay later, to whoever watches.
 class PaintedCamera {
  public:
+  /// @param bending of the light in the scenes
   /// @throws CameraError when this lab has a simulated camera already.
-  PaintedCamera(const Experiment& experiment, Cameras& cameras, Loop& loop);
+  PaintedCamera(const Experiment& experiment, Cameras& cameras, Loop& loop,
+                const optics::Bending& bending = {});
 
   /// The light in the scenes from now on.
   void show(light::Field field);

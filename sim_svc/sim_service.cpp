@@ -28,6 +28,8 @@ WorldSettings worldSettings(const Experiment& experiment) {
   settings.max_wheel_speed = hardware.max_wheel_speed;
   settings.pwm_steps = hardware.pwm_steps;
   settings.wheel_gain_error = hardware.wheel_gain_error;
+  settings.light_gain_error = hardware.light_gain_error;
+  settings.light_noise = 1023 * hardware.light_noise;
   settings.wheel_base_error = hardware.wheel_base_error;
   settings.motor_dead_band = hardware.motor_dead_band;
   settings.speed_noise = hardware.speed_noise;
@@ -106,12 +108,14 @@ SimService::SimService(const ServiceContext& context)
       experiment_(context.experiment),
       images_(loadImages(context.experiment, context.directory)),
       world_(worldSettings(context.experiment), simulatedRobots(context.experiment)),
+      bending_(bendingOf(context.experiment, context.directory)),
+      light_(bending_, tonesOf(context.experiment, context.directory)),
       tracker_(context.experiment.camera, context.experiment.seed),
       bus_robots_(world_, withBody(context.experiment, Body::kSim),
                   context.experiment.hardware.sensor_period),
       outer_robots_(world_, context.ports, [this] { follow(loop_.now()); }),
       camera_(isPainted(experiment_.camera)
-                  ? std::make_unique<PaintedCamera>(experiment_, context.cameras, loop_)
+                  ? std::make_unique<PaintedCamera>(experiment_, context.cameras, loop_, bending_)
                   : nullptr),
       start_utime_(context.loop.now()),
       // The robots were switched on a little earlier, each at an instant of its own.
@@ -188,7 +192,18 @@ void SimService::show(const light_status_t& status) {
     node_.noteError("LIGHT_STATUS of " + status.sender + " cannot be painted: ignored");
     return;
   }
-  follow(loop_.now());
+  const std::int64_t now = loop_.now();
+  // Of a projector that began anew, what the one before it announced never comes.
+  std::erase_if(coming_, [&](const ComingLight& other) { return other.utime >= status.utime; });
+  if (status.utime > now) {
+    coming_.push_back({status.utime, std::move(field)});
+    return;
+  }
+  follow(now);
+  show(std::move(field));
+}
+
+void SimService::show(light::Field field) {
   light_.show(light::CompiledField(field));
   if (camera_) camera_->show(std::move(field));
 }
@@ -200,7 +215,18 @@ void SimService::follow(std::int64_t utime) {
   advance(utime);
 }
 
+/// Light that was announced comes on at its time exactly: whoever asks for a later state of the
+/// world gets one that has seen it.
 void SimService::advance(std::int64_t utime) {
+  while (!coming_.empty() && coming_.front().utime <= utime) {
+    moveWorld(coming_.front().utime);
+    show(std::move(coming_.front().field));
+    coming_.pop_front();
+  }
+  moveWorld(utime);
+}
+
+void SimService::moveWorld(std::int64_t utime) {
   if (utime - origin_utime_ <= world_.timeUs()) return;
   ghosts_.follow(origin_utime_ + world_.timeUs());
   outer_robots_.advanceTo(utime - origin_utime_);

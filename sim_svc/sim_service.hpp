@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <lab/light_status_t.hpp>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "common/light_messages.hpp"
@@ -14,6 +16,7 @@
 #include "sim_svc/ghosts.hpp"
 #include "sim_svc/outer_robots.hpp"
 #include "sim_svc/painted_camera.hpp"
+#include "sim_svc/projector_light.hpp"
 #include "sim_svc/tracker_model.hpp"
 #include "sim_svc/world.hpp"
 
@@ -37,18 +40,34 @@ class SimService final : public Service {
   /// The field shown, as the sensors see it.
   class ShownLight final : public LightSampler {
    public:
+    ShownLight(const optics::Bending& bending, const ProjectorTones& tones)
+        : bending_(bending), tones_(tones) {}
     void show(light::CompiledField field) { field_ = std::move(field); }
-    [[nodiscard]] double at(double x, double y) const override { return field_.evaluate(x, y); }
+    [[nodiscard]] double at(double x, double y) const override {
+      const std::optional<optics::Place> source =
+          bending_.isStraight() ? optics::Place{x, y} : bending_.source({x, y});
+      return source ? tones_.light(field_.evaluate(source->x, source->y), *source, {x, y}) : 0;
+    }
 
    private:
+    optics::Bending bending_;
+    ProjectorTones tones_;
     light::CompiledField field_;
+  };
+
+  /// A field whose time has not come: the projector's light takes a while to the arena.
+  struct ComingLight {
+    std::int64_t utime;
+    light::Field field;
   };
 
   void addOuterRobots(const ServiceContext& context, const MotorCalibrations& motors);
   void subscribe();
   void show(const light_status_t& status);
+  void show(light::Field field);
   void follow(std::int64_t utime);
   void advance(std::int64_t utime);
+  void moveWorld(std::int64_t utime);
   void sampleFrames(std::int64_t until_utime);
   void trackFrame(std::int64_t exposure);
   void paintFrame(std::int64_t exposure);
@@ -60,7 +79,9 @@ class SimService final : public Service {
   const Experiment& experiment_;
   ExperimentImages images_;
   World world_;
+  optics::Bending bending_;
   ShownLight light_;
+  std::deque<ComingLight> coming_;  ///< by utime
   TrackerModel tracker_;
   BusRobots bus_robots_;
   OuterRobots outer_robots_;

@@ -68,6 +68,9 @@ void World::addRobot(const RobotSetup& setup, const dynamics::Pose& pose) {
   robot.stored_wheel_base = settings_.wheel_base;
   robot.noise = Random(stream("noise"));
   robot.light_noise = Random(stream("light"));
+  Random light_gains(stream("light gains"));
+  robot.front_gain = factor(light_gains, settings_.light_gain_error);
+  robot.back_gain = factor(light_gains, settings_.light_gain_error);
   robot.battery_full = kBatteryFull + kBatterySpread * Random(stream("battery")).normal();
   robot.core.seed(stream("program"));
 

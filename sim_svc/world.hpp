@@ -36,6 +36,7 @@ struct WorldSettings {
   double ir_range = 0.05;         ///< From the rim, m.
   double light_offset = 0.03;     ///< The light sensors are this far before and behind the axle, m.
   double light_noise = 0;         ///< Of a light reading, counts.
+  double light_gain_error = 0;    ///< Of each light sensor's gain, relative.
   std::int64_t tick_us = 10000;   ///< Longest step, microseconds.
 };
 
@@ -228,6 +229,8 @@ class World {
     double battery_full = 0;  ///< V.
     Random noise{0};
     Random light_noise{0};
+    double front_gain = 1;  ///< Of the light sensor.
+    double back_gain = 1;
   };
 
   void addRobot(const RobotSetup& setup, const dynamics::Pose& pose);
@@ -246,7 +249,7 @@ class World {
   void pushOut(std::size_t i, std::size_t ghost_body);
   void relistIfMoved(std::size_t i);
   void senseLight(std::size_t i, dynamics::Sensors& sensors) const;
-  [[nodiscard]] std::uint16_t lightCounts(Vec at) const;
+  [[nodiscard]] std::uint16_t lightCounts(Vec at, double gain) const;
   void addRobots(std::size_t i, IrScan& ir) const;
   void listNeighbours();
 

@@ -59,12 +59,13 @@ void World::senseLight(std::size_t i, dynamics::Sensors& sensors) const {
   const Vec centre = centres_[i];
   const Vec offset = {settings_.light_offset * bodies_[i].heading.x,
                       settings_.light_offset * bodies_[i].heading.y};
-  sensors.light_front = lightCounts({centre.x + offset.x, centre.y + offset.y});
-  sensors.light_back = lightCounts({centre.x - offset.x, centre.y - offset.y});
+  const Electronics& robot = electronics_[i];
+  sensors.light_front = lightCounts({centre.x + offset.x, centre.y + offset.y}, robot.front_gain);
+  sensors.light_back = lightCounts({centre.x - offset.x, centre.y - offset.y}, robot.back_gain);
 }
 
-std::uint16_t World::lightCounts(Vec at) const {
-  const double intensity = light_ == nullptr ? 0 : light_->at(at.x, at.y);
+std::uint16_t World::lightCounts(Vec at, double gain) const {
+  const double intensity = light_ == nullptr ? 0 : gain * light_->at(at.x, at.y);
   return static_cast<std::uint16_t>(std::lround(kFullScale * std::clamp(intensity, 0.0, 1.0)));
 }
 

@@ -178,5 +178,47 @@ TEST_F(SimServiceTest, TheShownLightSelectsTheProgramWithinASensorPeriod) {
   }
 }
 
+TEST_F(SimServiceTest, LightThatIsAnnouncedComesOnAtItsTime) {
+  robot_order_t order = lightTableCommand(experiment).orders.at(0);
+  order.bands.resize(1);
+  order.num_bands = 1;
+  order.bands[0].low = 0.4;
+  order.bands[0].high = 1;
+  command(order, 1);
+  run(0.1);
+  const auto announce = [&](std::int64_t utime, double intensity) {
+    light_status_t status{};
+    status.utime = utime;
+    status.mix = 1;
+    light_layer_t uniform{};
+    uniform.kind = light_layer_t::UNIFORM;
+    uniform.intensity = intensity;
+    status.layers = {uniform};
+    status.num_layers = 1;
+    other.publish(channels::kLightStatus, status);
+  };
+  // Three frames under way at once, as with a projector slower than its frames.
+  const std::int64_t now = loop.now();
+  announce(now + 40'000, 0.2);
+  announce(now + 90'000, 0.5);
+  announce(now + 140'000, 0.1);
+  run(0.2);
+  for (const robot_state_t& robot : statuses.back().robots) {
+    EXPECT_EQ(robot.program.kind, program_t::NONE) << "dark again";
+  }
+  std::int64_t first = 0;
+  std::int64_t last = 0;
+  for (const robot_status_t& status : statuses) {
+    for (const robot_state_t& robot : status.robots) {
+      if (robot.program.kind != program_t::ABP) continue;
+      if (first == 0) first = robot.program_start_utime;
+      last = robot.utime;
+    }
+  }
+  EXPECT_GE(first, now + 90'000);
+  EXPECT_LE(first, now + 90'000 + 20'500);
+  EXPECT_LE(last, now + 140'000 + 20'500);
+}
+
 }  // namespace
 }  // namespace lab::sim
