@@ -2,165 +2,19 @@
 
 #include <fmt/format.h>
 
-#include <array>
-#include <cerrno>
 #include <cmath>
-#include <cstring>
-#include <fstream>
-#include <iterator>
-#include <nlohmann/json.hpp>
 #include <vector>
 
-#include "common/experiment_file.hpp"
+#include "common/json_section.hpp"
 #include "common/units.hpp"
-#include "light/image.hpp"
 
 namespace lab {
 namespace {
 
-using nlohmann::json;
-
 constexpr const char* kForm = "active-lab camera 1";
-constexpr double kMostPixels = 20'000;
-constexpr double kRotationSlack = 1e-3;  // of R R^T: what three written digits leave
-
-/// An object of the file and the path that leads to it, for messages.
-class Section {
- public:
-  Section(std::string file, std::string path, const json& value)
-      : file_(std::move(file)), path_(std::move(path)), value_(value) {
-    if (!value_.is_object()) {
-      fail("", fmt::format("found {}, expected {{ keys and values }}", value_.type_name()));
-    }
-  }
-
-  [[nodiscard]] bool has(const char* key) const { return value_.contains(key); }
-
-  [[nodiscard]] Section section(const char* key) const {
-    return {file_, path_ + key + ".", at(key)};
-  }
-
-  [[nodiscard]] std::string text(const char* key) const {
-    const json& value = at(key);
-    if (!value.is_string()) fail(key, "found " + value.dump() + ", expected a text");
-    return value.get<std::string>();
-  }
-
-  /// A number within limits, times `unit`.
-  [[nodiscard]] double number(const char* key, double low, double high, double unit = 1) const {
-    const json& value = at(key);
-    if (!value.is_number()) fail(key, "found " + shortened(value) + ", expected a number");
-    const double found = value.get<double>();
-    if (!(found >= low && found <= high)) {
-      fail(key, fmt::format("found {:g}, allowed {:g} to {:g}", found, low, high));
-    }
-    return found * unit;
-  }
-
-  /// number(), or `otherwise` when the key is not there.
-  [[nodiscard]] double number(const char* key, double low, double high, double unit,
-                              double otherwise) const {
-    return has(key) ? number(key, low, high, unit) : otherwise;
-  }
-
-  [[nodiscard]] int pixels(const char* key) const {
-    const double found = number(key, 1, kMostPixels);
-    if (found != std::floor(found)) fail(key, fmt::format("found {:g}, expected pixels", found));
-    return static_cast<int>(found);
-  }
-
-  /// All numbers of an array, nested or not, row by row.
-  [[nodiscard]] std::vector<double> numbers(const char* key) const {
-    std::vector<double> found;
-    collect(at(key), key, found);
-    return found;
-  }
-
-  /// numbers(), exactly N of them.
-  template <std::size_t N>
-  [[nodiscard]] std::array<double, N> numbers(const char* key) const {
-    const std::vector<double> found = numbers(key);
-    if (found.size() != N) {
-      fail(key, fmt::format("found {} numbers, expected {}", found.size(), N));
-    }
-    std::array<double, N> values{};
-    std::copy(found.begin(), found.end(), values.begin());
-    return values;
-  }
-
-  [[noreturn]] void fail(const std::string& key, const std::string& what) const {
-    const std::string path =
-        key.empty() && !path_.empty() ? path_.substr(0, path_.size() - 1) : path_ + key;
-    throw ExperimentError({file_ + ": " + (path.empty() ? "" : path + ": ") + what});
-  }
-
- private:
-  static std::string shortened(const json& value) {
-    const std::string text = value.dump();
-    return text.size() <= 40 ? text : text.substr(0, 37) + "...";
-  }
-
-  [[nodiscard]] const json& at(const char* key) const {
-    if (!has(key)) fail(key, "is missing (docs/cameras.md lists the keys)");
-    return value_.at(key);
-  }
-
-  void collect(const json& value, const char* key, std::vector<double>& found) const {
-    if (value.is_number()) {
-      found.push_back(value.get<double>());
-    } else if (value.is_array()) {
-      for (const json& element : value) collect(element, key, found);
-    } else {
-      fail(key, "found " + shortened(value) + " in it, expected numbers only");
-    }
-  }
-
-  std::string file_;
-  std::string path_;
-  const json& value_;
-};
-
-std::string readAll(const std::string& name) {
-  std::ifstream stream(name, std::ios::binary);
-  std::string text{std::istreambuf_iterator<char>(stream), {}};
-  if (!stream && !stream.eof()) {
-    throw ExperimentError({name + ": cannot be read: " + std::strerror(errno)});
-  }
-  return text;
-}
-
-json parse(const std::string& name, const std::string& text) {
-  try {
-    return json::parse(text);
-  } catch (const json::parse_error& error) {
-    const auto end = text.begin() + static_cast<std::ptrdiff_t>(std::min(error.byte, text.size()));
-    throw ExperimentError({fmt::format(
-        "{}:{}: is no valid JSON, expected a camera calibration (lab calibrate camera writes one)",
-        name, 1 + std::count(text.begin(), end, '\n'))});
-  }
-}
-
-/// A rotation has orthonormal rows and keeps right hands right.
-void checkRotation(const Section& file, const char* key, const std::array<double, 9>& r) {
-  double worst = 0;
-  for (std::size_t i = 0; i < 3; ++i) {
-    for (std::size_t j = 0; j < 3; ++j) {
-      double product = i == j ? -1 : 0;
-      for (std::size_t k = 0; k < 3; ++k) product += r[3 * i + k] * r[3 * j + k];
-      worst = std::max(worst, std::abs(product));
-    }
-  }
-  const double turns = r[0] * (r[4] * r[8] - r[5] * r[7]) - r[1] * (r[3] * r[8] - r[5] * r[6]) +
-                       r[2] * (r[3] * r[7] - r[4] * r[6]);
-  if (!(worst <= kRotationSlack)) {
-    file.fail(key, fmt::format("is no rotation: R R^T differs from 1 by {:.2g}, allowed {:g}",
-                               worst, kRotationSlack));
-  }
-  if (turns < 0) file.fail(key, "is a mirror image, expected a rotation (z of the arena is up)");
-}
 
 /// The camera must be above the caps, and not so far up that the unit is wrong.
-void checkHeight(const Section& file, const char* key, const CameraCalibration& calibration) {
+void checkHeight(const JsonSection& file, const char* key, const CameraCalibration& calibration) {
   const double height = optics::CameraModel(calibration.camera).centre()[2];
   const double low = calibration.cap.height + 0.05;
   constexpr double kHigh = 10;
@@ -171,7 +25,7 @@ void checkHeight(const Section& file, const char* key, const CameraCalibration& 
   }
 }
 
-void checkCap(const Section& file, const char* big_key, const char* small_key,
+void checkCap(const JsonSection& file, const char* big_key, const char* small_key,
               const optics::CapGeometry& cap) {
   if (cap.spacing() < cap.big_radius + cap.small_radius) {
     file.fail(big_key, "the circles overlap: move them apart");
@@ -181,7 +35,7 @@ void checkCap(const Section& file, const char* big_key, const char* small_key,
   }
 }
 
-optics::CapGeometry readCap(const Section& file, const std::string& unit_name, double unit,
+optics::CapGeometry readCap(const JsonSection& file, const std::string& unit_name, double unit,
                             const char* height_key) {
   const optics::CapGeometry usual;
   const auto length = [&](const std::string& key, double low, double high, double otherwise) {
@@ -199,7 +53,7 @@ optics::CapGeometry readCap(const Section& file, const std::string& unit_name, d
   return cap;
 }
 
-optics::Imaging readImaging(const Section& file, const char* shot_key, const char* black_key) {
+optics::Imaging readImaging(const JsonSection& file, const char* shot_key, const char* black_key) {
   const optics::Imaging usual;
   optics::Imaging imaging;
   imaging.blur = file.number("blur_px", 0, 20, 1, usual.blur);
@@ -209,28 +63,14 @@ optics::Imaging readImaging(const Section& file, const char* shot_key, const cha
   return imaging;
 }
 
-CameraCalibration readOwnForm(const Section& file) {
+CameraCalibration readOwnForm(const JsonSection& file) {
   CameraCalibration calibration;
-  optics::CameraParameters& camera = calibration.camera;
-  camera.width = file.pixels("width_px");
-  camera.height = file.pixels("height_px");
-  camera.fx = file.number("fx_px", 1, 1e6);
-  camera.fy = file.number("fy_px", 1, 1e6);
-  camera.cx = file.number("cx_px", -1e6, 1e6);
-  camera.cy = file.number("cy_px", -1e6, 1e6);
-  camera.k1 = file.number("k1", -100, 100);
-  camera.k2 = file.number("k2", -100, 100);
-  camera.p1 = file.number("p1", -100, 100);
-  camera.p2 = file.number("p2", -100, 100);
-  camera.k3 = file.number("k3", -100, 100);
-  camera.rotation = file.numbers<9>("rotation");
-  checkRotation(file, "rotation", camera.rotation);
-  camera.translation = file.numbers<3>("translation_m");
+  calibration.camera = readLens(file, false);
   calibration.cap = readCap(file.section("cap"), "_m", 1, "height");
   if (file.has("imaging")) {
     calibration.imaging = readImaging(file.section("imaging"), "shot_gain_dn", "black_dn");
   }
-  const Section arena = file.section("arena");
+  const JsonSection arena = file.section("arena");
   calibration.arena_width = arena.number("width_m", 0.01, 100);
   calibration.arena_height = arena.number("height_m", 0.01, 100);
   if (file.has("residual_m")) calibration.residual = file.number("residual_m", 0, 1);
@@ -238,7 +78,7 @@ CameraCalibration readOwnForm(const Section& file) {
   return calibration;
 }
 
-void readDistortion(const Section& file, optics::CameraParameters& camera) {
+void readDistortion(const JsonSection& file, optics::CameraParameters& camera) {
   std::vector<double> dist = file.numbers("dist");
   if (dist.size() < 4) {
     file.fail("dist",
@@ -259,7 +99,7 @@ void readDistortion(const Section& file, optics::CameraParameters& camera) {
   camera.k3 = dist[4];
 }
 
-CameraCalibration readOpenCvForm(const Section& file) {
+CameraCalibration readOpenCvForm(const JsonSection& file) {
   using units::kCentimetre;
   CameraCalibration calibration;
   optics::CameraParameters& camera = calibration.camera;
@@ -280,7 +120,7 @@ CameraCalibration readOpenCvForm(const Section& file) {
   camera.translation = file.numbers<3>("t");
   for (double& length : camera.translation) length *= kCentimetre;
   if (file.has("geometry")) {
-    const Section geometry = file.section("geometry");
+    const JsonSection geometry = file.section("geometry");
     calibration.cap = readCap(geometry, "_cm", kCentimetre, "cap_plane_z");
     calibration.arena_width =
         geometry.number("arena_w_cm", 1, 10'000, kCentimetre, calibration.arena_width);
@@ -298,9 +138,10 @@ CameraCalibration readOpenCvForm(const Section& file) {
 
 CameraCalibration readCameraFile(const std::filesystem::path& path) {
   const std::string name = path.string();
-  const std::string text = readAll(name);
-  const json root = parse(name, text);
-  const Section file(name, "", root);
+  const std::string text = readFileText(name);
+  const nlohmann::json root =
+      parseJson(name, text, "a camera calibration (lab calibrate camera writes one)");
+  const JsonSection file(name, "docs/cameras.md lists the keys", root);
   if (!file.has("form") && !file.has("K")) {
     file.fail("",
               fmt::format("is no camera calibration: found neither \"form\": \"{}\" nor K, dist,"
@@ -311,38 +152,22 @@ CameraCalibration readCameraFile(const std::filesystem::path& path) {
     file.fail("form", fmt::format("found \"{}\", expected \"{}\"", file.text("form"), kForm));
   }
   CameraCalibration calibration = file.has("form") ? readOwnForm(file) : readOpenCvForm(file);
-  const auto* bytes = reinterpret_cast<const std::uint8_t*>(text.data());
-  calibration.id = light::sha256({bytes, text.size()}).substr(0, 12);
+  calibration.id = fileId(text);
   return calibration;
 }
 
 std::string cameraFileText(const CameraCalibration& calibration) {
-  const optics::CameraParameters& camera = calibration.camera;
   const optics::CapGeometry& cap = calibration.cap;
-  nlohmann::ordered_json file = {
-      {"form", kForm},
-      {"width_px", camera.width},
-      {"height_px", camera.height},
-      {"fx_px", camera.fx},
-      {"fy_px", camera.fy},
-      {"cx_px", camera.cx},
-      {"cy_px", camera.cy},
-      {"k1", camera.k1},
-      {"k2", camera.k2},
-      {"p1", camera.p1},
-      {"p2", camera.p2},
-      {"k3", camera.k3},
-      {"rotation", camera.rotation},
-      {"translation_m", camera.translation},
-      {"cap",
-       {{"robot_radius_m", cap.robot_radius},
-        {"cap_radius_m", cap.cap_radius},
-        {"height_m", cap.height},
-        {"big_radius_m", cap.big_radius},
-        {"small_radius_m", cap.small_radius},
-        {"big_offset_m", cap.big_offset},
-        {"small_offset_m", cap.small_offset}}},
-      {"arena", {{"width_m", calibration.arena_width}, {"height_m", calibration.arena_height}}}};
+  nlohmann::ordered_json file = {{"form", kForm}};
+  writeLens(file, calibration.camera);
+  file["cap"] = {{"robot_radius_m", cap.robot_radius},
+                 {"cap_radius_m", cap.cap_radius},
+                 {"height_m", cap.height},
+                 {"big_radius_m", cap.big_radius},
+                 {"small_radius_m", cap.small_radius},
+                 {"big_offset_m", cap.big_offset},
+                 {"small_offset_m", cap.small_offset}};
+  file["arena"] = {{"width_m", calibration.arena_width}, {"height_m", calibration.arena_height}};
   if (calibration.imaging) {
     file["imaging"] = {{"blur_px", calibration.imaging->blur},
                        {"read_noise_dn", calibration.imaging->read_noise},

@@ -2,12 +2,15 @@
 /// docs/experiments.md. Loading and its errors: experiment_file.hpp.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <map>
 #include <optional>
 #include <string>
 #include <vector>
+
+#include "light/drive.hpp"
 
 namespace lab {
 
@@ -120,6 +123,8 @@ struct RobotHardware {
   double speed_noise = 0;            ///< [m/sqrt(s)] random forward displacement, off by default
   double turn_noise = 0;             ///< [rad/sqrt(s)] random rotation, off by default
   double sensor_period = 0.02;       ///< [s]
+  double light_gain_error = 0;       ///< [1] standard deviation of each light sensor's gain
+  double light_noise = 0;            ///< [1] standard deviation of a light reading, of full scale
   double ir_range = 0.05;            ///< [m] from the rim
   double status_rate = 50;           ///< [1/s]
   double lease = 1.0;                ///< [s] robots stop when the host is silent for longer
@@ -150,16 +155,57 @@ struct LayerSpec {
   double softness = 0;    ///< [m]
   double intensity = 0;   ///< [1]
   double intensity2 = 0;  ///< [1]
+  std::uint64_t seed = 0;
+  double phase = 0;       ///< [rad] or [1]
   std::string image;      ///< path as written in the file, relative to it
+  light::Drive drive;     ///< its images: paths as written in the file
 
   bool operator==(const LayerSpec&) const = default;
 };
 
+enum class Region : std::int8_t { kNone = 0, kCircle = 1, kRectangle = 2 };
+enum class Who : std::int8_t { kAny = 0, kAll = 1 };
+
+/// What ends a step of the light before its time is up: one of region, estimate and tumbles.
+struct Until {
+  Region region = Region::kNone;
+  Who who = Who::kAny;  ///< has to be in the region, where `robot` is 0
+  double x = 0;         ///< [m] its middle
+  double y = 0;         ///< [m]
+  double radius = 0;    ///< [m] of a circle
+  double width = 0;     ///< [m] of a rectangle, along x
+  double height = 0;    ///< [m]
+
+  std::string estimate;       ///< its name in analysis_t, empty: none
+  std::string program;        ///< of which it is
+  double relative_error = 0;  ///< [1] standard error over value
+
+  std::int64_t tumbles = 0;  ///< since the step began, 0: none
+  std::int32_t robot = 0;    ///< 0: any or all of them
+
+  [[nodiscard]] bool given() const {
+    return region != Region::kNone || !estimate.empty() || tumbles != 0;
+  }
+  bool operator==(const Until&) const = default;
+};
+
+/// What follows a step whose condition was not met in time.
+enum class IfNot : std::int8_t {
+  kNext = 0,  ///< the next step
+  kEnd = 1,   ///< the run's end
+  kSafe = 2,  ///< the safe light, robots stand; then the run's end
+};
+
 struct LightStep {
-  double at = 0;    ///< [s] since the start of the script
+  double at = 0;    ///< [s] since the start of the script; at the latest, where that is open
   double ramp = 0;  ///< [s] cross-fade into this step
   std::string label;
   std::vector<LayerSpec> layers;
+  double hold = 0;  ///< [s] at most, in a script whose isPlanned() is false; else 0
+  Until until;
+  IfNot if_not = IfNot::kNext;
+  std::string back_to;     ///< label of an earlier step or this one, empty: on to the next one
+  std::int64_t times = 0;  ///< how often the steps from there to here are shown, 0 without back_to
 
   bool operator==(const LightStep&) const = default;
 };
@@ -168,10 +214,40 @@ struct LightScript {
   double frame_rate = 60;     ///< [1/s]
   double safe_intensity = 0;  ///< [1] shown when nobody commands
   std::vector<LightStep> steps;
-  double length = 0;          ///< [s] of one pass, where the script repeats
+  double length = 0;          ///< [s] of one pass, where the script repeats; at most, see `at`
   bool repeat = false;
 
+  /// Whether every step's time is known beforehand: none has a condition or goes back.
+  [[nodiscard]] bool isPlanned() const {
+    return std::none_of(steps.begin(), steps.end(), [](const LightStep& step) {
+      return step.until.given() || !step.back_to.empty();
+    });
+  }
+
   bool operator==(const LightScript&) const = default;
+};
+
+/// The projector whose picture is seen by nobody but sim_svc.
+inline constexpr const char* kHeadless = "headless";
+
+struct Projector {
+  std::string display = kHeadless;  ///< or a name or number of a display
+  std::string calibration;          ///< file as written, empty: the arena fills the picture
+  std::string light_calibration;    ///< file as written, empty: light is proportional to values
+  double latency = 0;               ///< [s] from the swap of a picture to its light
+  bool overlay = false;
+  double sync_patch = 0.025;        ///< [m] side, 0: none
+  int width = 1920;                 ///< [px] of the simulated projector, as all that follows
+  int height = 1080;                ///< [px]
+  double keystone = 0;              ///< [1]
+  double barrel = 0;                ///< [1]
+  double offset_x = 0;              ///< [m]
+  double offset_y = 0;              ///< [m]
+  double gamma = 1;                 ///< [1]
+  double vignetting = 0;            ///< [1]
+  double sheet = 0;                 ///< [m] above the floor, of a white sheet over all; 0: none
+
+  bool operator==(const Projector&) const = default;
 };
 
 enum class Tracker : std::int8_t {
@@ -244,6 +320,7 @@ struct Experiment {
   LightTable light_table;
   Reversal reversal;
   LightScript light;
+  Projector projector;
   Camera camera;
   AnalysisOptions analysis;
   Faults faults;

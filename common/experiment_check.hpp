@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <string>
 
 #include "common/experiment_form.hpp"
 #include "common/experiment_problems.hpp"
@@ -18,6 +19,18 @@ void checkRobots(const ExperimentForm& form, Problems& problems);
 
 /// A camera that is not the simulated one has a calibration.
 void checkCamera(const ExperimentForm& form, Problems& problems);
+
+/// The steps follow each other, their conditions can come about. There is at least one step.
+void checkScript(const ExperimentForm& form, Problems& problems);
+
+/// The name is that of a program.
+void checkProgramName(const ExperimentForm& form, const std::string& path, const std::string& name,
+                      Problems& problems);
+
+/// Each layer of each step can be painted, and changes as it can.
+/// @param directory of the image files; without it nobody looks for them.
+void checkLayers(const ExperimentForm& form, const std::optional<std::filesystem::path>& directory,
+                 Problems& problems);
 
 /// The light table and the light script make sense.
 /// @param directory of the image files; without it nobody looks for them.

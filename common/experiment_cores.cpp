@@ -33,6 +33,8 @@ light::Layer toLightLayer(const LayerSpec& layer) {
   result.softness = layer.softness;
   result.intensity = layer.intensity;
   result.intensity2 = layer.intensity2;
+  result.seed = layer.seed;
+  result.phase = layer.phase;
   return result;
 }
 

@@ -10,6 +10,7 @@
 #include "common/experiment_file.hpp"
 #include "common/experiment_log_size.hpp"
 #include "common/file_values.hpp"
+#include "common/script_plan.hpp"
 #include "light/field.hpp"
 
 namespace lab {
@@ -184,9 +185,17 @@ std::string shares(const Experiment& e, const LightStep& step) {
   constexpr int kColumns = 48;
   constexpr int kRows = 36;
   light::Field field;
+  bool changes = false;
+  bool for_robots = false;
   for (const LayerSpec& layer : step.layers) {
     if (!layer.image.empty()) return "as the image " + layer.image + " says";
-    field.layers.push_back(toLightLayer(layer));
+    const light::Drive& drive = layer.drive;
+    if (drive.follow != light::Follow::kNothing || drive.gate != light::Gate::kOpen) {
+      for_robots = true;
+      continue;
+    }
+    changes = changes || !light::isStill(drive);
+    field.layers.push_back(light::driven({toLightLayer(layer), drive}, 0));
   }
   const light::CompiledField compiled(field);
   std::map<std::string, int> pixels;
@@ -209,18 +218,45 @@ std::string shares(const Experiment& e, const LightStep& step) {
     if (pixels.size() > 1)
       text += ' ' + rounded(std::round(100.0 * count / (kColumns * kRows))) + " %";
   }
+  if (changes) text += " as it begins, then it changes";
+  if (for_robots) text += "; without what robots bring about";
+  return text;
+}
+
+bool hasCondition(const std::vector<LightStep>& steps) {
+  return std::ranges::any_of(steps, [](const LightStep& step) { return step.until.given(); });
+}
+
+/// What ends a step and where the script goes from there, where that is not just its time.
+std::string describeEnd(const LightStep& step) {
+  std::string text;
+  if (step.until.given()) {
+    const char* otherwise = step.if_not == IfNot::kNext  ? "the script goes on"
+                            : step.if_not == IfNot::kEnd ? "the run ends"
+                                                         : "the safe light, and the run ends";
+    text += "; until " + untilText(step.until) + ", at most " + numberText(step.hold) +
+            " s, if not: " + otherwise;
+  }
+  if (!step.back_to.empty()) {
+    text += "; back to \"" + step.back_to + "\", " + std::to_string(step.times) + " times in all";
+  }
   return text;
 }
 
 std::string describeLight(const Experiment& e) {
   std::string head = std::to_string(e.light.steps.size());
   head += e.light.steps.size() == 1 ? " step" : " steps";
-  if (e.light.repeat) head += ", again every " + numberText(e.light.length) + " s";
+  const std::string at_most = hasCondition(e.light.steps) ? "at most " : "";
+  if (e.light.repeat) head += ", again every " + at_most + numberText(e.light.length) + " s";
   std::string text = line("light", head);
+  bool open = false;  // what comes before a step may be shorter
   for (const LightStep& step : e.light.steps) {
-    std::string what = "  " + numberText(step.at) + " s " + step.label + ": " + shares(e, step);
+    std::string what = (open ? "  by " : "  ") + numberText(step.at) + " s " + step.label + ": " +
+                       shares(e, step);
     if (step.ramp > 0) what += ", fading in for " + numberText(step.ramp) + " s";
     if (step.at >= e.duration) what += " (after the run's end)";
+    what += describeEnd(step);
+    open = open || step.until.given();
     text += line("", what);
   }
   return text;
@@ -256,7 +292,8 @@ std::string describeCamera(const Experiment& e) {
 std::string describeExperiment(const Experiment& e) {
   std::string text =
       line("experiment", e.name + (e.description.empty() ? "" : ": ") + e.description);
-  text += line("run", numberText(e.duration) + " s, seed " + std::to_string(e.seed));
+  const std::string at_most = mayEndEarly(e.light) ? "at most " : "";
+  text += line("run", at_most + numberText(e.duration) + " s, seed " + std::to_string(e.seed));
   text += line("arena", cm(e.arena_width) + " cm x " + cm(e.arena_height) + " cm");
   text += describeRobots(e);
   text += describePrograms(e);
@@ -264,7 +301,7 @@ std::string describeExperiment(const Experiment& e) {
   text += describeLight(e);
   text += describeReversal(e.reversal);
   text += describeCamera(e);
-  text += line("log", "about " + describeSize(expectedLogBytes(e)));
+  text += line("log", at_most + "about " + describeSize(expectedLogBytes(e)));
   return text;
 }
 

@@ -1,25 +1,17 @@
 #include "common/experiment_form.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
+#include "common/script_plan.hpp"
 #include "light/layer.hpp"
 
 namespace lab::keys {
 namespace {
 
-constexpr double kTicks = 1e6;  // a second, to which sums of hold times are rounded
-
-std::string defaultLabel(std::size_t index) { return "step " + std::to_string(index + 1); }
-
-LayerSpec toLayer(const LayerEntry& entry, const Experiment& common) {
-  LayerSpec layer = entry.layer;
-  if (layer.kind != static_cast<std::int8_t>(light::LayerKind::kUniform)) {
-    layer.x = entry.x.value_or(common.arena_width / 2);
-    layer.y = entry.y.value_or(common.arena_height / 2);
-  }
-  return layer;
+std::string labelOf(const ExperimentForm& form, std::size_t index) {
+  const std::string& label = form.light_steps[index].label;
+  return label.empty() ? "step " + std::to_string(index + 1) : label;
 }
 
 /// A robot that touches a wall is not to be outside by a rounding error.
@@ -102,35 +94,46 @@ void expandShorthand(ExperimentForm& form) {
 
 std::vector<double> stepTimes(const ExperimentForm& form) {
   std::vector<double> times;
-  double now = 0;
-  bool held = true;
-  for (const StepEntry& step : form.light_steps) {
-    if (step.at) now = *step.at;
-    times.push_back(now);
-    held = step.hold.has_value();
-    now = std::round((now + step.hold.value_or(0)) * kTicks) / kTicks;
+  if (!form.light_steps.empty() && form.light_steps.front().hold) {
+    for (const StepEntry& step : form.light_steps) times.push_back(step.hold.value_or(0));
+    return latestBegins(times, groupsOf(scriptOf(form)));
   }
-  const double end = held ? now : std::numeric_limits<double>::infinity();
-  times.push_back(form.light_length.value_or(end));
+  for (const StepEntry& step : form.light_steps) times.push_back(step.at.value_or(0));
+  times.push_back(form.light_length.value_or(std::numeric_limits<double>::infinity()));
   return times;
+}
+
+LightScript scriptOf(const ExperimentForm& form) {
+  LightScript script = form.common.light;
+  for (std::size_t i = 0; i < form.light_steps.size(); ++i) {
+    const StepEntry& entry = form.light_steps[i];
+    LightStep step;
+    step.ramp = entry.ramp;
+    step.label = labelOf(form, i);
+    step.until = entry.until;
+    step.if_not = entry.if_not;
+    step.back_to = entry.back_to;
+    step.times = entry.times;
+    for (const LayerEntry& layer : entry.layers) {
+      step.layers.push_back(toLayer(layer, form.common));
+    }
+    script.steps.push_back(std::move(step));
+  }
+  return script;
 }
 
 Experiment toExperiment(const ExperimentForm& form) {
   Experiment experiment = form.common;
   experiment.robots = toRobots(form.robots, form.common);
+  LightScript& script = experiment.light;
+  script = scriptOf(form);
+  const bool planned = script.isPlanned();
   const std::vector<double> times = stepTimes(form);
-  for (std::size_t i = 0; i < form.light_steps.size(); ++i) {
-    const StepEntry& entry = form.light_steps[i];
-    LightStep step;
-    step.at = times[i];
-    step.ramp = entry.ramp;
-    step.label = entry.label.empty() ? defaultLabel(i) : entry.label;
-    for (const LayerEntry& layer : entry.layers) {
-      step.layers.push_back(toLayer(layer, form.common));
-    }
-    experiment.light.steps.push_back(step);
+  for (std::size_t i = 0; i < script.steps.size(); ++i) {
+    script.steps[i].at = times[i];
+    if (!planned) script.steps[i].hold = form.light_steps[i].hold.value_or(0);
   }
-  experiment.light.length = experiment.light.repeat ? times.back() : 0;
+  script.length = script.repeat ? times.back() : 0;
   return experiment;
 }
 
@@ -141,15 +144,21 @@ ExperimentForm toForm(const Experiment& experiment) {
   form.common.light.steps.clear();
   form.common.light.length = 0;
   form.robots = toEntries(experiment.robots);
+  const bool planned = experiment.light.isPlanned();
   for (const LightStep& step : experiment.light.steps) {
     StepEntry entry;
     entry.label = step.label;
-    entry.at = step.at;
+    (planned ? entry.at : entry.hold) = planned ? step.at : step.hold;
+    entry.has_until = step.until.given();
+    entry.until = step.until;
+    entry.if_not = step.if_not;
+    entry.back_to = step.back_to;
+    entry.times = step.times;
     entry.ramp = step.ramp;
-    for (const LayerSpec& layer : step.layers) entry.layers.push_back({layer, layer.x, layer.y});
+    for (const LayerSpec& layer : step.layers) entry.layers.push_back(toEntry(layer));
     form.light_steps.push_back(entry);
   }
-  if (experiment.light.repeat) form.light_length = experiment.light.length;
+  if (planned && experiment.light.repeat) form.light_length = experiment.light.length;
   return form;
 }
 

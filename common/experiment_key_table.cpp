@@ -38,7 +38,8 @@ class TableCollector final : public KeyVisitor {
   }
   void integer(const Key& key, std::int64_t low, std::int64_t high, std::int64_t& value) override {
     const std::string allowed = std::to_string(low) + " to " + std::to_string(high);
-    add(key, "integer", low == high ? std::to_string(low) : allowed, std::to_string(value));
+    add(key, "integer", low == high ? std::to_string(low) : allowed,
+        key.default_text.empty() ? std::to_string(value) : key.default_text);
   }
   void flag(const Key& key, bool& value) override {
     add(key, "boolean", "true, false", value ? "true" : "false");
@@ -48,15 +49,32 @@ class TableCollector final : public KeyVisitor {
   }
   void choice(const Key& key, std::span<const Choice> choices, int& value) override {
     const auto chosen = std::ranges::find(choices, value, &Choice::value);
-    add(key, "text", choiceText(choices), tomlString(chosen->name));
+    add(key, "text", choiceText(choices),
+        chosen == choices.end() ? key.default_text : tomlString(chosen->name));
   }
   void interval(const Key& key, const Range& range, double&, double&) override {
     add(key, "two numbers", range.text(), "");
   }
 
+  void integers(const Key& key, std::int64_t low, std::int64_t high, const ListRule& rule,
+                std::vector<std::int32_t>&) override {
+    add(key, "list of integers",
+        countText(rule) + ", each " + std::to_string(low) + " to " + std::to_string(high),
+        key.default_text);
+  }
+  void texts(const Key& key, const TextRule& text_rule, const ListRule& rule,
+             std::vector<std::string>&) override {
+    add(key, "list of texts", countText(rule) + ", each " + text_rule.text(), key.default_text);
+  }
+
   void table(const Key& key, const std::function<void()>& keys) override {
     const std::string path = current().path + key.name;
     section(path + ".", "[" + path + "]", key.meaning, keys);
+  }
+  void inLineTable(const Key& key, bool&, const std::function<void()>& keys) override {
+    const std::string path = current().path + key.name;
+    add(key, "table", "", key.default_text);
+    section(path + ".", path + " = {...}", key.meaning, keys);
   }
   void list(const Key& key, const ListRule& rule, std::size_t,
             const std::function<void(std::size_t)>& resize,

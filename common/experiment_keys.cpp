@@ -6,19 +6,11 @@
 #include <limits>
 #include <utility>
 
+#include "common/experiment_key_tools.hpp"
 #include "dynamics/light_table.hpp"
-#include "light/layer.hpp"
 
 namespace lab::keys {
 namespace {
-
-using light::Blend;
-using light::LayerKind;
-
-template <typename Enum>
-Choice choiceOf(const char* name, Enum value) {
-  return {name, static_cast<int>(value)};
-}
 
 const std::array<Choice, 6> kModels = {
     {choiceOf("abp", Model::kAbp), choiceOf("noisy_abp", Model::kNoisyAbp),
@@ -36,72 +28,6 @@ const std::array<Choice, 3> kReverseOn = {{choiceOf("never", ReverseOn::kNever),
                                            choiceOf("any", ReverseOn::kAny)}};
 const std::array<Choice, 2> kTrackers = {
     {choiceOf("sim", Tracker::kSimPoses), choiceOf("camera", Tracker::kCamera)}};
-const std::array<Choice, 9> kKinds = {
-    {choiceOf("uniform", LayerKind::kUniform), choiceOf("half_plane", LayerKind::kHalfPlane),
-     choiceOf("disk", LayerKind::kDisk), choiceOf("ring", LayerKind::kRing),
-     choiceOf("linear_gradient", LayerKind::kLinearGradient),
-     choiceOf("radial_gradient", LayerKind::kRadialGradient),
-     choiceOf("stripes", LayerKind::kStripes), choiceOf("checker", LayerKind::kChecker),
-     choiceOf("image", LayerKind::kImage)}};
-const std::array<Choice, 5> kBlends = {
-    {choiceOf("over", Blend::kOver), choiceOf("add", Blend::kAdd),
-     choiceOf("multiply", Blend::kMultiply), choiceOf("max", Blend::kMax),
-     choiceOf("min", Blend::kMin)}};
-
-const Range kShare{0, 1};
-const Range kPlace{-1000, 1000};
-const Range kLength{0.1, 1000};
-const Range kAngle{-3600, 3600};
-const Range kSpeed{-500, 500};
-const Range kHold{0.001, 3600};
-constexpr double kLongestFreeRun = 86400;
-
-template <typename Enum>
-void enumerate(KeyVisitor& visitor, const Key& key, std::span<const Choice> choices, Enum& field) {
-  int value = static_cast<int>(field);
-  visitor.choice(key, choices, value);
-  if (value != kUndecided) field = static_cast<Enum>(value);
-}
-
-template <typename Element, typename Keys>
-void visitList(KeyVisitor& visitor, const Key& key, const ListRule& rule,
-               std::vector<Element>& elements, const Keys& keys) {
-  visitor.list(
-      key, rule, elements.size(), [&](std::size_t size) { elements.assign(size, Element{}); },
-      [&](std::size_t index) { keys(elements[index]); });
-}
-
-/// Keys that only some choices of the key before them have.
-class Selector {
- public:
-  template <typename Enum>
-  Selector(KeyVisitor& visitor, const Key& key, std::span<const Choice> choices, Enum& field)
-      : name_(key.name), choices_(choices), current_(static_cast<int>(field)) {
-    visitor.choice(key, choices, current_);
-    if (current_ != kUndecided) field = static_cast<Enum>(current_);
-  }
-
-  template <typename Enum>
-  [[nodiscard]] Key only(std::initializer_list<Enum> values, Key key) const {
-    key.applies = current_ == kUndecided ? Applies::kUndecided : Applies::kNo;
-    for (const Enum value : values) {
-      if (static_cast<int>(value) == current_) key.applies = Applies::kYes;
-      key.condition += key.condition.empty() ? name_ + " = " : " or ";
-      key.condition += '"' + nameOf(static_cast<int>(value)) + '"';
-    }
-    return key;
-  }
-
- private:
-  [[nodiscard]] std::string nameOf(int value) const {
-    return std::ranges::find(choices_, value, &Choice::value)->name;
-  }
-
-  std::string name_;
-  std::span<const Choice> choices_;
-  int current_;
-};
-
 void visitNetwork(KeyVisitor& v, Network& network) {
   std::int64_t port = network.port;
   std::int64_t ttl = network.ttl;
@@ -138,6 +64,11 @@ void visitHardware(KeyVisitor& v, RobotHardware& robot) {
   v.number({"turn_noise_deg_sqrt_s", "random turning, likewise"}, {0, 90}, robot.turn_noise);
   v.number({"sensor_period_ms", "time between two readings of the robot's sensors"},
            {.low = 1, .high = 1000, .whole = true}, robot.sensor_period);
+  v.number({"light_gain_error_percent",
+            "standard deviation of the gains of the light sensors, drawn once for each"},
+           {0, 30}, robot.light_gain_error);
+  v.number({"light_noise_percent", "standard deviation of a light reading, of full scale"}, {0, 10},
+           robot.light_noise);
   v.number({"ir_range_cm", "how far from the rim the infrared sensors see"}, {0, 100},
            robot.ir_range);
   v.number({"status_rate_hz", "ROBOT_STATUS messages a second"}, {1, 200}, robot.status_rate);
@@ -263,99 +194,6 @@ void visitReversal(KeyVisitor& v, Reversal& reversal) {
   v.number({"speed_cm_s", "how fast"}, {0.1, 500}, reversal.speed);
 }
 
-// Lengths and places go to the fields of the same layer that light/layer.hpp lists.
-void visitLayer(KeyVisitor& v, LayerEntry& entry) {
-  using enum LayerKind;
-  LayerSpec& layer = entry.layer;
-  auto layer_kind = static_cast<LayerKind>(layer.kind);
-  auto blend = static_cast<Blend>(layer.blend);
-  const Selector kind(v, {"kind", "what is painted", Need::kRequired}, kKinds, layer_kind);
-  const auto placed = {kHalfPlane,      kDisk,    kRing,    kLinearGradient,
-                       kRadialGradient, kStripes, kChecker, kImage};
-  enumerate(v, {"blend", "how it changes what the layers before it painted"}, kBlends, blend);
-  layer.kind = static_cast<std::int8_t>(layer_kind);
-  layer.blend = static_cast<std::int8_t>(blend);
-  const Key file{"file",
-                 "image file, beside the experiment file; grey 0 gives intensity2, white "
-                 "intensity",
-                 Need::kRequired};
-  v.text(kind.only({kImage}, file), {.most = 200}, layer.image);
-  const std::string middle = "middle of the arena";
-  v.optionalNumber(kind.only(placed, {.name = "x_cm",
-                                      .meaning = "centre, or a point on the edge of a half plane",
-                                      .default_text = middle}),
-                   kPlace, entry.x);
-  v.optionalNumber(
-      kind.only(placed, {.name = "y_cm", .meaning = "see x_cm", .default_text = middle}), kPlace,
-      entry.y);
-  v.number(kind.only({kHalfPlane, kLinearGradient, kStripes, kChecker, kImage},
-                     {"angle_deg",
-                      "direction, counter-clockwise from x: towards the lit side, up "
-                      "the gradient, across the stripes, of the image's lower edge"}),
-           kAngle, layer.angle);
-  v.number(
-      kind.only({kDisk, kRing, kRadialGradient}, {"radius_cm", "outer radius", Need::kRequired}),
-      kLength, layer.size);
-  v.number(
-      kind.only({kLinearGradient}, {"length_cm",
-                                    "over which intensity turns into intensity2, half of it on "
-                                    "either side of x_cm, y_cm",
-                                    Need::kRequired}),
-      kLength, layer.size);
-  v.number(kind.only({kStripes, kChecker},
-                     {"period_cm", "of the stripes; side of a checker's squares", Need::kRequired}),
-           kLength, layer.size);
-  v.number(kind.only({kImage}, {"width_cm", "of the image", Need::kRequired}), kLength, layer.size);
-  v.number(kind.only({kRing, kRadialGradient},
-                     {"inner_radius_cm", "inner radius; up to it a radial gradient has intensity"}),
-           {0, 1000}, layer.inner);
-  v.number(
-      kind.only({kStripes}, {"share", "of a period that has intensity; the rest has intensity2",
-                             Need::kRequired}),
-      {.low = 0, .high = 1, .above_low = true, .below_high = true}, layer.inner);
-  v.number(kind.only({kImage}, {"height_cm", "of the image", Need::kRequired}), kLength,
-           layer.inner);
-  v.number(kind.only({kHalfPlane, kDisk, kRing, kStripes, kChecker, kImage},
-                     {"softness_cm", "width of the edges"}),
-           {0, 1000}, layer.softness);
-  v.number({"intensity", "0 dark .. 1 projector white", Need::kRequired}, kShare, layer.intensity);
-  v.number(kind.only({kLinearGradient, kRadialGradient, kStripes, kChecker, kImage},
-                     {"intensity2", "the other end or the other part"}),
-           kShare, layer.intensity2);
-}
-
-void visitStep(KeyVisitor& v, StepEntry& step) {
-  v.text({.name = "label", .meaning = "for reports", .default_text = "step 1, step 2, ..."},
-         {.most = 60}, step.label);
-  v.optionalNumber({.name = "at_s",
-                    .meaning = "when the step begins; the first at 0, the others in rising order",
-                    .default_text = "needed where there is no hold_s"},
-                   {0, kLongestRun}, step.at);
-  v.optionalNumber({"hold_s", "how long the step is shown; all steps have at_s or all have hold_s",
-                    Need::kShorthand, "-"},
-                   {.low = 0, .high = kLongestRun, .above_low = true}, step.hold);
-  v.number({"ramp_s", "cross-fade from the step before, as long at most as the step"}, {0, 3600},
-           step.ramp);
-  visitList(v, {"layers", "painted one upon the other, from the dark", Need::kRequired},
-            {.fewest = 1, .most = light::kMostLayers, .in_line = true}, step.layers,
-            [&](LayerEntry& layer) { visitLayer(v, layer); });
-}
-
-void visitLight(KeyVisitor& v, ExperimentForm& form) {
-  LightScript& light = form.common.light;
-  v.number({"frame_rate_hz", "frames a second of the projector"}, {1, 500}, light.frame_rate);
-  v.number({"safe_intensity", "shown everywhere when nobody commands the light"}, kShare,
-           light.safe_intensity);
-  v.flag({"repeat", "the steps begin again when the last one has ended"}, light.repeat);
-  v.optionalNumber({.name = "length_s",
-                    .meaning = "when the last step ends, only with repeat; the sum where steps "
-                               "have hold_s",
-                    .default_text = "-"},
-                   {.low = 0, .high = kLongestRun, .above_low = true}, form.light_length);
-  visitList(v, {"steps", "what is shown when"}, {.fewest = 0, .most = 1000}, form.light_steps,
-            [&](StepEntry& step) { visitStep(v, step); });
-}
-
 void visitCamera(KeyVisitor& v, Camera& camera) {
   const Selector tracker(
       v,
@@ -463,6 +301,7 @@ void visitKeys(KeyVisitor& v, ExperimentForm& form) {
   v.table({"reversal", "Turning back from obstacles (appendix B of the paper)"},
           [&] { visitReversal(v, e.reversal); });
   v.table({"light", "The light script"}, [&] { visitLight(v, form); });
+  v.table({"projector", "The projector"}, [&] { visitProjector(v, e.projector); });
   v.table({"camera", "Camera and tracker"}, [&] { visitCamera(v, e.camera); });
   v.table({"analysis", "The analyzer"}, [&] {
     v.number({"max_lag_s", "longest lag of the curves"}, {0.1, 3600}, e.analysis.max_lag);

@@ -95,7 +95,16 @@ class KeyVisitor {
   /// key = [low, high]
   virtual void interval(const Key& key, const Range& range, double& low, double& high) = 0;
 
+  /// key = [1, 2]
+  virtual void integers(const Key& key, std::int64_t low, std::int64_t high, const ListRule& rule,
+                        std::vector<std::int32_t>& values) = 0;
+  /// key = ["a", "b"]
+  virtual void texts(const Key& key, const TextRule& text_rule, const ListRule& rule,
+                     std::vector<std::string>& values) = 0;
+
   virtual void table(const Key& key, const std::function<void()>& keys) = 0;
+  /// key = {...}, where it is given.
+  virtual void inLineTable(const Key& key, bool& given, const std::function<void()>& keys) = 0;
   virtual void list(const Key& key, const ListRule& rule, std::size_t size,
                     const std::function<void(std::size_t size)>& resize,
                     const std::function<void(std::size_t index)>& element) = 0;

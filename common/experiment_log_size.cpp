@@ -14,6 +14,7 @@
 
 #include "common/channels.hpp"
 #include "common/experiment_messages.hpp"
+#include "light/image.hpp"
 
 namespace lab {
 namespace {
@@ -90,6 +91,25 @@ double lightBytes(std::string_view channel, const LightStep& step) {
   return eventBytes(channel, message);
 }
 
+/// A LIGHT_STATUS of this step with a copy of a layer for each robot it follows, and with trails.
+double lightStatusBytes(const Experiment& experiment, const LightStep& step) {
+  double bytes = lightBytes<light_status_t>(channels::kLightStatus, step);
+  bool trail = false;
+  for (const LayerSpec& layer : step.layers) {
+    trail = trail || layer.drive.follow == light::Follow::kTrail;
+    if (layer.drive.follow != light::Follow::kRobots) continue;
+    const std::size_t robots =
+        layer.drive.robots.empty() ? experiment.robots.size() : layer.drive.robots.size();
+    bytes += (static_cast<double>(robots) - 1) * toMessage(layer).getEncodedSize();
+  }
+  return trail ? bytes + light::kMostColumns * light::kMostRows : bytes;
+}
+
+bool isDriven(const LightStep& step) {
+  return std::ranges::any_of(
+      step.layers, [](const LayerSpec& layer) { return !light::isStill(layer.drive); });
+}
+
 /// Draws that robots on the wire report, all robots together: each runs the busiest program.
 double stepsPerSecond(const Experiment& experiment) {
   double busiest = 0;
@@ -110,9 +130,10 @@ double expectedLogBytes(const Experiment& experiment) {
   const auto robots = static_cast<std::int32_t>(experiment.robots.size());
   double light = 0;
   for (const LightStep& step : experiment.light.steps) {
-    const double rate = step.ramp > 0 ? experiment.light.frame_rate : kLightStatusRate;
+    const double rate =
+        step.ramp > 0 || isDriven(step) ? experiment.light.frame_rate : kLightStatusRate;
     light = std::max(
-        light, rate * lightBytes<light_status_t>(channels::kLightStatus, step) +
+        light, rate * lightStatusBytes(experiment, step) +
                    kLightCommandRate * lightBytes<light_command_t>(channels::kLightCommand, step));
   }
   const double per_second =

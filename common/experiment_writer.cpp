@@ -33,8 +33,26 @@ class TomlWriter final : public KeyVisitor {
     write(key, '[' + fileText(low, unit) + ", " + fileText(high, unit) + "]");
   }
 
+  void integers(const Key& key, std::int64_t, std::int64_t, const ListRule&,
+                std::vector<std::int32_t>& values) override {
+    writeAll(key, values, [](std::int32_t value) { return std::to_string(value); });
+  }
+  void texts(const Key& key, const TextRule&, const ListRule&,
+             std::vector<std::string>& values) override {
+    writeAll(key, values, [](const std::string& value) { return tomlString(value); });
+  }
+
   void table(const Key& key, const std::function<void()>& keys) override {
     block("[" + path_ + key.name + "]", path_ + key.name + ".", keys);
+  }
+  void inLineTable(const Key& key, bool& given, const std::function<void()>& keys) override {
+    if (!given) return;
+    text_ += key.name + " = {";
+    in_line_ = true;
+    first_ = true;
+    keys();
+    in_line_ = false;
+    text_ += "}\n";
   }
   void list(const Key& key, const ListRule& rule, std::size_t size,
             const std::function<void(std::size_t)>&,
@@ -68,6 +86,13 @@ class TomlWriter final : public KeyVisitor {
     } else {
       text_ += key.name + " = " + value + "\n";
     }
+  }
+
+  template <typename Element, typename ToText>
+  void writeAll(const Key& key, const std::vector<Element>& values, const ToText& to_text) {
+    std::string text;
+    for (const Element& value : values) text += (text.empty() ? "" : ", ") + to_text(value);
+    write(key, "[" + text + "]");
   }
 
   void writeInLine(const Key& key, std::size_t size,

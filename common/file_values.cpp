@@ -14,10 +14,12 @@ constexpr int kMostDigits = std::numeric_limits<double>::max_digits10;
 constexpr double kPi = std::numbers::pi;
 
 // A longer suffix before the one it ends in.
-constexpr std::array<FileUnit, 12> kUnits = {{
+constexpr std::array<FileUnit, 14> kUnits = {{
     {"_cm_sqrt_s", "cm/sqrt(s)", 1, 100},
     {"_deg_sqrt_s", "deg/sqrt(s)", kPi, 180},
+    {"_cm2_s", "cm^2/s", 1, 10000},
     {"_cm_s", "cm/s", 1, 100},
+    {"_deg_s", "deg/s", kPi, 180},
     {"_rad_s", "rad/s", 1, 1},
     {"_per_s", "1/s", 1, 1},
     {"_ms", "ms", 1, 1000},
@@ -28,15 +30,6 @@ constexpr std::array<FileUnit, 12> kUnits = {{
     {"_percent", "%", 1, 100},
     {"", "", 1, 1},
 }};
-
-double roundedToDigits(double value, int digits) {
-  std::array<char, 64> text{};
-  const auto written = std::to_chars(text.data(), text.data() + text.size(), value,
-                                     std::chars_format::scientific, digits - 1);
-  double rounded = value;
-  std::from_chars(text.data(), written.ptr, rounded);
-  return rounded;
-}
 
 std::optional<double> shortestThatGives(double si, double near, const FileUnit& unit) {
   for (int digits = 1; digits <= kMostDigits; ++digits) {
@@ -68,6 +61,15 @@ const FileUnit& unitOf(std::string_view key) {
 
 double toSi(double file_value, const FileUnit& unit) {
   return file_value * unit.multiply / unit.divide;
+}
+
+double roundedToDigits(double value, int digits) {
+  std::array<char, 64> text{};
+  const auto written = std::to_chars(text.data(), text.data() + text.size(), value,
+                                     std::chars_format::scientific, digits - 1);
+  double rounded = value;
+  std::from_chars(text.data(), written.ptr, rounded);
+  return rounded;
 }
 
 std::string numberText(double value) {

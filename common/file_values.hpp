@@ -20,6 +20,9 @@ struct FileUnit {
 
 [[nodiscard]] double toSi(double file_value, const FileUnit& unit);
 
+/// The nearest number with so many significant digits.
+[[nodiscard]] double roundedToDigits(double value, int digits);
+
 /// The shortest decimal that reads back as the same double, without an exponent from 1e-5 to 1e15.
 [[nodiscard]] std::string numberText(double value);
 

@@ -91,6 +91,29 @@ class TomlReader final : public KeyVisitor {
     high = endOf(key, range, *ends, 1).value_or(high);
   }
 
+  void integers(const Key& key, std::int64_t low, std::int64_t high, const ListRule& rule,
+                std::vector<std::int32_t>& values) override {
+    const std::string one =
+        "whole numbers from " + std::to_string(low) + " to " + std::to_string(high);
+    takeAll(key, rule, one, "[1, 2]", values, [&](const toml::node& node, std::int32_t& value) {
+      const auto found = node.value_exact<std::int64_t>();
+      if (!found || *found < low || *found > high) return false;
+      value = static_cast<std::int32_t>(*found);
+      return true;
+    });
+  }
+
+  void texts(const Key& key, const TextRule& text_rule, const ListRule& rule,
+             std::vector<std::string>& values) override {
+    takeAll(key, rule, text_rule.text(), "[\"...\", \"...\"]", values,
+            [&](const toml::node& node, std::string& value) {
+              const auto found = node.value_exact<std::string>();
+              if (!found || !text_rule.accepts(*found)) return false;
+              value = *found;
+              return true;
+            });
+  }
+
   void table(const Key& key, const std::function<void()>& keys) override {
     const std::string allowed = "a table: [" + pathOf(key.name) + "]";
     const toml::node* node = take(key, allowed);
@@ -101,6 +124,17 @@ class TomlReader final : public KeyVisitor {
     if (node != nullptr) inside(*node->as_table(), pathOf(key.name), keys);
   }
 
+  void inLineTable(const Key& key, bool& given, const std::function<void()>& keys) override {
+    const std::string allowed = "a table: " + key.name + " = {...}";
+    const toml::node* node = take(key, allowed);
+    if (node == nullptr) return;
+    if (!node->is_table()) {
+      refuse(key, *node, allowed);
+      return;
+    }
+    given = true;
+    inside(*node->as_table(), pathOf(key.name), keys);
+  }
   void list(const Key& key, const ListRule& rule, std::size_t,
             const std::function<void(std::size_t)>& resize,
             const std::function<void(std::size_t)>& element) override {
@@ -192,6 +226,33 @@ class TomlReader final : public KeyVisitor {
                       "found nothing, allowed " + allowed + " (required: " + key.meaning + ")");
     }
     return node;
+  }
+
+  /// A list whose elements `read` takes or refuses; one that is refused leaves the list as it was.
+  template <typename Element, typename Read>
+  void takeAll(const Key& key, const ListRule& rule, const std::string& one, const char* form,
+               std::vector<Element>& values, const Read& read) {
+    const std::string allowed = countText(rule) + ", as " + key.name + " = " + form;
+    const toml::node* node = take(key, allowed);
+    if (node == nullptr) return;
+    const toml::array* array = node->as_array();
+    if (array == nullptr || array->size() < rule.fewest || array->size() > rule.most) {
+      const std::string found =
+          array == nullptr ? shown(*node) : "a list of " + std::to_string(array->size());
+      problems_.addAt(document_.place(*node), pathOf(key.name),
+                      "found " + found + ", allowed " + allowed);
+      return;
+    }
+    std::vector<Element> all(array->size());
+    bool fine = true;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      const toml::node& item = *array->get(i);
+      if (read(item, all[i])) continue;
+      fine = false;
+      problems_.addAt(document_.place(item), pathOf(key.name) + "[" + std::to_string(i) + "]",
+                      "found " + shown(item) + ", allowed " + one);
+    }
+    if (fine) values = std::move(all);
   }
 
   std::optional<double> takeNumber(const Key& key, const Range& range) {

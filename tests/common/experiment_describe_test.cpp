@@ -40,6 +40,14 @@ TEST(Description, SaysWhoGetsWhichPartOfTheArena) {
               HasSubstr("light 0.1 to 0.8, abp 50 %, rtp 50 %\n"));
 }
 
+TEST(Description, SaysThatALightChanges) {
+  EXPECT_THAT(describeExperiment(shipped("travelling_wave")),
+              HasSubstr("abp 50 %, bp 50 % as it begins, then it changes\n"));
+  EXPECT_THAT(describeExperiment(small("[[light.steps]]\nat_s = 0\nlayers = [{kind = \"disk\", "
+                                       "radius_cm = 4, intensity = 1, follow = \"robots\"}]\n")),
+              HasSubstr("light 0, abp; without what robots bring about\n"));
+}
+
 TEST(Description, WarnsOfLightThatSelectsNothing) {
   const Experiment dut = small(
       "[[light.steps]]\nat_s = 0\nlayers = [{kind = \"uniform\", "
