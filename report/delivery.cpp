@@ -1,6 +1,5 @@
 #include "report/delivery.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -27,22 +26,17 @@ Percentiles collect(const std::vector<StepRecord>& steps, Value value) {
 
 StepDelays delaysOf(const StepRecord& step) {
   return {delay(step.commanded_utime, step.presented_utime),
+          delay(step.commanded_utime, step.seen_utime),
           delay(step.commanded_utime, step.first_acted_utime),
           delay(step.commanded_utime, step.last_acted_utime)};
 }
 
-Percentiles percentilesOf(std::vector<double> values) {
-  if (values.empty()) return {0, kNan, kNan, kNan};
-  std::sort(values.begin(), values.end());
-  const auto rank = [&values](double share) {
-    const double place = std::ceil(share * static_cast<double>(values.size()));
-    return values[static_cast<std::size_t>(std::max(1.0, place)) - 1];
-  };
-  return {values.size(), rank(0.50), rank(0.99), values.back()};
-}
-
 Percentiles presentedDelays(const std::vector<StepRecord>& steps) {
   return collect(steps, [](const StepRecord& step) { return delaysOf(step).presented_ms; });
+}
+
+Percentiles seenDelays(const std::vector<StepRecord>& steps) {
+  return collect(steps, [](const StepRecord& step) { return delaysOf(step).seen_ms; });
 }
 
 Percentiles firstActedDelays(const std::vector<StepRecord>& steps) {

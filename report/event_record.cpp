@@ -38,6 +38,8 @@ void EventRecord::takeStep(const experiment_event_t& event) {
   step.label = event.label;
   step.commanded_utime = event.commanded_utime;
   step.presented_utime = event.presented_utime;
+  step.seen_utime = event.seen_utime;
+  step.ended_by = event.ended_by;
   step.first_acted_utime = event.first_acted_utime;
   step.last_acted_utime = event.last_acted_utime;
   step.robots_acted = event.robots_acted;

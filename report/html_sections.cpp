@@ -43,7 +43,7 @@ std::string sentence(std::string text) {
 
 void latencyRow(Table& table, const char* name, const Percentiles& percentiles) {
   table.row({name, std::to_string(percentiles.count), milliseconds(percentiles.p50),
-             milliseconds(percentiles.p99), milliseconds(percentiles.max)});
+             milliseconds(percentiles.p95), milliseconds(percentiles.p99), milliseconds(percentiles.max)});
 }
 
 }  // namespace
@@ -118,23 +118,27 @@ std::string lightSteps(const RunRecord& record) {
   if (record.steps.empty()) return {};
   std::string html =
       "<h2>Light switching</h2>\n<p>From the command of a step to its first frame on the arena, "
-      "and "
-      "to the first and the last robot that changed its program.</p>\n";
-  Table latency({"", ">steps", ">median (ms)", ">99 % (ms)", ">longest (ms)"});
+      "to the first picture of the camera that shows it, and to the first and the last robot that "
+      "changed its program.</p>\n";
+  Table latency({"", ">steps", ">median (ms)", ">95 % (ms)", ">99 % (ms)", ">longest (ms)"});
   latencyRow(latency, "presented", presentedDelays(record.steps));
+  const Percentiles seen = seenDelays(record.steps);
+  if (seen.count > 0) latencyRow(latency, "seen by the camera", seen);
   latencyRow(latency, "first robot acted", firstActedDelays(record.steps));
   latencyRow(latency, "every robot had acted", lastActedDelays(record.steps));
   html += latency.text();
   Table table({">step", "label", ">commanded at (s)", ">presented after (ms)",
-               ">first robot after (ms)", ">last robot after (ms)", ">robots acted"});
+               ">seen after (ms)", ">first robot after (ms)", ">last robot after (ms)",
+               ">robots acted", "the step before was ended by"});
   for (std::size_t i = 0; i < std::min(kMostSteps, record.steps.size()); ++i) {
     const StepRecord& step = record.steps[i];
     const StepDelays delays = delaysOf(step);
     table.row({std::to_string(step.number), escapeHtml(step.label),
                fmt::format("{:.3f}", record.seconds(step.commanded_utime)),
-               milliseconds(delays.presented_ms), milliseconds(delays.first_acted_ms),
-               milliseconds(delays.last_acted_ms),
-               fmt::format("{} of {}", step.robots_acted, step.robots_expected)});
+               milliseconds(delays.presented_ms), milliseconds(delays.seen_ms),
+               milliseconds(delays.first_acted_ms), milliseconds(delays.last_acted_ms),
+               fmt::format("{} of {}", step.robots_acted, step.robots_expected),
+               escapeHtml(step.ended_by)});
   }
   html += "<details><summary>Step by step</summary>\n" + table.text();
   if (record.steps.size() > kMostSteps) {

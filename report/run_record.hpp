@@ -21,10 +21,12 @@ struct StepRecord {
   std::string label;
   std::int64_t commanded_utime = 0;
   std::int64_t presented_utime = 0;
+  std::int64_t seen_utime = 0;
   std::int64_t first_acted_utime = 0;
   std::int64_t last_acted_utime = 0;
   int robots_acted = 0;
   int robots_expected = 0;
+  std::string ended_by;  ///< what ended the step before it, empty: its time was up
 };
 
 /// A fault or a mark.

@@ -166,11 +166,14 @@ Json steps(const RunRecord& record) {
                    {"label", step.label},
                    {"commanded_s", secondsOrNull(record, step.commanded_utime)},
                    {"presented_s", secondsOrNull(record, step.presented_utime)},
+                   {"seen_s", secondsOrNull(record, step.seen_utime)},
                    {"first_acted_s", secondsOrNull(record, step.first_acted_utime)},
                    {"last_acted_s", secondsOrNull(record, step.last_acted_utime)},
                    {"robots_acted", step.robots_acted},
                    {"robots_expected", step.robots_expected},
                    {"presented_after_ms", number(delays.presented_ms)},
+                   {"seen_after_ms", number(delays.seen_ms)},
+                   {"ended_by", step.ended_by},
                    {"last_acted_after_ms", number(delays.last_acted_ms)}});
   }
   return all;
@@ -179,6 +182,7 @@ Json steps(const RunRecord& record) {
 Json latency(const Percentiles& percentiles) {
   return {{"steps", percentiles.count},
           {"p50_ms", number(percentiles.p50)},
+          {"p95_ms", number(percentiles.p95)},
           {"p99_ms", number(percentiles.p99)},
           {"max_ms", number(percentiles.max)}};
 }
@@ -236,6 +240,7 @@ std::string summaryJson(const RunRecord& record) {
   json["programs"] = programs(record);
   json["robots"] = robots(record);
   json["latency"] = {{"presented", latency(presentedDelays(record.steps))},
+                     {"seen", latency(seenDelays(record.steps))},
                      {"first_acted", latency(firstActedDelays(record.steps))},
                      {"last_acted", latency(lastActedDelays(record.steps))}};
   json["steps"] = steps(record);

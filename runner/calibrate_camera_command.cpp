@@ -19,6 +19,7 @@
 #include "runner/cap_gathering.hpp"
 #include "runner/commands.hpp"
 #include "runner/film_progress.hpp"
+#include "runner/lab_film.hpp"
 
 namespace lab::runner {
 namespace {
@@ -227,10 +228,28 @@ ExitCode printBoard(const CalibrateCameraOptions& options) {
   return kDone;
 }
 
+/// Films the lab of an experiment file, and goes on as with any film.
+ExitCode calibrateFromLab(const CalibrateCameraOptions& options) {
+  refuseExisting(options.out, options.force);
+  const FilmedLab lab = filmLab(options);
+  CalibrateCameraOptions film = options;
+  film.source = lab.pictures;
+  film.arena_cm = lab.arena_cm;
+  if (film.corners.empty()) film.corners = lab.corners;
+  if (film.corners.empty()) {
+    fmt::print("refused   no --corners: read them off {}, then: lab calibrate camera '{}' "
+               "--arena-cm {} --corners \"...\"\n",
+               lab.first, lab.pictures, lab.arena_cm);
+    return kFailed;
+  }
+  return calibrateCamera(film);
+}
+
 }  // namespace
 
 ExitCode calibrateCamera(const CalibrateCameraOptions& options) {
   if (!options.print_board.empty()) return printBoard(options);
+  if (fs::path(options.source).extension() == ".toml") return calibrateFromLab(options);
   refuseExisting(options.out, options.force);
   if (options.source.empty() && options.board_pictures.empty()) {
     throw UserError("calibrate camera: found neither SOURCE nor --board-pictures, expected a film of "

@@ -8,6 +8,7 @@
 #include "calibration/pattern.hpp"
 #include "common/experiment_file.hpp"
 #include "common/experiment_messages.hpp"
+#include "runner/calibration_lab.hpp"
 #include "runner/commands.hpp"
 #include "runner/launch.hpp"
 #include "runner/motor_calibrator.hpp"
@@ -33,19 +34,11 @@ std::vector<std::int32_t> chosenRobots(const Experiment& experiment,
   return wanted.empty() ? all : wanted;
 }
 
-/// The lab of the experiment with a light that does not move, for as long as it may take.
-Experiment labFor(Experiment experiment, std::size_t robots) {
-  experiment.name += "-motors";
-  experiment.duration = kStart + kMostPerRobot * static_cast<double>(robots);
-  LayerSpec uniform;
-  uniform.intensity = experiment.light.safe_intensity;
-  LightStep step;
-  step.label = "calibration";
-  step.layers = {uniform};
-  experiment.light.steps = {step};
-  experiment.light.length = 0;
-  experiment.light.repeat = false;
-  return experiment;
+/// For as long as it may take.
+Experiment labFor(const Experiment& experiment, std::size_t robots) {
+  return labUnderSteadyLight(experiment, "-motors",
+                             kStart + kMostPerRobot * static_cast<double>(robots),
+                             experiment.light.safe_intensity);
 }
 
 /// [s] that one robot takes when nothing is in its way.

@@ -25,6 +25,13 @@ ExitCode run(const RunOptions& options);
 
 ExitCode check(const std::filesystem::path& file, const std::vector<std::string>& set);
 
+struct PreviewOptions {
+  std::filesystem::path file;
+  std::filesystem::path out = ".";  ///< folder of the pictures
+  std::vector<std::string> set;     ///< key=value
+};
+ExitCode preview(const PreviewOptions& options);
+
 struct AnalyzeOptions {
   std::filesystem::path input;  ///< folder of a run, log, or file of poses (.csv)
   std::optional<std::filesystem::path> out;
@@ -58,7 +65,8 @@ struct CalibrateOptions {
 ExitCode calibrateMotors(const CalibrateOptions& options);
 
 struct CalibrateCameraOptions {
-  std::string source;                         ///< film of robots that drive about; empty: none
+  /// Film of robots that drive about, or an experiment file (.toml) whose lab is filmed; or empty.
+  std::string source;
   std::string corners;                        ///< [px] "u,v u,v u,v u,v" (docs/calibration.md)
   std::string board = "9x6,2.8";               ///< columns x rows of discs, spacing in cm
   std::string board_pictures;                 ///< of the board in several poses, empty: none
@@ -71,8 +79,41 @@ struct CalibrateCameraOptions {
   std::optional<double> camera_height_cm;  ///< above the floor, known to 1 cm
   bool k3 = false;
   bool force = false;
+  // Of a lab that is filmed:
+  std::filesystem::path runs = "runs";  ///< where run folders are made
+  std::filesystem::path programs;       ///< folder of the services' programs
+  std::vector<std::string> set;         ///< key=value
+  double film_s = 60;                   ///< [s]
+  bool virtual_time = false;
 };
 ExitCode calibrateCamera(const CalibrateCameraOptions& options);
+
+struct CalibrateProjectorOptions {
+  std::filesystem::path file;
+  std::filesystem::path out = "projector.json";
+  std::filesystem::path runs = "runs";      ///< where run folders are made
+  std::filesystem::path programs;           ///< folder of the services' programs
+  std::vector<std::string> set;             ///< key=value
+  std::optional<double> surface_cm;         ///< above the floor, of what the light falls on
+  std::string projector_cm;                 ///< "x,y,z" of its lens, empty: not known
+  std::string resolution;                   ///< "1920x1080" of a display, empty: headless
+  std::int64_t frames = 4;                  ///< of the camera, for each pattern
+  bool virtual_time = false;
+  bool force = false;
+};
+ExitCode calibrateProjector(const CalibrateProjectorOptions& options);
+
+struct CalibrateLightOptions {
+  std::filesystem::path file;
+  std::filesystem::path out = "light.json";
+  std::filesystem::path runs = "runs";  ///< where run folders are made
+  std::filesystem::path programs;       ///< folder of the services' programs
+  std::vector<std::string> set;         ///< key=value
+  int rounds = 6;                       ///< staircases, at different places
+  bool virtual_time = false;
+  bool force = false;
+};
+ExitCode calibrateLight(const CalibrateLightOptions& options);
 
 struct ReplayOptions {
   std::filesystem::path log;  ///< or the folder of a run

@@ -4,31 +4,35 @@
 #include <utility>
 
 #include "common/channels.hpp"
-#include "common/experiment_cores.hpp"
 #include "common/experiment_messages.hpp"
 #include "common/fingerprints.hpp"
-#include "common/light_messages.hpp"
+#include "common/light_file.hpp"
+#include "common/script_plan.hpp"
 #include "common/units.hpp"
 #include "common/version.hpp"
-#include "light/field.hpp"
-#include "runner/light_schedule.hpp"
 
 namespace lab::runner {
 namespace {
 
 constexpr std::int64_t kRobotPeriod_us = 200'000;     // 5 Hz
-constexpr std::int64_t kLightPeriod_us = 500'000;     // 2 Hz
 constexpr std::int64_t kHandshakePeriod_us = 20'000;
 constexpr std::int64_t kStopPeriod_us = 100'000;      // 10 Hz
 // Then the script starts without those that are missing. A board on a serial line needs 1.3 s for
 // its bootloader, up to 2.5 s until it is spoken to, and a second for its table.
 constexpr std::int64_t kEchoPatience_us = 3'000'000;
 constexpr std::int64_t kSerialEchoPatience_us = 10'000'000;
-constexpr std::int64_t kDeliveryPatience_us = 2'000'000;
+constexpr std::int64_t kLightPatience_us = 2'000'000;
 constexpr std::int64_t kSecond_us = 1'000'000;
 // The network may lose one message; what happens once is said more than once.
 constexpr int kRepeatEvent = 3;
 constexpr std::int64_t kStartEvery_us = 60'000'000;
+
+/// The experiment's bands are light on the arena; robots compare what their sensors read.
+robot_command_t tableFor(const ServiceContext& context) {
+  const robot_command_t command = lightTableCommand(context.experiment);
+  const auto calibration = lightInForce(context.experiment, context.directory);
+  return calibration ? inReadings(command, *calibration) : command;
+}
 
 std::string ownerName(const std::string& sender, std::int64_t instance) {
   return sender + " (instance " + std::to_string(instance) + ")";
@@ -37,15 +41,21 @@ std::string ownerName(const std::string& sender, std::int64_t instance) {
 }  // namespace
 
 Conductor::Conductor(const ServiceContext& context, std::string effective,
-                     std::function<void(const std::string&)> over)
+                     std::function<void(Ending, const std::string&)> over)
     : node_(context.node),
       loop_(context.loop),
       experiment_(context.experiment),
       effective_(std::move(effective)),
       over_(std::move(over)),
-      images_(loadImages(context.experiment, context.directory)),
-      robots_(lightTableCommand(context.experiment)),
-      handshake_(context.experiment) {
+      robots_(tableFor(context)),
+      handshake_(context.experiment),
+      light_(context.node, context.loop, context.experiment, context.directory,
+             {.record = [this](const experiment_event_t& event) { record(event); },
+              .fault = [this](const std::string& what) { fault(what); },
+              .shown = [this] { lightShown(); },
+              .chosen_by_light =
+                  [this] { return robots_.orders.front().mode == robot_order_t::TABLE; },
+              .end = [this](const Turn& turn) { endScript(turn); }}) {
   node_.subscribe<robot_status_t>(channels::kRobotStatus,
                                   [this](const robot_status_t& status) { take(status); });
   node_.subscribe<tracked_frame_t>(channels::kTrackedFrame,
@@ -54,12 +64,6 @@ Conductor::Conductor(const ServiceContext& context, std::string effective,
                                     [this](const service_status_t& status) { take(status); });
   node_.subscribe<robot_stop_t>(channels::kRobotStop,
                                 [this](const robot_stop_t& stop) { take(stop); });
-  node_.subscribe<light_status_t>(channels::kLightStatus, [this](const light_status_t& status) {
-    if (watch_) watch_->take(status);
-    finishWatch();
-    const bool ours = status.command_instance == node_.identity().instance;
-    if (phase_ == Phase::kDimming && ours && status.command_seq == light_.seq) askRobots();
-  });
 }
 
 void Conductor::begin() {
@@ -71,26 +75,14 @@ void Conductor::begin() {
   if (handshake_.needed()) {
     phase_ = Phase::kHandshake;
     after_handshake_ = robots_;
-    setLight(1, "handshake");
+    light_.showEverywhere(1, "handshake");
     loop_.every(kHandshakePeriod_us, now, [this] { shakeHands(); });
   } else {
     askRobots();
   }
   loop_.every(kRobotPeriod_us, now, [this] { sendRobots(); });
-  loop_.every(kLightPeriod_us, now, [this] { sendLight(); });
+  light_.begin();
   loop_.every(kStopPeriod_us, now, [this] { repeatStops(); });
-}
-
-void Conductor::setLight(double intensity, const std::string& label) {
-  LayerSpec uniform;
-  uniform.intensity = intensity;
-  ++light_.seq;
-  light_.from_utime = loop_.now();
-  light_.ramp = 0;
-  light_.label = label;
-  light_.layers = toMessages({uniform});
-  light_.num_layers = static_cast<std::int32_t>(light_.layers.size());
-  sendLight();
 }
 
 void Conductor::shakeHands() {
@@ -111,10 +103,18 @@ void Conductor::shakeHands() {
 void Conductor::dim() {
   phase_ = Phase::kDimming;
   command(standCommand(experiment_));
-  setLight(experiment_.light.safe_intensity, "after the handshake");
-  loop_.at(loop_.now() + kDeliveryPatience_us, [this] {
+  light_.showEverywhere(experiment_.light.safe_intensity, "after the handshake");
+  loop_.at(loop_.now() + kLightPatience_us, [this] {
     if (phase_ == Phase::kDimming) askRobots();
   });
+}
+
+void Conductor::lightShown() {
+  if (phase_ == Phase::kDimming) askRobots();
+  if (phase_ == Phase::kLeaving) {
+    safe_light_ = true;
+    leave();
+  }
 }
 
 void Conductor::askRobots() {
@@ -177,94 +177,44 @@ void Conductor::command(robot_command_t command) {
   sendRobots();
 }
 
-void Conductor::sendLight() {
-  if (light_.seq == 0) return;
-  light_.utime = 0;
-  node_.publishCommand(channels::kLightCommand, light_);
-}
-
 void Conductor::startScript() {
   phase_ = Phase::kScript;
   script_start_ = loop_.now();
-  loop_.at(script_start_ + units::microseconds(experiment_.duration), [this] {
-    if (phase_ == Phase::kScript) over_("");
-  });
-  showStep(0);
+  light_.startScript();
 }
 
-void Conductor::showStep(int number) {
-  const auto step = scheduledStep(experiment_.light, experiment_.duration, number);
-  if (!step) return;
-  const std::int64_t due = script_start_ + units::microseconds(step->at);
-  loop_.at(due, [this, step = *step] {
-    if (phase_ != Phase::kScript) return;
-    if (watch_) {
-      record(watch_->event());
-      watch_.reset();
-    }
-    const LightStep& wanted = experiment_.light.steps[step.index];
-    ++light_.seq;
-    light_.from_utime = loop_.now();
-    light_.ramp = wanted.ramp;
-    light_.label = wanted.label;
-    light_.layers = layersOf(wanted);
-    light_.num_layers = static_cast<std::int32_t>(light_.layers.size());
-    sendLight();
-
-    experiment_event_t event{};
-    event.kind = experiment_event_t::STEP;
-    event.step = step.number;
-    event.label = wanted.label;
-    event.commanded_utime = light_.from_utime;
-    watch_.emplace(event, node_.identity().instance, light_.seq, expectedProgram(wanted),
-                   commandedRobots(experiment_).size());
-    loop_.at(loop_.now() + kDeliveryPatience_us, [this, seq = light_.seq] {
-      if (watch_ && light_.seq == seq) {
-        record(watch_->event());
-        watch_.reset();
-      }
+void Conductor::endScript(const Turn& turn) {
+  if (phase_ != Phase::kScript) return;
+  if (turn.kind == Turn::Kind::kOver) {
+    over_(Ending::kDone,
+          "the script is over" + (turn.ended_by.empty() ? "" : ": " + turn.ended_by));
+  } else if (turn.kind == Turn::Kind::kEnd) {
+    over_(Ending::kUnmet, turn.fault);
+  } else {
+    phase_ = Phase::kLeaving;
+    ended_ = units::seconds(loop_.now() - script_start_);
+    leaving_because_ = turn.fault;
+    command(standCommand(experiment_));
+    light_.showEverywhere(experiment_.light.safe_intensity, "safe");
+    loop_.at(loop_.now() + kLightPatience_us, [this] {
+      if (phase_ == Phase::kLeaving) over_(Ending::kUnmet, leaving_because_);
     });
-    showStep(step.number + 1);
-  });
-}
-
-std::vector<light_layer_t> Conductor::layersOf(const LightStep& step) const {
-  std::vector<light_layer_t> layers = toMessages(step.layers);
-  for (light_layer_t& layer : layers) {
-    if (!layer.image.empty()) layer.image = images_.digests.at(layer.image);
   }
-  return layers;
 }
 
-std::optional<program_t> Conductor::expectedProgram(const LightStep& step) const {
-  const light::Field field = toField(layersOf(step), images_.store);
-  if (step.ramp > 0 || !light::isUniform(field)) return std::nullopt;
-  const double intensity = light::evaluate(field, 0, 0);
-  const LightTable& table = experiment_.light_table;
-  const bool by_light = robots_.orders.front().mode == robot_order_t::TABLE;
-  if (!by_light) return std::nullopt;
-  std::optional<program_t> expected = program_t{};
-  for (const LightBand& band : table.bands) {
-    // Where the hysteresis reaches, a robot does right to keep what it runs.
-    if (!contains(band, intensity, table.hysteresis)) continue;
-    if (!contains(band, intensity) || expected->kind != program_t::NONE) return std::nullopt;
-    expected = toMessage(experiment_.programs.at(band.program));
+/// The run ends when the safe light is on the arena and every robot stands, or when that takes long.
+void Conductor::leave() {
+  if (phase_ == Phase::kLeaving && safe_light_ && allEchoed()) {
+    over_(Ending::kUnmet, leaving_because_);
   }
-  return expected;
-}
-
-void Conductor::finishWatch() {
-  if (!watch_ || !watch_->complete()) return;
-  record(watch_->event());
-  watch_.reset();
 }
 
 void Conductor::take(const robot_status_t& status) {
   checkOwner(status);
   for (const robot_state_t& robot : status.robots) states_[robot.robot_id] = robot;
   if (phase_ == Phase::kAskingRobots && allEchoed()) startScript();
-  if (watch_) watch_->take(status);
-  finishWatch();
+  light_.take(status);
+  leave();
 }
 
 bool Conductor::hasEchoed(const RobotSpec& robot) const {
@@ -305,7 +255,7 @@ void Conductor::checkOwner(const robot_status_t& status) {
                                  ownerName(status.sender, status.instance) +
                                  ": stop one of them or give its robot another id";
         fault(what);
-        over_(what);
+        over_(Ending::kBroken, what);
       }
       continue;
     }
@@ -319,6 +269,7 @@ void Conductor::take(const tracked_frame_t& frame) {
     poses_[pose.robot_id] = pose;
     seen_utime_[pose.robot_id] = frame.utime;
   }
+  light_.take(frame);
 }
 
 void Conductor::take(const robot_stop_t& stop) {
@@ -378,8 +329,7 @@ void Conductor::stopRobots(const std::string& why) {
 
 void Conductor::conclude(const std::string& why) {
   if (phase_ == Phase::kConcluded) return;
-  if (watch_) record(watch_->event());
-  watch_.reset();
+  light_.close();
   if (phase_ == Phase::kScript) ended_ = units::seconds(loop_.now() - script_start_);
   phase_ = Phase::kConcluded;
   command(standCommand(experiment_));
@@ -393,9 +343,10 @@ Progress Conductor::progress() const {
   Progress progress;
   const std::int64_t now = loop_.now();
   if (phase_ == Phase::kScript) progress.elapsed = units::seconds(now - script_start_);
-  if (phase_ == Phase::kConcluded) progress.elapsed = ended_;
+  if (phase_ == Phase::kConcluded || phase_ == Phase::kLeaving) progress.elapsed = ended_;
   progress.left = std::max(0.0, experiment_.duration - progress.elapsed);
-  progress.light = light_.label;
+  progress.at_most = mayEndEarly(experiment_.light);
+  progress.light = light_.label();
   progress.robots_seen = static_cast<std::size_t>(
       std::count_if(seen_utime_.begin(), seen_utime_.end(),
                     [now](const auto& seen) { return now - seen.second < kSecond_us; }));

@@ -4,7 +4,6 @@
 
 #include <cstdint>
 #include <functional>
-#include <lab/light_command_t.hpp>
 #include <lab/robot_command_t.hpp>
 #include <lab/robot_stop_t.hpp>
 #include <lab/service_status_t.hpp>
@@ -15,10 +14,9 @@
 #include <set>
 #include <string>
 
-#include "common/light_messages.hpp"
 #include "common/service_main.hpp"
-#include "runner/delivery_watch.hpp"
 #include "runner/handshake.hpp"
+#include "runner/light_part.hpp"
 
 namespace lab::runner {
 
@@ -26,10 +24,18 @@ namespace lab::runner {
 struct Progress {
   double elapsed = 0;                         ///< [s] of the script
   double left = 0;                            ///< [s]
+  bool at_most = false;                       ///< the run may end earlier
   std::string light;                          ///< label of the step shown
   std::size_t robots_seen = 0;                ///< by the tracker, in the last second
   std::map<std::string, int> robots_running;  ///< robots by the name of their program
   std::int64_t lost = 0;                      ///< messages this process missed
+};
+
+/// How a run ends.
+enum class Ending {
+  kDone,    ///< as it should
+  kUnmet,   ///< as declared for a condition of the script that was not met: marked
+  kBroken,  ///< it makes no sense to go on
 };
 
 /// Conducts one experiment. begin() lets the tracker learn which cap is which robot (handshake.hpp),
@@ -38,10 +44,9 @@ struct Progress {
 class Conductor final : public Service {
  public:
   /// @param effective the experiment file with every default filled in, for the record.
-  /// @param over called when the script's time is up, with an empty text, or with what makes it
-  ///   senseless to go on.
+  /// @param over called when the run is to end, with why.
   Conductor(const ServiceContext& context, std::string effective,
-            std::function<void(const std::string&)> over);
+            std::function<void(Ending, const std::string&)> over);
 
   void begin();
 
@@ -76,44 +81,41 @@ class Conductor final : public Service {
   void take(const service_status_t& status);
   void latch(const robot_stop_t& stop);
   void repeatStops();
-  void setLight(double intensity, const std::string& label);
   void shakeHands();
   void dim();
   void askRobots();
+  void lightShown();
   void startScript();
-  void showStep(int number);
-  void finishWatch();
+  void endScript(const Turn& turn);
+  void leave();
   void announceStart();
   void record(experiment_event_t event);
   void sendRobots();
-  void sendLight();
   void checkOwner(const robot_status_t& status);
   [[nodiscard]] bool hasEchoed(const RobotSpec& robot) const;
   [[nodiscard]] bool allEchoed() const;
   [[nodiscard]] std::string silentRobots() const;
-  [[nodiscard]] std::vector<light_layer_t> layersOf(const LightStep& step) const;
-  [[nodiscard]] std::optional<program_t> expectedProgram(const LightStep& step) const;
 
-  enum class Phase { kIdle, kHandshake, kDimming, kAskingRobots, kScript, kConcluded };
+  enum class Phase { kIdle, kHandshake, kDimming, kAskingRobots, kScript, kLeaving, kConcluded };
 
   Node& node_;
   Loop& loop_;
   const Experiment& experiment_;
   std::string effective_;
-  std::function<void(const std::string&)> over_;
+  std::function<void(Ending, const std::string&)> over_;
 
-  ExperimentImages images_;
   Phase phase_ = Phase::kIdle;
   std::int64_t script_start_ = 0;
-  double ended_ = 0;  ///< [s] of the script, once it is concluded
+  double ended_ = 0;  ///< [s] of the script, once it has ended
+  std::string leaving_because_;
+  bool safe_light_ = false;  ///< while leaving: the safe light is shown
   robot_command_t robots_{};
   robot_command_t after_handshake_{};
   Handshake handshake_;
-  light_command_t light_{};
+  LightPart light_;
   std::map<std::int32_t, std::int64_t> latched_;  ///< seq of the stop in force, by robot
   std::set<std::int64_t> stops_heard_;
   std::set<std::string> complaints_;  ///< of services, already recorded
-  std::optional<DeliveryWatch> watch_;
 
   struct Owner {
     std::string sender;

@@ -9,7 +9,14 @@ namespace lab::runner {
 void DeliveryWatch::take(const light_status_t& status) {
   if (status.command_instance == instance_ && status.command_seq == seq_) {
     presented_utime_ = status.first_shown_utime;
+    // The patch turns again, sooner or later: only what the first frame showed counts.
+    if (status.utime == presented_utime_) sync_ = status.sync;
   }
+}
+
+void DeliveryWatch::take(const light_seen_t& seen) {
+  const bool shows_it = sync_ >= 0 && seen.sync == sync_ && seen.utime >= presented_utime_;
+  if (shows_it && seen_utime_ == 0) seen_utime_ = seen.utime;
 }
 
 void DeliveryWatch::take(const robot_status_t& status) {
@@ -33,6 +40,8 @@ void DeliveryWatch::take(const robot_status_t& status) {
 
 bool DeliveryWatch::complete() const {
   if (presented_utime_ == 0) return false;
+  // A first frame whose status was lost leaves nothing to recognise.
+  if (must_be_seen_ && sync_ >= 0 && seen_utime_ == 0) return false;
   if (!expected_) return true;
   return robots_.size() >= robots_expected_ &&
          std::all_of(robots_.begin(), robots_.end(), [](const auto& entry) {
@@ -44,6 +53,7 @@ bool DeliveryWatch::complete() const {
 experiment_event_t DeliveryWatch::event() const {
   experiment_event_t event = step_;
   event.presented_utime = presented_utime_;
+  event.seen_utime = seen_utime_;
   for (const auto& [id, robot] : robots_) {
     event.robots_expected += robot.must_change ? 1 : 0;
     if (robot.acted_utime == 0) continue;

@@ -1,8 +1,10 @@
-/// Proof that a step of the light script arrived: shown by the projector, obeyed by the robots.
+/// Proof that a step of the light script arrived: shown by the projector, seen by the camera, obeyed
+/// by the robots.
 #pragma once
 
 #include <cstdint>
 #include <lab/experiment_event_t.hpp>
+#include <lab/light_seen_t.hpp>
 #include <lab/light_status_t.hpp>
 #include <lab/robot_status_t.hpp>
 #include <map>
@@ -30,9 +32,13 @@ class DeliveryWatch {
         robots_expected_(robots) {}
 
   void take(const light_status_t& status);
+  void take(const light_seen_t& seen);
   void take(const robot_status_t& status);
 
-  /// Shown, and obeyed by every robot that had to change.
+  /// A camera reads the sync patch: the step is not complete before it saw the light.
+  void expectSeen() { must_be_seen_ = true; }
+
+  /// Shown, seen where a camera sees, and obeyed by every robot that had to change.
   [[nodiscard]] bool complete() const;
 
   /// The step with the times known so far.
@@ -51,6 +57,9 @@ class DeliveryWatch {
   std::optional<program_t> expected_;
   std::size_t robots_expected_;
   std::int64_t presented_utime_ = 0;
+  bool must_be_seen_ = false;
+  std::int8_t sync_ = -1;  ///< what the patch shows since then
+  std::int64_t seen_utime_ = 0;
   std::map<std::int32_t, RobotWatch> robots_;
 };
 

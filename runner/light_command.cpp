@@ -6,47 +6,38 @@
 #include "common/asio_loop.hpp"
 #include "common/channels.hpp"
 #include "common/experiment_file.hpp"
-#include "common/experiment_messages.hpp"
 #include "common/lcm_bus.hpp"
+#include "common/light_messages.hpp"
 #include "common/node.hpp"
 #include "common/units.hpp"
 #include "runner/commands.hpp"
 #include "runner/lab_registry.hpp"
+#include "runner/light_by_hand.hpp"
+#include "runner/run_directory.hpp"
 
 namespace lab::runner {
 namespace {
+
+namespace fs = std::filesystem;
 
 constexpr std::int64_t kRepeat_us = 100'000;
 constexpr std::int64_t kPatience_us = 3'000'000;
 // "Until released" without anybody to repeat it: 2100-01-01.
 constexpr std::int64_t kForGood_utime = 4'102'444'800'000'000;
 
-/// The layers as an experiment file would have them: the same keys, the same checks.
-std::vector<LayerSpec> parseLayers(const std::vector<std::string>& texts) {
-  std::string layers;
-  for (const std::string& text : texts) {
-    const bool number = text.find_first_not_of("0123456789.") == std::string::npos;
-    layers += number ? fmt::format("{{kind = \"uniform\", intensity = {}}}, ", text) : text + ", ";
+std::vector<light::DrivenLayer> layersFor(const RunningLab& lab,
+                                          const std::vector<std::string>& texts) {
+  const fs::path directory = lab.directory;
+  const fs::path file = directory / files::kExperiment;
+  if (lab.directory.empty() || !fs::exists(file)) {
+    return layersByHand(texts, experimentByHand(), {}, fs::current_path());
   }
-  const std::string file = fmt::format(R"(
-fileversion = 1
-name = "by_hand"
-duration_s = 1
-[[robots]]
-id = 1
-[programs.stand]
-model = "stand"
-[light_table]
-bands = [{{light = [0, 1], program = "stand"}}]
-[[light.steps]]
-at_s = 0
-layers = [{}]
-)",
-                                       layers);
-  return parseExperiment(file, "lab light").light.steps.front().layers;
+  const Experiment experiment = loadExperiment(file);
+  return layersByHand(texts, experiment, loadImages(experiment, directory).store,
+                      fs::current_path());
 }
 
-light_command_t command(const LightOptions& options, std::int64_t now) {
+light_command_t command(const LightOptions& options, const RunningLab& lab, std::int64_t now) {
   light_command_t command{};
   command.seq = 1;
   command.priority = light_command_t::MANUAL;
@@ -56,8 +47,7 @@ light_command_t command(const LightOptions& options, std::int64_t now) {
   command.hold_until_utime =
       options.hold ? now + units::microseconds(*options.hold) : kForGood_utime;
   command.label = "by hand";
-  if (!options.release) command.layers = toMessages(parseLayers(options.layers));
-  command.num_layers = static_cast<std::int32_t>(command.layers.size());
+  if (!options.release) setLayers(command, layersFor(lab, options.layers));
   return command;
 }
 
@@ -73,7 +63,7 @@ ExitCode light(const LightOptions& options) {
   AsioLoop loop;
   LcmBus bus(lab.url);
   Node node(bus, loop, {"lab_light", 0, loop.now()});
-  light_command_t wanted = command(options, loop.now());
+  light_command_t wanted = command(options, lab, loop.now());
   std::string refusal;
   bool done = false;
   node.subscribe<light_status_t>(channels::kLightStatus, [&](const light_status_t& status) {

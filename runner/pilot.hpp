@@ -22,10 +22,15 @@ inline constexpr const char* kPilotDone = "the pilot is done";
 /// A pilot with its node, beside the conductor.
 class PilotSeat {
  public:
-  PilotSeat(Bus& bus, Loop& loop, const PreparedRun& run, std::int64_t instance,
+  PilotSeat(Bus& bus, Loop& loop, Cameras& cameras, const PreparedRun& run, std::int64_t instance,
             const PilotFactory& make, Conductor& conductor, std::function<void()> done)
       : node_(bus, loop, {"pilot", 0, instance}),
-        pilot_(make({node_, loop, run.experiment, run.directory}, conductor, std::move(done))) {}
+        pilot_(make({.node = node_,
+                     .loop = loop,
+                     .experiment = run.experiment,
+                     .directory = run.directory,
+                     .cameras = cameras},
+                    conductor, std::move(done))) {}
 
   void begin() {
     node_.start();

@@ -34,7 +34,8 @@ std::string progressText(const Progress& progress) {
   for (const auto& [name, robots] : progress.robots_running) {
     programs += fmt::format("{}{} {}", programs.empty() ? "" : ", ", robots, name);
   }
-  return fmt::format("{} left | light {} | {} robot{} seen | {} | {} lost", leftText(progress.left),
+  return fmt::format("{}{} left | light {} | {} robot{} seen | {} | {} lost",
+                     progress.at_most ? "at most " : "", leftText(progress.left),
                      progress.light.empty() ? "-" : progress.light, progress.robots_seen,
                      progress.robots_seen == 1 ? "" : "s", programs.empty() ? "no robot" : programs,
                      progress.lost);

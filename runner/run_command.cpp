@@ -2,7 +2,9 @@
 
 #include <optional>
 
+#include "common/light_file.hpp"
 #include "common/experiment_file.hpp"
+#include "common/projector_file.hpp"
 #include "common/units.hpp"
 #include "report/analyze_run.hpp"
 #include "report/report_error.hpp"
@@ -61,6 +63,8 @@ ExitCode check(const fs::path& file, const std::vector<std::string>& set) {
   if (experiment.camera.tracker == Tracker::kCamera) {
     static_cast<void>(cameraInForce(experiment, file.parent_path()));
   }
+  checkProjectorFile(experiment, file.parent_path());
+  static_cast<void>(lightInForce(experiment, file.parent_path()));
   fmt::print("{}", describeExperiment(experiment));
   return kDone;
 }

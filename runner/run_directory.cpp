@@ -6,9 +6,11 @@
 #include <fstream>
 #include <iterator>
 
+#include "common/light_file.hpp"
 #include "common/camera_file.hpp"
 #include "common/experiment_file.hpp"
 #include "common/motor_file.hpp"
+#include "common/projector_file.hpp"
 #include "light/image.hpp"
 #include "optics/simulated_camera.hpp"
 #include "runner/exit_code.hpp"
@@ -59,6 +61,20 @@ void adoptCamera(Experiment& experiment, const std::string& calibration, const f
   fs::create_directories(run / files::kCalibration);
   writeNewFile(run / name, calibration);
   experiment.camera.calibration = name.string();
+}
+
+void adoptProjector(Experiment& experiment, const fs::path& calibration, const fs::path& run) {
+  const fs::path name = fs::path(files::kCalibration) / "projector_in_force.json";
+  fs::create_directories(run / files::kCalibration);
+  fs::copy_file(calibration, run / name);
+  experiment.projector.calibration = name.string();
+}
+
+void adoptLight(Experiment& experiment, const fs::path& calibration, const fs::path& run) {
+  const fs::path name = fs::path(files::kCalibration) / "light_in_force.json";
+  fs::create_directories(run / files::kCalibration);
+  fs::copy_file(calibration, run / name);
+  experiment.projector.light_calibration = name.string();
 }
 
 /// Recordings stay where they are, as they are large: the run's file names them from its own folder.
@@ -113,14 +129,18 @@ fs::path makeRunDirectory(const fs::path& parent, const std::string& name, std::
 }
 
 void adoptImages(Experiment& experiment, const fs::path& source, const fs::path& run) {
+  const auto adopt = [&](std::string& image) {
+    if (image.empty()) return;
+    const fs::path from = source / image;
+    const fs::path name = light::sha256(readFile(from)) + from.extension().string();
+    fs::create_directories(run / files::kImages);
+    fs::copy_file(from, run / files::kImages / name, fs::copy_options::skip_existing);
+    image = (fs::path(files::kImages) / name).string();
+  };
   for (LightStep& step : experiment.light.steps) {
     for (LayerSpec& layer : step.layers) {
-      if (layer.image.empty()) continue;
-      const fs::path from = source / layer.image;
-      const fs::path name = light::sha256(readFile(from)) + from.extension().string();
-      fs::create_directories(run / files::kImages);
-      fs::copy_file(from, run / files::kImages / name, fs::copy_options::skip_existing);
-      layer.image = (fs::path(files::kImages) / name).string();
+      adopt(layer.image);
+      for (std::string& image : layer.drive.images) adopt(image);
     }
   }
 }
@@ -140,9 +160,15 @@ PreparedRun prepareRun(Experiment experiment, const fs::path& source, const fs::
   if (!motors.empty()) static_cast<void>(readMotorFile(source / motors));  // or say why not, now
   const bool by_camera = experiment.camera.tracker == Tracker::kCamera;
   const std::string camera = by_camera ? cameraInForce(experiment, source) : std::string();
+  checkProjectorFile(experiment, source);
+  const fs::path projector = experiment.projector.calibration;
+  const fs::path light = experiment.projector.light_calibration;
+  static_cast<void>(lightInForce(experiment, source));  // or say why not, now
   run.directory = makeRunDirectory(parent, experiment.name, utime);
   if (!motors.empty()) adoptMotors(experiment, source / motors, run.directory);
   if (by_camera) adoptCamera(experiment, camera, run.directory);
+  if (!projector.empty()) adoptProjector(experiment, source / projector, run.directory);
+  if (!light.empty()) adoptLight(experiment, source / light, run.directory);
   adoptRecordings(experiment, recordings, run.directory);
   adoptImages(experiment, source, run.directory);
   run.effective = writeExperiment(experiment);

@@ -7,6 +7,7 @@
 #include <lab/service_status_t.hpp>
 #include <thread>
 
+#include "cameras/camera_devices.hpp"
 #include "common/asio_loop.hpp"
 #include "common/channels.hpp"
 #include "common/experiment_file.hpp"
@@ -38,12 +39,10 @@ class LiveRun {
         bus_(options.url),
         node_(bus_, loop_, {"lab", 0, loop_.now()}),
         conductor_({node_, loop_, run.experiment, run.directory}, run.effective,
-                   [this](const std::string& fault) {
-                     fault.empty() ? finish("the script is over") : closeEarly(fault);
-                   }),
+                   [this](Ending ending, const std::string& why) { over(ending, why); }),
         supervisor_(run, options) {
     if (pilot) {
-      seat_.emplace(bus_, loop_, run, loop_.now(), pilot, conductor_,
+      seat_.emplace(bus_, loop_, cameras_, run, loop_.now(), pilot, conductor_,
                     [this] { finish(kPilotDone); });
     }
     node_.subscribe<service_status_t>(channels::kServiceStatus, [this](const auto& status) {
@@ -144,6 +143,15 @@ class LiveRun {
     closeEarly(fmt::format("the disk is full ({} MB left)", space.available / 1'000'000));
   }
 
+  void over(Ending ending, const std::string& why) {
+    if (ending == Ending::kBroken) {
+      closeEarly(why);
+      return;
+    }
+    outcome_.closed_early = outcome_.closed_early || ending == Ending::kUnmet;
+    finish(why);
+  }
+
   void closeEarly(const std::string& why) {
     if (finishing_) return;
     outcome_.closed_early = true;
@@ -180,6 +188,7 @@ class LiveRun {
   const ShowProgress& show_;
   AsioLoop loop_;
   LcmBus bus_;
+  CameraDevices cameras_{loop_, run_.directory / files::kPorts};
   Node node_;
   Conductor conductor_;
   std::optional<PilotSeat> seat_;

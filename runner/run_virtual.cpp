@@ -49,14 +49,14 @@ RunOutcome runVirtual(const PreparedRun& run, const ShowProgress& show,
   Node node(bus, loop, {"lab", 0, 1});
   std::string why = "ended by the user";
   Conductor conductor({node, loop, run.experiment, run.directory}, run.effective,
-                      [&](const std::string& fault) {
-                        why = fault.empty() ? "the script is over" : fault;
-                        outcome.closed_early = !fault.empty();
+                      [&](Ending ending, const std::string& because) {
+                        why = because;
+                        outcome.closed_early = ending != Ending::kDone;
                         loop.stop();
                       });
   std::optional<PilotSeat> seat;
   if (pilot) {
-    seat.emplace(bus, loop, run, 1, pilot, conductor, [&] {
+    seat.emplace(bus, loop, cameras, run, 1, pilot, conductor, [&] {
       why = kPilotDone;
       loop.stop();
     });

@@ -15,6 +15,7 @@ TEST(Delivery, TakesPercentilesByNearestRank) {
 
   EXPECT_EQ(dut.count, 100U);
   EXPECT_DOUBLE_EQ(dut.p50, 50);
+  EXPECT_DOUBLE_EQ(dut.p95, 95);
   EXPECT_DOUBLE_EQ(dut.p99, 99);
   EXPECT_DOUBLE_EQ(dut.max, 100);
   EXPECT_DOUBLE_EQ(percentilesOf({7}).p50, 7);
@@ -25,6 +26,7 @@ TEST(Delivery, LeavesOutWhatNeverHappened) {
   StepRecord shown;
   shown.commanded_utime = 1'000'000;
   shown.presented_utime = 1'017'000;
+  shown.seen_utime = 1'025'000;
   shown.first_acted_utime = 1'040'000;
   shown.last_acted_utime = 1'060'000;
   shown.robots_acted = 2;
@@ -34,6 +36,8 @@ TEST(Delivery, LeavesOutWhatNeverHappened) {
 
   EXPECT_EQ(presentedDelays({shown, lost}).count, 1U);
   EXPECT_DOUBLE_EQ(presentedDelays({shown, lost}).max, 17);
+  EXPECT_EQ(seenDelays({shown, lost}).count, 1U);
+  EXPECT_DOUBLE_EQ(seenDelays({shown, lost}).max, 25);
   EXPECT_DOUBLE_EQ(firstActedDelays({shown, lost}).max, 40);
   // One robot never obeyed: there is no last one.
   EXPECT_EQ(lastActedDelays({shown, lost}).count, 0U);

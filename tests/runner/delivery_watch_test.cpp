@@ -91,6 +91,43 @@ TEST(DeliveryWatch, AnotherCommandsLightIsNotThisOne) {
   EXPECT_EQ(dut.event().presented_utime, 0);
 }
 
+light_seen_t seen(std::int64_t utime, std::int8_t sync) {
+  light_seen_t seen{};
+  seen.utime = utime;
+  seen.sync = sync;
+  return seen;
+}
+
+TEST(DeliveryWatch, IsSeenInTheFirstPictureThatShowsThePatchTurned) {
+  DeliveryWatch dut = watching(std::nullopt);
+  dut.expectSeen();
+  light_status_t first = shown(2000);
+  first.utime = 2000;
+  first.sync = 1;
+  dut.take(first);
+  EXPECT_FALSE(dut.complete());
+  dut.take(seen(1990, 1));
+  dut.take(seen(2005, -1));
+  dut.take(seen(2010, 0));
+  EXPECT_FALSE(dut.complete()) << "none of these shows the new light";
+  dut.take(seen(2015, 1));
+  dut.take(seen(2025, 1));
+  EXPECT_TRUE(dut.complete());
+  EXPECT_EQ(dut.event().seen_utime, 2015);
+}
+
+TEST(DeliveryWatch, IsNotSeenByALaterTurnOfThePatch) {
+  DeliveryWatch dut = watching(std::nullopt);
+  dut.expectSeen();
+  light_status_t later = shown(2000);  // the first frame's status was lost
+  later.utime = 900'000;
+  later.sync = 0;
+  dut.take(later);
+  dut.take(seen(2015, 0));
+  EXPECT_TRUE(dut.complete());
+  EXPECT_EQ(dut.event().seen_utime, 0);
+}
+
 TEST(DeliveryWatch, UnderALightThatDependsOnPlaceNobodyIsExpectedToAct) {
   DeliveryWatch dut = watching(std::nullopt);
   dut.take(running(1, program_t{}, 0, 2010));

@@ -1,0 +1,168 @@
+// The field of a run, worked out again from what was on its bus: the same bytes, in virtual time
+// and live.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <lab/light_command_t.hpp>
+#include <lab/light_status_t.hpp>
+#include <lab/tracked_frame_t.hpp>
+#include <string>
+#include <vector>
+
+#include "common/asio_loop.hpp"
+#include "common/channels.hpp"
+#include "common/experiment_file.hpp"
+#include "common/experiment_messages.hpp"
+#include "common/lcm_bus.hpp"
+#include "common/light_messages.hpp"
+#include "common/memory_bus.hpp"
+#include "common/virtual_loop.hpp"
+#include "projector_ctl/projector_messages.hpp"
+#include "projector_ctl/projector_service.hpp"
+#include "projector_ctl/replay.hpp"
+#include "sim_svc/sim_service.hpp"
+
+namespace lab::system_test {
+namespace {
+
+struct Logged {
+  std::string channel;
+  std::vector<std::uint8_t> data;
+};
+
+/// The services of a lab and one who shows the first light step, each on a bus of its own.
+class Lab {
+ public:
+  Lab(const Experiment& experiment, Loop& loop, Bus& sim_bus, Bus& projector_bus, Bus& other_bus)
+      : sim_node_(sim_bus, loop, {"sim_svc", 2, 11}),
+        projector_node_(projector_bus, loop, {"projector_ctl", 2, 12}),
+        other_(other_bus, loop, {"lab", 0, 13}),
+        sim_{{sim_node_, loop, experiment, {}}},
+        projector_{{projector_node_, loop, experiment, {}}} {
+    sim_node_.start();
+    projector_node_.start();
+    setLayers(light_, toDrivenLayers(experiment.light.steps.at(0).layers, {}));
+    light_.seq = 1;
+    loop.every(500'000, loop.now() + 300'000, [this] {
+      light_.utime = 0;
+      other_.publishCommand(channels::kLightCommand, light_);
+    });
+    orders_ = lightTableCommand(experiment);
+    orders_.seq = 1;
+    orders_.lease_ms = 1000;
+    loop.every(200'000, loop.now(), [this] {
+      orders_.utime = 0;
+      other_.publishCommand(channels::kRobotCommand, orders_);
+    });
+  }
+
+ private:
+  Node sim_node_;
+  Node projector_node_;
+  Node other_;
+  sim::SimService sim_;
+  projector::ProjectorService projector_;
+  light_command_t light_{};
+  robot_command_t orders_{};
+};
+
+void logInto(std::vector<Logged>& log, Bus& bus) {
+  bus.subscribeAll([&log](const Packet& packet) {
+    log.push_back({std::string(packet.channel), {packet.data.begin(), packet.data.end()}});
+  });
+}
+
+struct Compared {
+  int statuses = 0;  ///< of the script
+  int same = 0;
+  int not_said = 0;
+  int brightest = 0;  ///< byte of a trail
+};
+
+Compared replay(const Experiment& experiment, const std::vector<Logged>& log) {
+  const projector::Surroundings surroundings = projector::surroundingsOf(experiment, {});
+  projector::Replay dut(surroundings);
+  Compared compared;
+  for (const Logged& message : log) {
+    light_command_t command{};
+    tracked_frame_t frame{};
+    light_status_t status{};
+    if (message.channel == channels::kLightCommand && decode(message.data, command)) {
+      dut.take(projector::toCommand(command, experiment, {}));
+    } else if (message.channel == channels::kTrackedFrame && decode(message.data, frame)) {
+      dut.take(projector::toSeenFrame(frame));
+    } else if (message.channel == channels::kLightStatus && decode(message.data, status)) {
+      const auto found = dut.layersOf(projector::toShownRecord(status));
+      if (status.commander.empty()) continue;
+      ++compared.statuses;
+      if (!found) {
+        ++compared.not_said;
+        continue;
+      }
+      light_status_t again = status;
+      again.layers = toMessages(*found);
+      again.num_layers = static_cast<std::int32_t>(again.layers.size());
+      if (encode(again) == encode(status)) ++compared.same;
+      for (const light_layer_t& layer : status.layers) {
+        for (const std::uint8_t byte : layer.grid) {
+          compared.brightest = std::max<int>(compared.brightest, byte);
+        }
+      }
+    }
+  }
+  return compared;
+}
+
+Experiment example(const std::string& name) {
+  return loadExperiment(std::string(LAB_EXPERIMENTS) + "/" + name + ".toml");
+}
+
+class ClosedLoopLog : public testing::TestWithParam<std::string> {};
+
+TEST_P(ClosedLoopLog, GivesTheSameFieldInVirtualTime) {
+  const Experiment experiment = example(GetParam());
+  std::vector<Logged> log;
+  VirtualLoop loop;
+  MemoryBus bus{[&loop] { return loop.now(); }};
+  loop.drainWith([&bus] { bus.deliver(); });
+  logInto(log, bus);
+  const Lab lab(experiment, loop, bus, bus, bus);
+  loop.runUntil(loop.now() + 20'000'000);
+
+  const Compared compared = replay(experiment, log);
+  EXPECT_GT(compared.statuses, 19 * 55);
+  EXPECT_EQ(compared.not_said, 0);
+  EXPECT_EQ(compared.same, compared.statuses);
+  if (GetParam() == "pheromone") {
+    EXPECT_GT(compared.brightest, 50);
+  }
+}
+
+TEST_P(ClosedLoopLog, GivesTheSameFieldLive) {
+  constexpr int kPort = 7846;
+  const Experiment experiment = example(GetParam());
+  std::vector<Logged> log;
+  AsioLoop loop;
+  const std::string url = lcmUrl(kPort);
+  LcmBus logger(url);
+  LcmBus sim_bus(url);
+  LcmBus projector_bus(url);
+  LcmBus other_bus(url);
+  logInto(log, logger);
+  const Lab lab(experiment, loop, sim_bus, projector_bus, other_bus);
+  for (LcmBus* bus : {&logger, &sim_bus, &projector_bus, &other_bus}) {
+    loop.onReadable(bus->fileDescriptor(), [bus] { bus->drain(); });
+  }
+  loop.at(loop.now() + 4'000'000, [&loop] { loop.stop(); });
+  loop.run();
+
+  const Compared compared = replay(experiment, log);
+  EXPECT_GT(compared.statuses, 50);  // a busy machine leaves frames out
+  EXPECT_EQ(compared.not_said, 0);
+  EXPECT_EQ(compared.same, compared.statuses);
+}
+
+INSTANTIATE_TEST_SUITE_P(Examples, ClosedLoopLog, testing::Values("follow_spot", "pheromone"));
+
+}  // namespace
+}  // namespace lab::system_test
