@@ -62,6 +62,18 @@ void rasteriseFullHd(benchmark::State& state) {
 }
 BENCHMARK(rasteriseFullHd)->Arg(0)->Arg(1)->Arg(12)->Unit(benchmark::kMillisecond);
 
+/// One layer of this kind (LayerKind): stripes, noise with patches of 5 cm, waves.
+void rasteriseKindFullHd(benchmark::State& state) {
+  Field field = fieldOf(1);
+  Layer& layer = field.layers.front();
+  layer.kind = static_cast<LayerKind>(state.range(0));
+  layer.size = 0.05;
+  layer.inner = 0.5;
+  const CompiledField compiled(field);
+  for (auto _ : state) benchmark::DoNotOptimize(rasterise(compiled, kWidth, kHeight, 1920, 1080));
+}
+BENCHMARK(rasteriseKindFullHd)->Arg(7)->Arg(11)->Arg(12)->Unit(benchmark::kMillisecond);
+
 void rampFrameFullHd(benchmark::State& state) {
   lab::light::FramePainter painter(kWidth, kHeight, 1920, 1080);
   Field field = fieldOf(12);

@@ -4,13 +4,13 @@
 #include <string_view>
 
 #include "optics/image.hpp"
+#include "optics/letters.hpp"
 #include "tracker_svc/rgb_image.hpp"
 
 namespace lab::tracker {
 
-/// Size of a letter with its space to the next one and to the line below [px].
-inline constexpr int kLetterWidth = 6;
-inline constexpr int kLetterHeight = 9;
+using optics::kLetterHeight;
+using optics::kLetterWidth;
 
 /// Draws on a picture; what lies outside is left out.
 class Canvas {

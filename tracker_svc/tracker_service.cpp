@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <lab/cap_detail_t.hpp>
+#include <lab/light_seen_t.hpp>
+#include <lab/light_status_t.hpp>
 #include <lab/robot_state_t.hpp>
 #include <utility>
 
@@ -137,6 +139,14 @@ TrackerService::TrackerService(const ServiceContext& context)
                                   [this](const robot_status_t& status) { take(status); });
   node_.subscribe<tracked_frame_t>(channels::kTrackedFrame,
                                    [this](const tracked_frame_t& frame) { notice(frame); });
+  if (experiment_.projector.sync_patch > 0) {
+    sync_.emplace(detector_.camera());
+    node_.subscribe<light_status_t>(channels::kLightStatus, [this](const light_status_t& status) {
+      if (status.sync < 0) return;
+      // The light of a new command is told from the old one's by both of its numbers.
+      sync_->shown(seconds(status.utime), status.sync, status.command_instance ^ status.command_seq);
+    });
+  }
   source_ = context.cameras.open(
       experiment_.camera.source, wantedFormat(experiment_.camera),
       {.frame = [this](const CameraFrame& frame) { take(frame); },
@@ -197,6 +207,7 @@ void TrackerService::take(const CameraFrame& frame) {
   if (loop_.now() >= other_until_) {
     if (std::exchange(silent_, false)) trouble("");
     publish(frame, utime, tracks);
+    readSync(frame, utime);
   }
   latency_.add(units::seconds(loop_.now() - arrived));
   if (begins) report();
@@ -209,12 +220,12 @@ const std::vector<Track>& TrackerService::track(const optics::GreyView& picture,
   std::vector<Rejection> rejected;
   const std::vector<Detection>* found = nullptr;
   if (draw || !all_seen_ || now >= next_search_) {
-    found = &detector_.search(picture, draw ? &rejected : nullptr);
+    found = &detector_.search(picture, draw ? &rejected : nullptr, expected);
     next_search_ = now + kSearchEvery_us;
   } else {
     found = &detector_.follow(picture, expected);
     const auto missing = [](const Detection& cap) { return cap.quality <= 0; };
-    if (std::ranges::any_of(*found, missing)) found = &detector_.search(picture);
+    if (std::ranges::any_of(*found, missing)) found = &detector_.search(picture, nullptr, expected);
   }
   const std::vector<Track>& tracks = tracker_.update(time, *found);
   std::size_t seen = 0;
@@ -267,6 +278,18 @@ void TrackerService::publish(const CameraFrame& frame, std::int64_t utime,
   node_.publish(channels::kTrackedDetails, details);
   status_.caps = details.num_caps;
   status_.unbound = message.num_unidentified;
+}
+
+void TrackerService::readSync(const CameraFrame& frame, std::int64_t utime) {
+  if (!sync_) return;
+  const std::optional<SyncSeen> seen = sync_->look(frame.grey, seconds(utime));
+  if (!seen) return;
+  light_seen_t message{};
+  message.utime = utime;
+  message.frame = frame.number;
+  message.level = seen->level;
+  message.sync = seen->sync;
+  node_.publish(channels::kLightSeen, message);
 }
 
 void TrackerService::complain(const std::string& what) {

@@ -18,6 +18,7 @@
 #include "tracker_svc/detector.hpp"
 #include "tracker_svc/latency.hpp"
 #include "tracker_svc/picture_check.hpp"
+#include "tracker_svc/sync_reader.hpp"
 
 namespace lab::tracker {
 
@@ -38,6 +39,7 @@ class TrackerService final : public Service {
  private:
   void take(const robot_status_t& status);
   void take(const CameraFrame& frame);
+  void readSync(const CameraFrame& frame, std::int64_t utime);
   void trouble(const std::string& what);
   void ended(const std::string& problem);
   const std::vector<Track>& track(const optics::GreyView& picture, double time);
@@ -55,6 +57,7 @@ class TrackerService final : public Service {
   CapTracker tracker_;
   calibration::SpacingCheck spacing_;
   PictureCheck pictures_;
+  std::optional<SyncReader> sync_;  ///< where the projector shows a sync patch
   Latency latency_;
   std::unique_ptr<DebugPort> debug_;
   std::unique_ptr<FrameSource> source_;
