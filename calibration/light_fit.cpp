@@ -208,6 +208,19 @@ LightFit fitLight(const std::vector<LightSample>& samples, double width, double 
   const Eigen::MatrixXd covariance =
       normal.ldlt().solve(Eigen::MatrixXd::Identity(normal.rows(), normal.cols()));
   fit.gamma_sigma = fit.gamma * std::sqrt(spread * std::max(0.0, covariance(kGamma, kGamma)));
+  for (const auto& [name, gain] : fit.gains) {
+    if (gain <= limits.gain && gain >= 1 / limits.gain) continue;
+    fit.refusal = fmt::format(
+        "the {} sensor of robot {} reads {:.3g} times what the others read, allowed {:.2g} to {:.2g}: "
+        "is it covered, or broken?",
+        name.front ? "front" : "back", name.robot, gain, 1 / limits.gain, limits.gain);
+    return fit;
+  }
+  if (!(fit.gamma <= limits.gamma && fit.gamma >= 1 / limits.gamma)) {
+    fit.refusal = fmt::format("gamma {:.3g}, allowed {:.2g} to {:.2g}: did the light change at all?",
+                              fit.gamma, 1 / limits.gamma, limits.gamma);
+    return fit;
+  }
   if (!(fit.residual <= limits.residual)) {
     fit.refusal = fmt::format(
         "readings miss the model by {:.2f} % of full scale, allowed {:.2f} %: is there other light, "

@@ -36,6 +36,8 @@ struct LightLimits {
   double residual = 0.02;  ///< [1] rms at most, of full scale
   int levels = 5;          ///< different values at least
   int places = 6;          ///< 10 cm apart at least, for the vignetting
+  double gain = 5;         ///< of a sensor at most, and its inverse at least
+  double gamma = 6;        ///< at most, and its inverse at least
 };
 
 /// reading = g (ambient + scale V(x, y) value^gamma), g of each sensor, their mean logarithm 0.

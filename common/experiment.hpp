@@ -236,7 +236,7 @@ struct Projector {
   std::string light_calibration;    ///< file as written, empty: light is proportional to values
   double latency = 0;               ///< [s] from the swap of a picture to its light
   bool overlay = false;
-  double sync_patch = 0.025;        ///< [m] side, 0: none
+  double sync_patch = 0.015;        ///< [m] side, 0: none
   int width = 1920;                 ///< [px] of the simulated projector, as all that follows
   int height = 1080;                ///< [px]
   double keystone = 0;              ///< [1]

@@ -105,6 +105,10 @@ void visitLight(KeyVisitor& v, ExperimentForm& form) {
             [&](StepEntry& step) { visitStep(v, step); });
 }
 
+// A robot in the corner has its axis 3.75 cm from both walls, and a light sensor 3 cm from its axis:
+// that comes as near as 1.63 cm to both.
+constexpr double kLargestPatch_cm = 1.6;
+
 void visitProjector(KeyVisitor& v, Projector& projector) {
   v.text({"display",
           "headless: no window, and sim_svc shows the light; else the name or number of a display "
@@ -127,7 +131,7 @@ void visitProjector(KeyVisitor& v, Projector& projector) {
   v.number({"sync_patch_cm",
             "side of a square in the corner at the origin that turns with every command, for the "
             "camera to see; 0: none. Only with camera.tracker = \"camera\""},
-           {0, 5}, projector.sync_patch);
+           {0, kLargestPatch_cm}, projector.sync_patch);
   std::int64_t width = projector.width;
   std::int64_t height = projector.height;
   v.integer({"width_px", "of the simulated projector's picture"}, 160, 8192, width);

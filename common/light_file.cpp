@@ -6,6 +6,7 @@
 #include <cmath>
 #include <memory>
 
+#include "common/experiment_messages.hpp"
 #include "common/json_section.hpp"
 #include "common/units.hpp"
 
@@ -15,6 +16,24 @@ namespace {
 constexpr const char* kForm = "active-lab light 1";
 constexpr double kSameLength = 1e-4;  // [m] of an arena's side
 constexpr std::int32_t kLargestId = 9999;
+constexpr double kNarrowestBand = 0.005;  // [1] of the converter's full scale: five of its steps
+
+/// Every robot must be able to tell the bands apart.
+void checkBands(const Experiment& experiment, const LightCalibration& calibration,
+                const std::string& file) {
+  const robot_command_t table = inReadings(lightTableCommand(experiment), calibration);
+  for (const robot_order_t& order : table.orders) {
+    for (std::size_t i = 0; i < order.bands.size(); ++i) {
+      if (order.bands[i].high - order.bands[i].low >= kNarrowestBand) continue;
+      const LightBand& band = experiment.light_table.bands[i];
+      throw ExperimentError({fmt::format(
+          "{}: robot {} would read {:.3f} to {:.3f} in the band {:g} to {:g} of {}, needed are {:g} "
+          "between the two; lower the band, or mend what its sensors see of the light",
+          file, order.robot_ids.front(), order.bands[i].low, order.bands[i].high, band.low, band.high,
+          band.program, kNarrowestBand)});
+    }
+  }
+}
 
 }  // namespace
 
@@ -59,7 +78,7 @@ LightCalibration readLightFile(const std::filesystem::path& path) {
   const std::string text = readFileText(name);
   const nlohmann::json root =
       parseJson(name, text, "a calibration of light (lab calibrate light writes one)");
-  const JsonSection file(name, "docs/calibration.md lists the keys", root);
+  const JsonSection file(name, "docs/photometry.md lists the keys", root);
   if (!file.has("form") || file.text("form") != kForm) {
     file.fail("", fmt::format("is no calibration of light: found no \"form\": \"{}\"; lab calibrate "
                               "light writes one",
@@ -121,6 +140,7 @@ std::optional<LightCalibration> lightInForce(const Experiment& experiment,
         found.arena_height / units::kCentimetre, experiment.arena_width / units::kCentimetre,
         experiment.arena_height / units::kCentimetre)});
   }
+  checkBands(experiment, found, path.string());
   return found;
 }
 

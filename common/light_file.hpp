@@ -48,6 +48,11 @@ struct LightCalibration {
 [[nodiscard]] robot_command_t inReadings(const robot_command_t& command,
                                          const LightCalibration& calibration);
 
+/// What LIGHT_STATUS says of the calibrations in force, either of which may be empty.
+[[nodiscard]] inline std::string bothIds(const std::string& projector, const std::string& light) {
+  return projector.empty() || light.empty() ? projector + light : projector + " " + light;
+}
+
 /// @throws ExperimentError that names the file, the key, what was found and what was expected.
 [[nodiscard]] LightCalibration readLightFile(const std::filesystem::path& file);
 

@@ -23,7 +23,7 @@ FrameLoop::FrameLoop(Loop& loop, FrameClock clock, Owner owner,
 /// A loop that fell behind leaves frames out, as a display would.
 std::int64_t FrameLoop::nextSwap() const {
   const std::int64_t now = loop_.now();
-  if (state_.open && answers_ && state_.pace == Pace::kDisplay && last_swap_ > 0) {
+  if (paced() && last_swap_ > 0) {
     const double behind = std::max(0.0, units::seconds(now - last_swap_));
     const double refreshes = std::floor(behind / state_.period) + 1;
     return last_swap_ + std::llround(1e6 * refreshes * state_.period);
@@ -33,7 +33,10 @@ std::int64_t FrameLoop::nextSwap() const {
 
 void FrameLoop::schedule() {
   const std::int64_t swap = nextSwap();
-  frame_ = std::max(frame_ + 1, clock_.numberAtOrAfter(swap));
+  // The frames of a display are not the clock's: counted, those of a fast one would run ahead of
+  // it, and without the display the loop would wait for that boundary.
+  frame_ = paced() ? clock_.numberAtOrAfter(swap)
+                   : std::max(frame_ + 1, clock_.numberAtOrAfter(swap));
   const bool shows = presenter_ && state_.open && answers_;
   const double lead = shows && work_ > 0 ? std::min(1.25 * work_ + kMargin, clock_.period()) : 0;
   loop_.at(swap - std::llround(1e6 * lead), [this, swap] { begin(swap); });
@@ -83,10 +86,9 @@ void FrameLoop::finish(std::int64_t swap_utime) {
   last_swap_ = swap_utime;
   Swapped swapped{swap_utime, clock_.period(), kHeadless, "clock", state_.trouble, {}};
   if (presenter_) {
-    const bool paced = state_.open && answers_ && state_.pace == Pace::kDisplay;
-    if (paced) swapped.period = state_.period;
+    if (paced()) swapped.period = state_.period;
     swapped.display = state_.open ? state_.name : state_.name + " (gone)";
-    swapped.vsync = paced ? "display" : state_.open && answers_ ? "none" : "clock";
+    swapped.vsync = paced() ? "display" : state_.open && answers_ ? "none" : "clock";
     swapped.calibration_id = state_.calibration_id;
     if (!answers_) swapped.trouble = "display " + state_.name + ": does not answer";
   }

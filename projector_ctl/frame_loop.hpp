@@ -58,6 +58,10 @@ class FrameLoop {
   void finish(std::int64_t swap_utime);
   void take(const ScreenResult& result);
   [[nodiscard]] std::int64_t nextSwap() const;
+  /// The display decides when frames fall.
+  [[nodiscard]] bool paced() const {
+    return state_.open && answers_ && state_.pace == Pace::kDisplay;
+  }
 
   Loop& loop_;
   FrameClock clock_;

@@ -46,6 +46,8 @@ bool Track::reaches(const Pose& from, const Pose& to) {
 }
 
 void Track::see(const SeenRobot& robot, std::int64_t utime) {
+  const auto usable = [](double variance) { return std::isfinite(variance) && variance >= 0; };
+  if (!usable(robot.variance) || !usable(robot.turn_variance)) return;
   Pose pose{utime,
             {robot.x, robot.y, robot.theta},
             1 / std::max(robot.variance, kLeastVariance),
@@ -54,8 +56,10 @@ void Track::see(const SeenRobot& robot, std::int64_t utime) {
     append(pose);
     return;
   }
-  if (utime <= poses_.back().utime) return;
-  if (seconds(utime - poses_.back().utime) > kLongestGap) {
+  // A clock that was set back by more than that begins anew.
+  const double since = seconds(utime - poses_.back().utime);
+  if (since <= 0 && since >= -kLongestGap) return;
+  if (std::abs(since) > kLongestGap) {
     poses_.clear();
   } else if (!reaches(poses_.back(), pose)) {
     const bool believed = !strange_.empty() && reaches(strange_.back(), pose);

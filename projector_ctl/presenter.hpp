@@ -1,6 +1,7 @@
 /// Who shows pictures while the bus loop goes on.
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <exception>
 #include <memory>
@@ -34,10 +35,14 @@ class Presenter {
 /// large picture, must not keep the bus waiting.
 class ThreadPresenter final : public Presenter {
  public:
+  static constexpr std::chrono::seconds kLastPatience{2};  ///< for a swap, at the end
+
   /// Opens the screen. @throws what Screen::open() throws.
   explicit ThreadPresenter(Screen::Setup setup);
 
-  /// Shows the safe field and closes.
+  /// Shows the safe field and closes. A display that does not let go within kLastPatience is left:
+  /// it is said on stderr, the thread stands still as soon as it comes back, and the process, once
+  /// it exits, leaves without the handlers and static destructors that could wait for the thread.
   ~ThreadPresenter() override;
 
   [[nodiscard]] const ScreenState& opened() const override { return opened_; }
@@ -45,14 +50,27 @@ class ThreadPresenter final : public Presenter {
   std::optional<ScreenResult> poll() override;
 
  private:
-  void work(Screen::Setup setup, std::exception_ptr& failure, bool& done);
+  /// What both threads use; the one that is left behind may use it for longer than the presenter
+  /// lives.
+  struct Shared {
+    std::mutex mutex{};
+    std::condition_variable changed{};
+    std::optional<ScreenJob> job{};
+    std::optional<ScreenResult> result{};
+    std::optional<ScreenState> opened{};  ///< or `failure`
+    std::exception_ptr failure{};
+    bool ends = false;       ///< the thread is to
+    bool ended = false;      ///< the screen is closed
+    bool abandoned = false;  ///< nobody waits for the thread, and nothing of the caller's is left
 
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  std::optional<ScreenJob> job_;
-  std::optional<ScreenResult> result_;
+    /// The calling thread goes no further once it is abandoned. @param lock on `mutex`
+    void standStill(std::unique_lock<std::mutex>& lock);
+  };
+
+  static void work(Shared& shared, Screen::Setup setup);
+
+  std::shared_ptr<Shared> shared_ = std::make_shared<Shared>();
   ScreenState opened_;
-  bool ends_ = false;
   std::thread thread_;
 };
 

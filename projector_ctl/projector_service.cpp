@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "common/channels.hpp"
+#include "common/light_file.hpp"
 #include "common/projector_file.hpp"
 #include "common/experiment_messages.hpp"
 #include "common/units.hpp"
@@ -20,6 +21,8 @@
 namespace lab::projector {
 
 namespace {
+
+constexpr std::int64_t kAhead_us = 1'000'000;
 
 ProjectorCore::Config coreConfig(const Experiment& experiment, const light::ImageStore& images) {
   ProjectorCore::Config config;
@@ -47,13 +50,29 @@ ProjectorService::ProjectorService(const ServiceContext& context, std::filesyste
       core_(coreConfig(context.experiment, images_)) {
   const Projector& projector = experiment_.projector;
   if (presenter == nullptr) {
-    headless_calibration_ =
-        projectorInForce(experiment_, context.directory, projector.width, projector.height).id;
+    // A display that is named and not there, as in virtual time, has the size that it was calibrated
+    // with.
+    const std::string& file = projector.calibration;
+    const bool simulated = projector.display == kHeadless || file.empty();
+    const std::string placed =
+        simulated ? projectorInForce(experiment_, context.directory, projector.width,
+                                     projector.height).id
+                  : readProjectorFile(context.directory / file).id;
+    const auto light = lightInForce(experiment_, context.directory);
+    headless_calibration_ = bothIds(placed, light ? light->id : "");
   }
   node_.subscribe<light_command_t>(channels::kLightCommand, [this](const light_command_t& message) {
     arrivals_.push_back({toCommand(message, experiment_, images_), loop_.now()});
   });
   node_.subscribe<tracked_frame_t>(channels::kTrackedFrame, [this](const tracked_frame_t& message) {
+    // A tracker whose clock runs ahead would make the present look old for ever.
+    if (message.utime > loop_.now() + kAhead_us) {
+      if (!std::exchange(told_of_future_, true)) {
+        node_.noteError("TRACKED_FRAME " + std::to_string(message.frame) + " of " + message.sender +
+                        " is dated more than a second ahead: not used for the light; set the clocks");
+      }
+      return;
+    }
     frames_.push_back({toSeenFrame(message), loop_.now()});
   });
   node_.subscribe<robot_status_t>(channels::kRobotStatus, [this](const robot_status_t& message) {

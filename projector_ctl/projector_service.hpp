@@ -68,6 +68,7 @@ class ProjectorService final : public Service {
   std::vector<std::int64_t> entered_;  ///< numbers of frames in use since the last LIGHT_STATUS
   std::int64_t entered_tracker_ = 0;
   std::string headless_calibration_;  ///< id of that in force without a display, empty: none
+  bool told_of_future_ = false;
   std::string last_refusal_;
   std::string trouble_;
   bool publish_ = false;             ///< with the next frame, whether it changes or not

@@ -24,24 +24,28 @@ Screen::~Screen() {
 }
 
 void Screen::open() {
-  display_ = setup_.open();
-  const DisplayInfo& info = display_->info();
+  openPlaced(setup_.place);
   misplaced_ = false;
   state_.trouble.clear();
-  overlaid_ = {};
+}
+
+void Screen::openPlaced(const std::function<Placement(int columns, int rows)>& place) {
   try {
-    const Placement placement = setup_.place(info.width, info.height);
-    state_.calibration_id = placement.calibration_id;
+    display_ = setup_.open();
+    const DisplayInfo& info = display_->info();
+    state_.name = info.name.empty() ? std::to_string(info.number) : info.name;
+    const Placement placement = place(info.width, info.height);
     painter_ = std::make_unique<ScreenPainter>(placement.model, placement.tone);
-  } catch (const std::exception&) {
-    display_.reset();
+    overlaid_ = {};
+    present(setup_.safe_field);
+    measurePace();
+    state_.calibration_id = placement.calibration_id;
+    state_.overlay = setup_.overlay;
+    state_.open = true;
+  } catch (...) {
+    drop();
     throw;
   }
-  state_.open = true;
-  state_.name = info.name.empty() ? std::to_string(info.number) : info.name;
-  state_.overlay = setup_.overlay;
-  present(setup_.safe_field);
-  measurePace();
 }
 
 /// A calibration that does not fit the display that came back leaves nothing to aim with: the safe
@@ -55,29 +59,26 @@ void Screen::tryOpen() {
   } catch (const DisplayError&) {  // not back yet
   } catch (const std::exception& error) {
     try {
-      display_ = setup_.open();
-      const DisplayInfo& info = display_->info();
-      painter_ = std::make_unique<ScreenPainter>(
-          optics::ProjectorModel(info.width, info.height, info.width, info.height));
+      openPlaced([](int columns, int rows) {
+        return Placement{optics::ProjectorModel(columns, rows, columns, rows)};
+      });
       misplaced_ = true;
-      state_.open = true;
-      state_.calibration_id.clear();
       state_.trouble = std::string("safe field on the whole display: ") + error.what();
-      present(setup_.safe_field);
-      measurePace();
-    } catch (const DisplayError&) {
-      display_.reset();
-      state_.open = false;
+    } catch (const DisplayError&) {  // gone again
     }
   }
 }
 
-void Screen::close(const std::string& why, bool reopen) {
+void Screen::drop() {
   display_.reset();
   painter_.reset();
   state_.open = false;
-  state_.trouble = why;
   state_.pace = Pace::kNobody;
+}
+
+void Screen::close(const std::string& why, bool reopen) {
+  drop();
+  state_.trouble = why;
   reopens_ = reopen;
   closed_utime_ = setup_.now();
 }

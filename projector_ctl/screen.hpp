@@ -78,7 +78,8 @@ class Screen {
   /// Shows the safe field a last time.
   ~Screen();
 
-  /// The safe field on the display. @throws DisplayError, and what `place` throws.
+  /// The safe field on the display. What it throws leaves it closed, its trouble as it was.
+  /// @throws DisplayError, and what `place` throws.
   void open();
 
   /// Takes events in, opens again what has come back, paints and presents.
@@ -87,7 +88,9 @@ class Screen {
   [[nodiscard]] const ScreenState& state() const { return state_; }
 
  private:
+  void openPlaced(const std::function<Placement(int columns, int rows)>& place);
   void tryOpen();
+  void drop();
   void close(const std::string& why, bool reopen);
   void takeEvents();
   void measurePace();

@@ -4,13 +4,13 @@
 #include <cstdio>
 #include <set>
 
-#include "calibration/light_margin.hpp"
 #include "common/experiment_file.hpp"
 #include "common/light_file.hpp"
 #include "runner/calibration_lab.hpp"
 #include "runner/commands.hpp"
 #include "runner/launch.hpp"
 #include "runner/light_calibrator.hpp"
+#include "runner/light_margins.hpp"
 
 namespace lab::runner {
 namespace fs = std::filesystem;
@@ -18,22 +18,6 @@ namespace {
 
 constexpr double kStart = 60;  // [s]
 constexpr double kPercent = 100;
-
-LightCalibration toCalibration(const calibration::LightFit& fit, const Experiment& experiment) {
-  LightCalibration calibration;
-  calibration.gamma = fit.gamma;
-  calibration.vignetting = fit.vignetting;
-  calibration.scale = fit.scale;
-  calibration.ambient = fit.ambient;
-  calibration.residual = fit.residual;
-  calibration.arena_width = experiment.arena_width;
-  calibration.arena_height = experiment.arena_height;
-  for (const auto& [sensor, gain] : fit.gains) {
-    SensorGains& gains = calibration.gains[sensor.robot];
-    (sensor.front ? gains.front : gains.back) = gain;
-  }
-  return calibration;
-}
 
 void print(const calibration::LightFit& fit, const Experiment& experiment) {
   const optics::ProjectorTone tone(fit.gamma, fit.vignetting, experiment.arena_width,
@@ -57,22 +41,11 @@ void print(const calibration::LightFit& fit, const Experiment& experiment) {
   }
 }
 
-void printMargins(const std::vector<calibration::BandMargin>& margins) {
-  fmt::print("\nThe light in the middle of each band, with this calibration and without:\n");
-  for (const calibration::BandMargin& band : margins) {
-    fmt::print("  {:<16} {:.3f}: {:.3f} to the edge, {:.0f} sigma, chance of a wrong reading {:.1e}\n",
-               band.program, band.light, band.margin, band.sigmas, band.chance);
-    fmt::print("  {:<16} without: robot {}'s {} sensor reads {:.3f} at ({:.0f}, {:.0f}) cm: {}\n", "",
-               band.plain_sensor.robot, band.plain_sensor.front ? "front" : "back",
-               band.plain_light, kPercent * band.plain_place.x, kPercent * band.plain_place.y,
-               band.plain_right ? "inside the band" : "outside the band");
-  }
-}
-
 Experiment labFor(const Experiment& experiment, int rounds) {
   Experiment lab = labUnderSteadyLight(
       experiment, "-light", kStart + 2 * LightCalibrator::roundTime() * rounds, 1);
   lab.projector.light_calibration.clear();
+  lab.projector.sync_patch = 0;  // nothing but the staircase
   return lab;
 }
 
@@ -109,13 +82,10 @@ ExitCode calibrateLight(const CalibrateLightOptions& options) {
     fmt::print("refused  {}; nothing was written\n", fit.refusal);
     return kFailed;
   }
-  std::vector<calibration::BandLimits> bands;
-  for (const LightBand& band : experiment.light_table.bands) {
-    bands.push_back({band.program, band.low, band.high});
-  }
-  printMargins(calibration::bandMargins(fit, bands, width, height));
+  const LightCalibration found = toCalibration(fit, experiment);
+  fmt::print("\nThe light in the middle of each band:\n{}", marginLines(found, experiment));
   if (options.force) fs::remove(options.out);
-  writeNewFile(options.out, lightFileText(toCalibration(fit, experiment)));
+  writeNewFile(options.out, lightFileText(found));
   fmt::print("\nlight    {}\n", fs::absolute(options.out).lexically_normal().string());
   return kDone;
 }

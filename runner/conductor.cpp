@@ -1,6 +1,7 @@
 #include "runner/conductor.hpp"
 
 #include <algorithm>
+#include <sstream>
 #include <utility>
 
 #include "common/channels.hpp"
@@ -10,6 +11,7 @@
 #include "common/script_plan.hpp"
 #include "common/units.hpp"
 #include "common/version.hpp"
+#include "runner/light_margins.hpp"
 
 namespace lab::runner {
 namespace {
@@ -27,13 +29,6 @@ constexpr std::int64_t kSecond_us = 1'000'000;
 constexpr int kRepeatEvent = 3;
 constexpr std::int64_t kStartEvery_us = 60'000'000;
 
-/// The experiment's bands are light on the arena; robots compare what their sensors read.
-robot_command_t tableFor(const ServiceContext& context) {
-  const robot_command_t command = lightTableCommand(context.experiment);
-  const auto calibration = lightInForce(context.experiment, context.directory);
-  return calibration ? inReadings(command, *calibration) : command;
-}
-
 std::string ownerName(const std::string& sender, std::int64_t instance) {
   return sender + " (instance " + std::to_string(instance) + ")";
 }
@@ -47,15 +42,23 @@ Conductor::Conductor(const ServiceContext& context, std::string effective,
       experiment_(context.experiment),
       effective_(std::move(effective)),
       over_(std::move(over)),
-      robots_(tableFor(context)),
+      robots_(lightTableCommand(context.experiment)),
       handshake_(context.experiment),
       light_(context.node, context.loop, context.experiment, context.directory,
              {.record = [this](const experiment_event_t& event) { record(event); },
               .fault = [this](const std::string& what) { fault(what); },
               .shown = [this] { lightShown(); },
               .chosen_by_light =
-                  [this] { return robots_.orders.front().mode == robot_order_t::TABLE; },
+                  [this] {
+                    return !robots_.orders.empty() &&
+                           robots_.orders.front().mode == robot_order_t::TABLE;
+                  },
               .end = [this](const Turn& turn) { endScript(turn); }}) {
+  // The experiment's bands are light on the arena; robots compare what their sensors read.
+  if (const auto calibration = lightInForce(experiment_, context.directory)) {
+    robots_ = inReadings(robots_, *calibration);
+    margins_ = "light calibration " + calibration->id + "\n" + marginLines(*calibration, experiment_);
+  }
   node_.subscribe<robot_status_t>(channels::kRobotStatus,
                                   [this](const robot_status_t& status) { take(status); });
   node_.subscribe<tracked_frame_t>(channels::kTrackedFrame,
@@ -69,6 +72,13 @@ Conductor::Conductor(const ServiceContext& context, std::string effective,
 void Conductor::begin() {
   const std::int64_t now = loop_.now();
   announceStart();
+  std::istringstream margins(margins_);
+  for (std::string line; std::getline(margins, line);) {
+    experiment_event_t event{};
+    event.kind = experiment_event_t::MARK;
+    event.text = line;
+    record(std::move(event));
+  }
   loop_.every(kStartEvery_us, now + kStartEvery_us, [this] {
     if (phase_ != Phase::kConcluded) announceStart();
   });

@@ -102,6 +102,7 @@ class Conductor final : public Service {
   Loop& loop_;
   const Experiment& experiment_;
   std::string effective_;
+  std::string margins_;  ///< of a calibration of light, for the record
   std::function<void(Ending, const std::string&)> over_;
 
   Phase phase_ = Phase::kIdle;

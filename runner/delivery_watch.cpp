@@ -3,19 +3,25 @@
 #include <algorithm>
 
 #include "common/experiment_messages.hpp"
+#include "common/units.hpp"
+#include "projector_ctl/projector_core.hpp"
 
 namespace lab::runner {
 
 void DeliveryWatch::take(const light_status_t& status) {
   if (status.command_instance == instance_ && status.command_seq == seq_) {
-    presented_utime_ = status.first_shown_utime;
+    if (presented_utime_ == 0) presented_utime_ = status.first_shown_utime;
     // The patch turns again, sooner or later: only what the first frame showed counts.
     if (status.utime == presented_utime_) sync_ = status.sync;
   }
 }
 
 void DeliveryWatch::take(const light_seen_t& seen) {
-  const bool shows_it = sync_ >= 0 && seen.sync == sync_ && seen.utime >= presented_utime_;
+  // Until it turns again, of itself.
+  const std::int64_t end =
+      presented_utime_ + units::microseconds(projector::ProjectorCore::kSyncPeriod);
+  const bool shows_it = sync_ >= 0 && seen.sync == sync_ && seen.utime >= presented_utime_ &&
+                        seen.utime < end;
   if (shows_it && seen_utime_ == 0) seen_utime_ = seen.utime;
 }
 

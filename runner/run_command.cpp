@@ -65,6 +65,7 @@ ExitCode check(const fs::path& file, const std::vector<std::string>& set) {
   }
   checkProjectorFile(experiment, file.parent_path());
   static_cast<void>(lightInForce(experiment, file.parent_path()));
+  checkScenes(experiment, file.parent_path());
   fmt::print("{}", describeExperiment(experiment));
   return kDone;
 }

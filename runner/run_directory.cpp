@@ -14,6 +14,9 @@
 #include "light/image.hpp"
 #include "optics/simulated_camera.hpp"
 #include "runner/exit_code.hpp"
+#include "common/light_messages.hpp"
+#include "projector_ctl/projector_messages.hpp"
+#include "projector_ctl/scene.hpp"
 
 namespace lab::runner {
 namespace fs = std::filesystem;
@@ -128,6 +131,17 @@ fs::path makeRunDirectory(const fs::path& parent, const std::string& name, std::
                               parent.string(), error.message()));
 }
 
+void checkScenes(const Experiment& experiment, const fs::path& source) {
+  const ExperimentImages images = loadImages(experiment, source);
+  const projector::Surroundings around = projector::surroundingsOf(experiment, images.store);
+  for (std::size_t i = 0; i < experiment.light.steps.size(); ++i) {
+    const auto layers = toDrivenLayers(experiment.light.steps[i].layers, images);
+    if (const auto problem = projector::Scene::problem(layers, around)) {
+      throw UserError(fmt::format("light.steps[{}].{}", i, *problem));
+    }
+  }
+}
+
 void adoptImages(Experiment& experiment, const fs::path& source, const fs::path& run) {
   const auto adopt = [&](std::string& image) {
     if (image.empty()) return;
@@ -164,6 +178,7 @@ PreparedRun prepareRun(Experiment experiment, const fs::path& source, const fs::
   const fs::path projector = experiment.projector.calibration;
   const fs::path light = experiment.projector.light_calibration;
   static_cast<void>(lightInForce(experiment, source));  // or say why not, now
+  checkScenes(experiment, source);
   run.directory = makeRunDirectory(parent, experiment.name, utime);
   if (!motors.empty()) adoptMotors(experiment, source / motors, run.directory);
   if (by_camera) adoptCamera(experiment, camera, run.directory);

@@ -23,6 +23,10 @@ inline constexpr const char* kPorts = "ports";  ///< while it runs: lines of sim
 [[nodiscard]] std::filesystem::path makeRunDirectory(const std::filesystem::path& parent,
                                                      const std::string& name, std::int64_t utime);
 
+/// Whether the projector takes every step of the script, copies for robots counted.
+/// @throws UserError that names the step
+void checkScenes(const Experiment& experiment, const std::filesystem::path& source);
+
 /// Copies the images of the light script into the run, named by their SHA-256, and lets the
 /// experiment speak of them by that name. @param source folder that the script's paths are relative
 /// to. @throws UserError when an image cannot be read.

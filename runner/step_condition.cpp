@@ -64,6 +64,7 @@ void StepCondition::take(const analysis_t& analysis) {
   if (analysis.robot_id != of || !sameProgram(analysis.program, program_)) return;
   const auto estimate = std::ranges::find(analysis.estimates, until_.estimate, &estimate_t::name);
   if (estimate == analysis.estimates.end()) return;
+  if (!std::isfinite(estimate->value) || !(estimate->sigma > 0)) return;
   error_ = estimate->sigma / std::abs(estimate->value);
   // False for what is not determined: nan, and 0 / 0.
   if (error_ <= until_.relative_error) met_ = analysis.utime;

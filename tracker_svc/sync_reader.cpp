@@ -7,7 +7,7 @@
 namespace lab::tracker {
 namespace {
 
-constexpr double kReach = 0.08;      // [m] around the corner, in which the patch is looked for
+constexpr double kReach = 0.06;      // [m] around the corner, in which the patch is looked for
 constexpr double kSettle = 0.1;      // [s] after a turn, then a picture is all of the new state
 constexpr int kLeastTurns = 2;
 constexpr int kMostTurns = 16;       // more would not make it clearer
@@ -42,9 +42,9 @@ SyncReader::SyncReader(const optics::CameraModel& camera) {
   difference_.assign(static_cast<std::size_t>(std::max(columns_, 0) * std::max(rows_, 0)), 0.0F);
 }
 
-void SyncReader::shown(double time, int sync, std::int64_t command) {
+void SyncReader::shown(double time, int sync, std::int64_t command, bool still) {
   if (sync == turn_.sync && command == turn_.command) return;
-  turn_ = {time, sync, command, turn_.sync >= 0 && command == turn_.command};
+  turn_ = {time, sync, command, still && turn_.sync >= 0 && command == turn_.command};
   settled_ = false;
 }
 
@@ -100,8 +100,8 @@ void SyncReader::chooseWeights() {
     std::nth_element(sorted.begin(), place, sorted.end());
     return *place;
   };
-  const float top = at(kTop);
   const float middle = at(0.5F);
+  const float top = at(kTop) - middle;  // what all of the window does is not the patch
   for (float& value : sorted) value = std::abs(value - middle);
   const float usual = at(0.5F);
   const auto turns = static_cast<float>(turns_);
@@ -112,7 +112,8 @@ void SyncReader::chooseWeights() {
   const bool first = weights_.empty();
   weights_.resize(difference_.size());
   for (std::size_t i = 0; i < difference_.size(); ++i) {
-    weights_[i] = difference_[i] > top / 2 ? difference_[i] / turns : 0.0F;
+    const float more = difference_[i] - middle;
+    weights_[i] = more > top / 2 ? more / turns : 0.0F;
   }
   if (!first) return;
   known_dark_ = known_bright_ = 0;

@@ -26,8 +26,9 @@ class SyncReader {
   explicit SyncReader(const optics::CameraModel& camera);
 
   /// What the projector says: it shows `sync` (0 or 1) from `time` [s] on. @param command a number
-  /// that changes with the light that is shown beside the patch
-  void shown(double time, int sync, std::int64_t command);
+  /// that changes with the light that is shown beside the patch, @param still that light stays as it
+  /// is
+  void shown(double time, int sync, std::int64_t command, bool still = true);
 
   /// Looks at a picture whose exposure had its middle at `time` [s]; in order of time. Nothing as
   /// long as it has not learned where the patch is.

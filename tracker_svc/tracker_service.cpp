@@ -144,7 +144,8 @@ TrackerService::TrackerService(const ServiceContext& context)
     node_.subscribe<light_status_t>(channels::kLightStatus, [this](const light_status_t& status) {
       if (status.sync < 0) return;
       // The light of a new command is told from the old one's by both of its numbers.
-      sync_->shown(seconds(status.utime), status.sync, status.command_instance ^ status.command_seq);
+      sync_->shown(seconds(status.utime), status.sync, status.command_instance ^ status.command_seq,
+                    status.moving == 0);
     });
   }
   source_ = context.cameras.open(

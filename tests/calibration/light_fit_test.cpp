@@ -107,6 +107,15 @@ TEST(LightFit, RefusesTooFewLightsAndPlaces) {
   EXPECT_NE(fitLight({}, kWidth, kHeight).refusal, "");
 }
 
+TEST(LightFit, NamesASensorThatIsBlind) {
+  std::vector<LightSample> samples = measure({}, 9);
+  for (LightSample& sample : samples) {
+    if (sample.sensor == SensorName{3, true}) sample.reading *= 0.02;
+  }
+  EXPECT_THAT(fitLight(samples, kWidth, kHeight).refusal,
+              testing::HasSubstr("the front sensor of robot 3"));
+}
+
 TEST(LightFit, RefusesReadingsThatAreNoSuchLight) {
   Truth shaded;
   shaded.noise = 0.05;

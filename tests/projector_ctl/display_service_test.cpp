@@ -3,10 +3,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
+#include <cstdlib>
+#include <future>
 #include <lab/light_command_t.hpp>
 #include <lab/light_status_t.hpp>
 #include <lab/service_status_t.hpp>
 #include <memory>
+#include <thread>
 #include <vector>
 
 #include "common/channels.hpp"
@@ -54,10 +58,12 @@ class DisplayServiceTest : public testing::Test {
     return setup;
   }
 
-  void start() {
+  void start() { start(setup()); }
+
+  void start(Screen::Setup display) {
     dut = std::make_unique<ProjectorService>(
         ServiceContext{node, loop, experiment, testing::TempDir()}, std::filesystem::path{},
-        std::make_unique<InlinePresenter>(setup()));
+        std::make_unique<InlinePresenter>(std::move(display)));
     node.start();
   }
 
@@ -171,6 +177,52 @@ TEST_F(DisplayServiceTest, GoesOnWithoutADisplayThatIsGoneAndOpensItAgain) {
   EXPECT_EQ(statuses.back().display, "bench");
 }
 
+TEST_F(DisplayServiceTest, AFastDisplayThatIsGoneLeavesTheClockWhereItWas) {
+  script.waits = true;
+  script.info.refresh_rate = 144;
+  // Virtual time stands while a callback runs: while it is opened the display takes time itself.
+  std::int64_t taken = 0;
+  script.swap = [&] { taken += 6'944; };
+  Screen::Setup display = setup();
+  display.now = [&] { return loop.now() + (dut ? 0 : taken); };
+  start(std::move(display));
+  const int presented = script.presented;
+  run(60);
+  EXPECT_EQ(statuses.back().vsync, "display");
+  EXPECT_NEAR(script.presented - presented, 144 * 60, 3);
+  script.events = {DisplayEvent::kGone};
+  script.there = false;
+  run(0.05);
+  EXPECT_EQ(statuses.back().vsync, "clock");
+  std::int64_t last = statuses.back().utime;
+  const std::int64_t frame = statuses.back().frame;
+  for (int i = 0; i < 20; ++i) {
+    run(0.1);
+    EXPECT_LE(statuses.back().utime - last, 117'000) << i;  // 0.1 s and a frame
+    EXPECT_GT(statuses.back().utime, last) << i;
+    last = statuses.back().utime;
+  }
+  EXPECT_NEAR(static_cast<double>(statuses.back().frame - frame), 120, 6);
+  dut.reset();  // its last picture needs `taken`
+}
+
+TEST_F(DisplayServiceTest, ADisplayThatFailsWhileItIsOpenedAgainStaysGone) {
+  start();
+  run(0.2);
+  script.events = {DisplayEvent::kGone};
+  run(0.05);
+  script.breaks = true;
+  run(1);
+  EXPECT_EQ(script.opened, 2);
+  EXPECT_EQ(script.closed, 2);
+  EXPECT_THAT(statuses.back().trouble, HasSubstr("gone"));
+  EXPECT_EQ(statuses.back().display, "bench (gone)");
+  run(1);
+  EXPECT_EQ(script.opened, 3);
+  EXPECT_EQ(statuses.back().trouble, "");
+  EXPECT_EQ(statuses.back().display, "bench");
+}
+
 TEST_F(DisplayServiceTest, ADisplayThatFailsWhilePresentingIsGone) {
   start();
   run(0.2);
@@ -244,6 +296,43 @@ TEST_F(DisplayServiceTest, WritesOnThePictureOnlyWhenAsked) {
   run(0.2);
   EXPECT_EQ(bright(), 0);
   EXPECT_EQ(std::count(script.screen.pixels.begin(), script.screen.pixels.end(), 0), 960 * 180);
+}
+
+/// A display whose swap never returns, in a process that ends meanwhile.
+[[noreturn]] void endWhileASwapHangs(bool comes_back) {
+  auto script = std::make_unique<DisplayScript>();
+  auto hangs = std::make_shared<std::promise<void>>();
+  auto returns = std::make_shared<std::promise<void>>();
+  script->swap = [&script = *script, hangs, returns] {
+    if (script.presented < 2) return;  // the first one opens it
+    hangs->set_value();
+    returns->get_future().wait();
+  };
+  Screen::Setup setup;
+  setup.open = [&script = *script] { return std::make_unique<ScriptedDisplay>(script); };
+  setup.place = [](int columns, int rows) {
+    return Screen::Placement{{1.2, 0.9, columns, rows}, "c0ffee"};
+  };
+  auto clock = std::make_unique<VirtualLoop>();
+  setup.now = [&clock] { return clock->now(); };
+  {
+    ThreadPresenter presenter(std::move(setup));
+    presenter.submit({});
+    hangs->get_future().wait();
+  }
+  clock.reset();  // a thread that asked it would be killed
+  if (comes_back) {
+    returns->set_value();
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
+  std::exit(7);
+}
+
+TEST(ThreadPresenterTest, EndsWithASwapThatNeverReturns) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  EXPECT_EXIT(endWhileASwapHangs(false), testing::ExitedWithCode(7),
+              "display bench: its last swap does not return");
+  EXPECT_EXIT(endWhileASwapHangs(true), testing::ExitedWithCode(7), "does not return");
 }
 
 }  // namespace

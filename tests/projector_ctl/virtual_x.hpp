@@ -28,8 +28,10 @@ class VirtualX {
       const std::string size = std::to_string(width) + "x" + std::to_string(height) + "x24";
       const std::string number = std::to_string(ends[1]);
       dup2(open("/dev/null", O_WRONLY), STDERR_FILENO);
+      // -noreset: else the server begins anew when its last client leaves, and turns away the
+      // window that the next test opens at that moment.
       execlp("Xvfb", "Xvfb", "-displayfd", number.c_str(), "-screen", "0", size.c_str(),
-             "-nolisten", "tcp", static_cast<char*>(nullptr));
+             "-noreset", "-nolisten", "tcp", static_cast<char*>(nullptr));
       _exit(127);
     }
     close(ends[1]);

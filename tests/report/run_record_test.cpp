@@ -225,7 +225,7 @@ TEST_F(RunRecordTest, RefusesALogOfAnotherContractVersion) {
   }
 
   EXPECT_THAT(problem(), HasSubstr("Active Lab 9.9.9 under contract version 7"));
-  EXPECT_THAT(problem(), HasSubstr("reads contract versions 1 to 3"));
+  EXPECT_THAT(problem(), HasSubstr("reads contract versions 1 to 4"));
 }
 
 TEST_F(RunRecordTest, NamesAnUnknownTypeHash) {

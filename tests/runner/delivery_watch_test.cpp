@@ -116,6 +116,16 @@ TEST(DeliveryWatch, IsSeenInTheFirstPictureThatShowsThePatchTurned) {
   EXPECT_EQ(dut.event().seen_utime, 2015);
 }
 
+TEST(DeliveryWatch, IsNotSeenWhenThePatchHasTurnedTwiceSince) {
+  DeliveryWatch dut = watching(std::nullopt);
+  light_status_t first = shown(2000);
+  first.utime = 2000;
+  first.sync = 1;
+  dut.take(first);
+  dut.take(seen(1'002'100, 1));
+  EXPECT_EQ(dut.event().seen_utime, 0);
+}
+
 TEST(DeliveryWatch, IsNotSeenByALaterTurnOfThePatch) {
   DeliveryWatch dut = watching(std::nullopt);
   dut.expectSeen();

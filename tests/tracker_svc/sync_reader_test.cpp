@@ -11,7 +11,7 @@
 namespace lab::tracker {
 namespace {
 
-constexpr double kPatch = 0.025;     // [m]
+constexpr double kPatch = 0.015;     // [m]
 constexpr double kTurnEvery = 0.5;   // [s]
 constexpr double kFrame = 0.0331;    // [s] out of step with the turns
 
@@ -56,7 +56,7 @@ class SyncReaderTest : public testing::Test {
       const int sync = syncAt(time);
       if (sync != told) {
         told = sync;
-        reader.shown(std::floor(time / kTurnEvery) * kTurnEvery, sync, time >= change_at ? 2 : 1);
+        reader.shown(std::floor(time / kTurnEvery) * kTurnEvery, sync, time >= change_at ? 2 : 1, still);
       }
       const int light = syncAt(time) + (time >= change_at ? 2 : 0);
       if (light != shown) painter.setLight({layers(time), {}, 1});
@@ -71,6 +71,7 @@ class SyncReaderTest : public testing::Test {
   }
 
   bool has_patch = true;
+  bool still = true;
   double change_at = 1e9;
   double time = 0;
   int told = -1;
@@ -97,6 +98,12 @@ TEST_F(SyncReaderTest, ReadsOnWhenTheLightAroundThePatchChanges) {
 
 TEST_F(SyncReaderTest, SaysNothingWithoutAPatch) {
   has_patch = false;
+  run(3.0);
+  EXPECT_EQ(answers, 0);
+}
+
+TEST_F(SyncReaderTest, LearnsNothingWhileOtherLightMoves) {
+  still = false;
   run(3.0);
   EXPECT_EQ(answers, 0);
 }

@@ -1,0 +1,19 @@
+/// What a calibration of light means for the bands of an experiment, in words.
+#pragma once
+
+#include <string>
+
+#include "calibration/light_fit.hpp"
+#include "common/light_file.hpp"
+
+namespace lab::runner {
+
+[[nodiscard]] LightCalibration toCalibration(const calibration::LightFit& fit,
+                                             const Experiment& experiment);
+
+/// A line for each band: how far the light in its middle is from its edge, how probable a wrong
+/// reading is, and what the worst sensor would read at the worst place without the calibration.
+[[nodiscard]] std::string marginLines(const LightCalibration& calibration,
+                                      const Experiment& experiment);
+
+}  // namespace lab::runner
