@@ -9,7 +9,19 @@
 namespace lab {
 
 bool isFilm(const std::string& source) {
-  return source != "sim" && !cameras::namesVideoDevice(source) && !cameras::namesStream(source);
+  return source != kSimulatedCamera && !cameras::namesVideoDevice(source) && !cameras::namesStream(source);
+}
+
+CameraFormat wantedFormat(const Camera& camera) {
+  CameraFormat format;
+  format.width = camera.width;
+  format.height = camera.height;
+  format.fps = isFilm(camera.source) ? 0 : camera.fps;  // a film has a rate of its own
+  format.exposure = camera.exposure;
+  // 0 leaves a device's gain where it is; 1 of unknown units would be a guess.
+  const bool set = camera.source == kSimulatedCamera || camera.gain != Camera{}.gain;
+  format.gain = set ? camera.gain : 0;
+  return format;
 }
 
 CameraDevices::CameraDevices(AsioLoop& loop, std::filesystem::path folder)

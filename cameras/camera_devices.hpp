@@ -8,11 +8,15 @@
 
 #include "common/asio_loop.hpp"
 #include "common/cameras.hpp"
+#include "common/experiment.hpp"
 
 namespace lab {
 
 /// Whether `source` names a recording: pictures or a movie, and no camera.
 [[nodiscard]] bool isFilm(const std::string& source);
+
+/// What an experiment asks of its camera.
+[[nodiscard]] CameraFormat wantedFormat(const Camera& camera);
 
 /// docs/cameras.md lists the sources. Of files, `wanted.fps` above 0 is the rate at which they are
 /// played, 0 means their own rate and below 0 as fast as they are read; none of their frames is

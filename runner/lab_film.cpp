@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "cameras/camera_devices.hpp"
 #include "common/experiment_file.hpp"
 #include "common/experiment_messages.hpp"
 #include "optics/simulated_camera.hpp"
@@ -75,16 +76,6 @@ std::string cornersOf(const Experiment& experiment) {
     text += fmt::format("{}{:.1f},{:.1f}", text.empty() ? "" : " ", at.x, at.y);
   }
   return text;
-}
-
-CameraFormat wantedFormat(const Camera& camera) {
-  CameraFormat format;
-  format.width = camera.width;
-  format.height = camera.height;
-  format.fps = camera.fps;
-  format.exposure = camera.exposure;
-  format.gain = camera.source == kSimulatedCamera || camera.gain != Camera{}.gain ? camera.gain : 0;
-  return format;
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "cameras/camera_devices.hpp"
 #include "common/channels.hpp"
 #include "common/light_messages.hpp"
 #include "common/units.hpp"
@@ -15,16 +16,6 @@ namespace {
 constexpr std::int64_t kTick_us = 10'000;
 constexpr std::int64_t kRepeat_us = 500'000;
 constexpr std::int64_t kPatience_us = 10'000'000;
-
-CameraFormat wantedFormat(const Camera& camera) {
-  CameraFormat format;
-  format.width = camera.width;
-  format.height = camera.height;
-  format.fps = camera.fps;
-  format.exposure = camera.exposure;
-  format.gain = camera.source == kSimulatedCamera || camera.gain != Camera{}.gain ? camera.gain : 0;
-  return format;
-}
 
 }  // namespace
 

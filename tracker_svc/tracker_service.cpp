@@ -56,17 +56,6 @@ TrackerSettings trackerSettings(const Experiment& experiment) {
   return settings;
 }
 
-CameraFormat wantedFormat(const Camera& camera) {
-  CameraFormat format;
-  format.width = camera.width;
-  format.height = camera.height;
-  format.fps = isFilm(camera.source) ? 0 : camera.fps;  // a film has a rate of its own
-  format.exposure = camera.exposure;
-  // 0 leaves a device's gain where it is; 1 of unknown units would be a guess.
-  format.gain = isPainted(camera) || camera.gain != Camera{}.gain ? camera.gain : 0;
-  return format;
-}
-
 tracked_pose_t toPose(const Track& track) {
   tracked_pose_t pose{};
   pose.robot_id = track.robot_id;
