@@ -139,7 +139,7 @@ double Analysis::medianStay(int program) const {
   return static_cast<double>(*middle);
 }
 
-std::vector<ProgramResult> Analysis::results() const {
+std::vector<ProgramResult> Analysis::results(Depth depth) const {
   std::vector<ProgramResult> results;
   for (std::size_t key = 0; key < programs_.size(); ++key) {
     const int program = static_cast<int>(key);
@@ -160,13 +160,13 @@ std::vector<ProgramResult> Analysis::results() const {
       sum.lost += tally.lost;
       sum.segments += tally.segments;
       sum.reversals += tally.reversals;
-      each.push_back(analyse(programs_[key], found->second->data(), tally, options));
+      each.push_back(analyse(programs_[key], found->second->data(), tally, options, depth));
       each.back().robot = id;
     }
     if (!each.empty()) {
       // The pool of one robot is that robot.
       results.push_back(each.size() == 1 ? each.front()
-                                         : analyse(programs_[key], pool, sum, options));
+                                         : analyse(programs_[key], pool, sum, options, depth));
       results.back().robot = kPool;
       results.insert(results.end(), each.begin(), each.end());
     }

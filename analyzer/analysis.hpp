@@ -72,7 +72,7 @@ class Analysis {
 
   /// Per program with a law, in the order of first appearance: the pool of all its robots, then
   /// each robot by number. Programs without a sample are left out.
-  [[nodiscard]] std::vector<ProgramResult> results() const;
+  [[nodiscard]] std::vector<ProgramResult> results(Depth depth = Depth::kLive) const;
 
   /// The programs in the order of first appearance; Sample::program is an index into them.
   [[nodiscard]] const std::vector<ProgramLaw>& programs() const { return programs_; }

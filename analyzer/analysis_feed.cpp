@@ -137,9 +137,9 @@ void AnalysisFeed::onSample(SampleSink sink) {
                                               const Sample& sample) { sink(robot, sample); });
 }
 
-std::vector<FeedResult> AnalysisFeed::results() const {
+std::vector<FeedResult> AnalysisFeed::results(Depth depth) const {
   std::vector<FeedResult> results;
-  for (ProgramResult& result : analysis_.results()) {
+  for (ProgramResult& result : analysis_.results(depth)) {
     FeedResult one;
     for (const program_t& program : book_.programs()) {
       if (toLaw(program, wheel_base_) == result.law) {

@@ -53,7 +53,7 @@ class AnalysisFeed {
   void onSample(SampleSink sink);
 
   /// Per program: the pool of its robots first, then each robot.
-  [[nodiscard]] std::vector<FeedResult> results() const;
+  [[nodiscard]] std::vector<FeedResult> results(Depth depth = Depth::kLive) const;
 
   /// The time of the analysis (s) for a time of the messages.
   [[nodiscard]] double seconds(std::int64_t utime) const;

@@ -8,7 +8,7 @@ ProgramAnalysis::ProgramAnalysis(const ProgramLaw& law, double frame_period, dou
     : law_(law), accumulator_(makeLagGrid(frame_period, max_lag, law), frame_period) {}
 
 ProgramResult analyse(const ProgramLaw& law, const BlockData& data, const ProgramTally& tally,
-                      const CurveOptions& options) {
+                      const CurveOptions& options, [[maybe_unused]] Depth depth) {
   ProgramResult result;
   result.law = law;
   result.robots = static_cast<int>(data.tracks.size());

@@ -11,6 +11,12 @@
 
 namespace lab::analysis {
 
+/// How much is made of the data.
+enum class Depth {
+  kLive,  ///< What sums give at once: curves, block errors, estimates. Online and offline alike.
+  kFull,  ///< Besides, what needs simulated films: fits of the exact law and their intervals.
+};
+
 inline constexpr int kPool = -1;  ///< In place of a robot: all robots that ran the program.
 
 /// All that is known about one program of one robot, or of all robots; SI units.
@@ -48,6 +54,7 @@ class ProgramAnalysis {
 
 /// Curves, estimates and verdict of block data; the tally of its robots is added up by the caller.
 [[nodiscard]] ProgramResult analyse(const ProgramLaw& law, const BlockData& data,
-                                    const ProgramTally& tally, const CurveOptions& options);
+                                    const ProgramTally& tally, const CurveOptions& options,
+                                    Depth depth = Depth::kLive);
 
 }  // namespace lab::analysis

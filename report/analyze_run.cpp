@@ -72,9 +72,10 @@ fs::path outputFolder(const fs::path& run_or_log, const fs::path& wanted) {
 }
 
 /// Writes everything that a record gives, each file whole or not at all.
-AnalyzedRun writeResults(const RunRecord& record, const fs::path& out) {
+AnalyzedRun writeResults(const RunRecord& record, const fs::path& out, bool with_figures) {
   const Scratch scratch(out);
-  const std::vector<Figure> figures = drawFigures(record, scratch.path());
+  std::vector<Figure> figures;
+  if (with_figures) figures = drawFigures(record, scratch.path());
 
   std::vector<std::string> names{"summary.json", "trajectories.csv"};
   scratch.write("summary.json", summaryJson(record));
@@ -102,17 +103,19 @@ AnalyzedRun writeResults(const RunRecord& record, const fs::path& out) {
 AnalyzedRun analyzeRun(const fs::path& run_or_log, const fs::path& out_directory,
                        const AnalyzeOptions& options) {
   const std::vector<fs::path> files = logFiles(run_or_log);
-  const RunRecord record = readRun(files);
+  const RunRecord record = readRun(files, options.depth);
   if (record.log.frames == 0 && options.needs_frames) {
     throw ReportError(withoutFrames(files.front(), record));
   }
-  return writeResults(record, outputFolder(run_or_log, out_directory));
+  return writeResults(record, outputFolder(run_or_log, out_directory), options.figures);
 }
 
 AnalyzedRun analyzePoses(const fs::path& file, const fs::path& out_directory,
-                         const PoseFileOptions& options, const PoseProgram& program) {
-  const PoseFile poses = readPoses(file, options);
-  return writeResults(poseRun(poses, file.stem().string(), program), out_directory);
+                         const PoseFileOptions& poses, const PoseProgram& program,
+                         const AnalyzeOptions& options) {
+  const PoseFile film = readPoses(file, poses);
+  return writeResults(poseRun(film, file.stem().string(), program, options.depth), out_directory,
+                      options.figures);
 }
 
 }  // namespace lab::report

@@ -14,6 +14,8 @@ struct AnalyzeOptions {
   /// A log without camera frames is an error, unless what else it tells shall be reported: losses,
   /// faults, latencies.
   bool needs_frames = true;
+  bool figures = true;  ///< False: numbers only.
+  analysis::Depth depth = analysis::Depth::kFull;
 };
 
 /// What came of it.
@@ -39,6 +41,7 @@ struct AnalyzedRun {
 /// program is not a valid one.
 [[nodiscard]] AnalyzedRun analyzePoses(const std::filesystem::path& file,
                                        const std::filesystem::path& out_directory,
-                                       const PoseFileOptions& options, const PoseProgram& program);
+                                       const PoseFileOptions& poses, const PoseProgram& program,
+                                       const AnalyzeOptions& options = {});
 
 }  // namespace lab::report

@@ -83,11 +83,11 @@ class PoseFeed {
                               const analysis::Sample& sample) { judge(robot, sample); });
   }
 
-  void run(RunRecord& record) {
+  void run(RunRecord& record, analysis::Depth depth) {
     for (const Frame& frame : poses_.frames) take(frame, record);
     analysis_.flush();
     record.tracks = std::move(tracks_);
-    for (analysis::ProgramResult& result : analysis_.results()) {
+    for (analysis::ProgramResult& result : analysis_.results(depth)) {
       record.results.push_back({record.programs.front().program, std::move(result)});
     }
   }
@@ -180,7 +180,8 @@ void fillRobots(RunRecord& record) {
 
 }  // namespace
 
-RunRecord poseRun(const PoseFile& poses, const std::string& name, const PoseProgram& program) {
+RunRecord poseRun(const PoseFile& poses, const std::string& name, const PoseProgram& program,
+                  analysis::Depth depth) {
   RunRecord record;
   record.experiment = experimentOf(name, program);
   const Experiment& experiment = *record.experiment;
@@ -203,7 +204,7 @@ RunRecord poseRun(const PoseFile& poses, const std::string& name, const PoseProg
   record.ended = true;
 
   PoseFeed(poses, experiment, analysis::toLaw(robots_run.program, experiment.hardware.diameter))
-      .run(record);
+      .run(record, depth);
   for (analysis::FeedResult& result : record.results) leaveOpen(result.result);
   fillRobots(record);
   return record;

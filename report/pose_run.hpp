@@ -29,6 +29,7 @@ struct PoseProgram {
 /// @param name of the run, for its title
 /// @throws ExperimentError where the program is not a valid one.
 [[nodiscard]] RunRecord poseRun(const PoseFile& poses, const std::string& name,
-                                const PoseProgram& program);
+                                const PoseProgram& program,
+                                analysis::Depth depth = analysis::Depth::kFull);
 
 }  // namespace lab::report

@@ -126,7 +126,7 @@ std::string RunRecord::programNameOf(int key) const {
   return key >= 0 && index < programs.size() ? programs[index].name : std::string();
 }
 
-RunRecord readRun(const std::vector<std::filesystem::path>& files) {
+RunRecord readRun(const std::vector<std::filesystem::path>& files, analysis::Depth depth) {
   RunRecord record;
   adoptStart(findStart(files), record);
   const Experiment& experiment = record.experimentOrDefault();
@@ -166,7 +166,7 @@ RunRecord readRun(const std::vector<std::filesystem::path>& files) {
     record.programs.push_back({program, nameOf(record, program, key, book.programs())});
   }
   fillPrograms(record);
-  record.results = feed.results();
+  record.results = feed.results(depth);
   events.finish(record);
   services.finish(record);
   return record;

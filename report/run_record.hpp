@@ -134,6 +134,7 @@ struct RunRecord {
 
 /// Reads the log once, and analyzes it on the way.
 /// @throws ReportError when it was written under another contract.
-[[nodiscard]] RunRecord readRun(const std::vector<std::filesystem::path>& files);
+[[nodiscard]] RunRecord readRun(const std::vector<std::filesystem::path>& files,
+                                analysis::Depth depth = analysis::Depth::kFull);
 
 }  // namespace lab::report

@@ -184,6 +184,9 @@ void addAnalyze(CLI::App& app, Chosen& chosen) {
                       "Folder of a run, a log, or a file of poses (docs/track.md)")
       ->required();
   command->add_option("--out", options->out, "Folder for the results (default: beside the input)");
+  command->add_flag("--figures,!--no-figures", options->figures, "Draw the figures (default: yes)");
+  command->add_flag("--bootstrap,!--no-bootstrap", options->bootstrap,
+                    "Fit the exact laws, with intervals from simulated films (default: yes)");
   command->add_option("--program", options->program,
                       "Poses: what all robots ran: abp, noisy_abp, bp, rtp (default: not known)");
   command->add_option("--set", options->set,

@@ -35,6 +35,8 @@ ExitCode preview(const PreviewOptions& options);
 struct AnalyzeOptions {
   std::filesystem::path input;  ///< folder of a run, log, or file of poses (.csv)
   std::optional<std::filesystem::path> out;
+  bool figures = true;
+  bool bootstrap = true;  ///< fits of the exact law, whose intervals need simulated films
   /// Of a file of poses alone:
   std::string program;            ///< model that all robots ran, empty: not known
   std::vector<std::string> set;   ///< key=value: its parameters

@@ -86,11 +86,14 @@ ExitCode analyze(const AnalyzeOptions& options) {
     beside += "-report";
   }
   const fs::path out = options.out.value_or(beside);
+  const report::AnalyzeOptions how{
+      .figures = options.figures,
+      .depth = options.bootstrap ? analysis::Depth::kFull : analysis::Depth::kLive};
   if (poses) {
     report::PoseFileOptions columns;
     if (options.scale_cm) columns.scale = *options.scale_cm * units::kCentimetre;
     columns.fps = options.fps;
-    tell(report::analyzePoses(input, out, columns, {options.program, options.set}));
+    tell(report::analyzePoses(input, out, columns, {options.program, options.set}, how));
     return kDone;
   }
   if (!options.program.empty() || !options.set.empty() || options.scale_cm || options.fps) {
@@ -98,7 +101,7 @@ ExitCode analyze(const AnalyzeOptions& options) {
                     ": found no file of poses (.csv); --program, --set, --scale-cm and --fps are for "
                     "these, a log knows what its robots ran");
   }
-  tell(report::analyzeRun(input, out));
+  tell(report::analyzeRun(input, out, how));
   return kDone;
 }
 
