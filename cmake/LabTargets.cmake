@@ -27,13 +27,16 @@ function(lab_program name)
   target_link_libraries(${name} PRIVATE lab_options ${ARG_LINK})
 endfunction()
 
-# lab_test(name SOURCES x_test.cpp... [LINK target...] [LABELS label...] [TIMEOUT s] [NETWORK])
+# lab_test(name SOURCES x_test.cpp... [LINK target...] [LABELS label...] [TIMEOUT s] [NETWORK] [OWN_OPTIONS])
 # NETWORK runs the test inside a network namespace of its own, so that nothing it publishes leaves.
-# Everything else runs with LCM kept in memory.
+# Everything else runs with LCM kept in memory. OWN_OPTIONS is for tests that are compiled otherwise than the rest.
 function(lab_test name)
-  cmake_parse_arguments(ARG "NETWORK" "TIMEOUT" "SOURCES;LINK;LABELS" ${ARGN})
+  cmake_parse_arguments(ARG "NETWORK;OWN_OPTIONS" "TIMEOUT" "SOURCES;LINK;LABELS" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE lab_options ${ARG_LINK} GTest::gmock GTest::gtest_main)
+  if(NOT ARG_OWN_OPTIONS)
+    target_precompile_headers(${name} REUSE_FROM lab_test_headers)
+  endif()
   if(ARG_NETWORK)
     add_test(NAME ${name}
       COMMAND "${PROJECT_SOURCE_DIR}/tests/in_private_network.sh" $<TARGET_FILE:${name}>)
