@@ -14,6 +14,13 @@ struct BandLimits {
   double high = 0;  ///< [1]
 };
 
+/// What the middle of a band would come to at one place without the calibration.
+struct PlaceMargin {
+  optics::Place place;
+  double reading = 0;  ///< [1] of the sensor that is nearest to leaving the band, or farthest out
+  double chance = 0;   ///< [1] that one of its readings falls outside the band
+};
+
 /// For the light in the middle of a band.
 struct BandMargin {
   std::string program;
@@ -26,7 +33,13 @@ struct BandMargin {
   optics::Place plain_place;
   SensorName plain_sensor;
   bool plain_right = false;  ///< it is still inside the band
+
+  std::vector<PlaceMargin> places;  ///< row by row from y = 0, kMarginColumns x kMarginRows
 };
+
+/// Places over the arena, in the middles of equal fields.
+inline constexpr int kMarginColumns = 6;
+inline constexpr int kMarginRows = 4;
 
 /// @param width,height of the arena [m]
 [[nodiscard]] std::vector<BandMargin> bandMargins(const LightFit& fit,

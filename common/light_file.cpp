@@ -74,8 +74,10 @@ robot_command_t inReadings(const robot_command_t& command, const LightCalibratio
 }
 
 LightCalibration readLightFile(const std::filesystem::path& path) {
-  const std::string name = path.string();
-  const std::string text = readFileText(name);
+  return parseLightFile(path.string(), readFileText(path.string()));
+}
+
+LightCalibration parseLightFile(const std::string& name, const std::string& text) {
   const nlohmann::json root =
       parseJson(name, text, "a calibration of light (lab calibrate light writes one)");
   const JsonSection file(name, "docs/photometry.md lists the keys", root);

@@ -56,6 +56,9 @@ struct LightCalibration {
 /// @throws ExperimentError that names the file, the key, what was found and what was expected.
 [[nodiscard]] LightCalibration readLightFile(const std::filesystem::path& file);
 
+/// The same from a file's text. @param name of the file, for messages
+[[nodiscard]] LightCalibration parseLightFile(const std::string& name, const std::string& text);
+
 [[nodiscard]] std::string lightFileText(const LightCalibration& calibration);
 
 /// The calibration that the experiment names, nothing where it names none.

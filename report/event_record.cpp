@@ -15,6 +15,10 @@ void EventRecord::take(const experiment_event_t& event) {
     contract_version_ = event.contract_version;
     return;
   }
+  if (event.kind == experiment_event_t::CALIBRATION) {
+    if (event.label == "light") light_calibration_ = event.text;
+    return;
+  }
   if (!known_.emplace(event.utime, event.kind, event.text).second) return;
   switch (event.kind) {
     case experiment_event_t::FAULT:
@@ -50,6 +54,9 @@ void EventRecord::finish(RunRecord& record) const {
   for (const auto& [number, step] : steps_) record.steps.push_back(step);
   record.faults = faults_;
   record.marks = marks_;
+  if (!light_calibration_.empty()) {
+    record.light_calibration = parseLightFile("calibration of light in the log", light_calibration_);
+  }
   record.version = version_;
   record.contract_version = contract_version_;
   record.ended = end_utime_ != 0;

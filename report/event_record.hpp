@@ -31,6 +31,7 @@ class EventRecord {
   std::int64_t start_utime_ = 0;
   std::int64_t end_utime_ = 0;
   std::string end_reason_;
+  std::string light_calibration_;  ///< text of the file
   std::string version_;
   int contract_version_ = 0;
 };

@@ -1,17 +1,16 @@
 #include "runner/conductor.hpp"
 
 #include <algorithm>
-#include <sstream>
 #include <utility>
 
 #include "common/channels.hpp"
 #include "common/experiment_messages.hpp"
 #include "common/fingerprints.hpp"
+#include "common/json_section.hpp"
 #include "common/light_file.hpp"
 #include "common/script_plan.hpp"
 #include "common/units.hpp"
 #include "common/version.hpp"
-#include "runner/light_margins.hpp"
 
 namespace lab::runner {
 namespace {
@@ -28,6 +27,13 @@ constexpr std::int64_t kSecond_us = 1'000'000;
 // The network may lose one message; what happens once is said more than once.
 constexpr int kRepeatEvent = 3;
 constexpr std::int64_t kStartEvery_us = 60'000'000;
+
+bool waitsForEstimates(const Experiment& experiment) {
+  return !experiment.stop_when.empty() ||
+         std::ranges::any_of(experiment.light.steps, [](const LightStep& step) {
+           return !step.until.estimate.empty();
+         });
+}
 
 std::string ownerName(const std::string& sender, std::int64_t instance) {
   return sender + " (instance " + std::to_string(instance) + ")";
@@ -53,11 +59,13 @@ Conductor::Conductor(const ServiceContext& context, std::string effective,
                     return !robots_.orders.empty() &&
                            robots_.orders.front().mode == robot_order_t::TABLE;
                   },
-              .end = [this](const Turn& turn) { endScript(turn); }}) {
+              .end = [this](const Turn& turn) { endScript(turn); }}),
+      stop_rules_(context.experiment) {
   // The experiment's bands are light on the arena; robots compare what their sensors read.
   if (const auto calibration = lightInForce(experiment_, context.directory)) {
     robots_ = inReadings(robots_, *calibration);
-    margins_ = "light calibration " + calibration->id + "\n" + marginLines(*calibration, experiment_);
+    light_calibration_ =
+        readFileText((context.directory / experiment_.projector.light_calibration).string());
   }
   node_.subscribe<robot_status_t>(channels::kRobotStatus,
                                   [this](const robot_status_t& status) { take(status); });
@@ -67,18 +75,15 @@ Conductor::Conductor(const ServiceContext& context, std::string effective,
                                     [this](const service_status_t& status) { take(status); });
   node_.subscribe<robot_stop_t>(channels::kRobotStop,
                                 [this](const robot_stop_t& stop) { take(stop); });
+  if (waitsForEstimates(experiment_)) {
+    node_.subscribe<analysis_t>(channels::kAnalysis,
+                                [this](const analysis_t& analysis) { take(analysis); });
+  }
 }
 
 void Conductor::begin() {
   const std::int64_t now = loop_.now();
   announceStart();
-  std::istringstream margins(margins_);
-  for (std::string line; std::getline(margins, line);) {
-    experiment_event_t event{};
-    event.kind = experiment_event_t::MARK;
-    event.text = line;
-    record(std::move(event));
-  }
   loop_.every(kStartEvery_us, now + kStartEvery_us, [this] {
     if (phase_ != Phase::kConcluded) announceStart();
   });
@@ -155,6 +160,12 @@ void Conductor::announceStart() {
   event.fingerprints = fingerprintList();
   event.version = kVersion;
   record(std::move(event));
+  if (light_calibration_.empty()) return;
+  experiment_event_t calibration{};
+  calibration.kind = experiment_event_t::CALIBRATION;
+  calibration.label = "light";
+  calibration.text = light_calibration_;
+  record(std::move(calibration));
 }
 
 void Conductor::record(experiment_event_t event) {
@@ -190,12 +201,18 @@ void Conductor::command(robot_command_t command) {
 void Conductor::startScript() {
   phase_ = Phase::kScript;
   script_start_ = loop_.now();
+  stop_rules_.begin(script_start_);
   light_.startScript();
 }
 
 void Conductor::endScript(const Turn& turn) {
-  if (phase_ != Phase::kScript) return;
-  if (turn.kind == Turn::Kind::kOver) {
+  if (phase_ != Phase::kScript || stop_reached_) return;
+  if (turn.kind == Turn::Kind::kOver && stop_rules_.given()) {
+    // They would have ended the run before.
+    const std::string unmet = stop_rules_.unmet();
+    fault(unmet);
+    over_(Ending::kUnmet, unmet);
+  } else if (turn.kind == Turn::Kind::kOver) {
     over_(Ending::kDone,
           "the script is over" + (turn.ended_by.empty() ? "" : ": " + turn.ended_by));
   } else if (turn.kind == Turn::Kind::kEnd) {
@@ -293,6 +310,16 @@ void Conductor::take(const robot_stop_t& stop) {
   record(std::move(event));
 }
 
+void Conductor::take(const analysis_t& analysis) {
+  light_.take(analysis);
+  if (phase_ != Phase::kScript) return;
+  stop_rules_.take(analysis);
+  const auto why = stop_rules_.met();
+  if (!why || stop_reached_) return;
+  stop_reached_ = true;
+  over_(Ending::kDone, *why);
+}
+
 void Conductor::take(const service_status_t& status) {
   const bool own = status.sender == node_.identity().name;
   if (own || phase_ == Phase::kIdle || status.last_error.empty()) return;
@@ -355,7 +382,8 @@ Progress Conductor::progress() const {
   if (phase_ == Phase::kScript) progress.elapsed = units::seconds(now - script_start_);
   if (phase_ == Phase::kConcluded || phase_ == Phase::kLeaving) progress.elapsed = ended_;
   progress.left = std::max(0.0, experiment_.duration - progress.elapsed);
-  progress.at_most = mayEndEarly(experiment_.light);
+  progress.at_most = mayEndEarly(experiment_);
+  if (phase_ == Phase::kScript) progress.stop = stop_rules_.progress();
   progress.light = light_.label();
   progress.robots_seen = static_cast<std::size_t>(
       std::count_if(seen_utime_.begin(), seen_utime_.end(),

@@ -17,6 +17,7 @@
 #include "common/service_main.hpp"
 #include "runner/handshake.hpp"
 #include "runner/light_part.hpp"
+#include "runner/stop_rules.hpp"
 
 namespace lab::runner {
 
@@ -25,6 +26,7 @@ struct Progress {
   double elapsed = 0;                         ///< [s] of the script
   double left = 0;                            ///< [s]
   bool at_most = false;                       ///< the run may end earlier
+  std::string stop;                           ///< how far the rules of stop_when are
   std::string light;                          ///< label of the step shown
   std::size_t robots_seen = 0;                ///< by the tracker, in the last second
   std::map<std::string, int> robots_running;  ///< robots by the name of their program
@@ -34,7 +36,7 @@ struct Progress {
 /// How a run ends.
 enum class Ending {
   kDone,    ///< as it should
-  kUnmet,   ///< as declared for a condition of the script that was not met: marked
+  kUnmet,   ///< a condition of the script, or stop_when, was not met: marked
   kBroken,  ///< it makes no sense to go on
 };
 
@@ -78,6 +80,7 @@ class Conductor final : public Service {
   void take(const robot_status_t& status);
   void take(const tracked_frame_t& frame);
   void take(const robot_stop_t& stop);
+  void take(const analysis_t& analysis);
   void take(const service_status_t& status);
   void latch(const robot_stop_t& stop);
   void repeatStops();
@@ -102,7 +105,7 @@ class Conductor final : public Service {
   Loop& loop_;
   const Experiment& experiment_;
   std::string effective_;
-  std::string margins_;  ///< of a calibration of light, for the record
+  std::string light_calibration_;  ///< its file's text, for the record; empty: none
   std::function<void(Ending, const std::string&)> over_;
 
   Phase phase_ = Phase::kIdle;
@@ -114,6 +117,8 @@ class Conductor final : public Service {
   robot_command_t after_handshake_{};
   Handshake handshake_;
   LightPart light_;
+  StopRules stop_rules_;
+  bool stop_reached_ = false;
   std::map<std::int32_t, std::int64_t> latched_;  ///< seq of the stop in force, by robot
   std::set<std::int64_t> stops_heard_;
   std::set<std::string> complaints_;  ///< of services, already recorded

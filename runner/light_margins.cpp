@@ -2,26 +2,12 @@
 
 #include <fmt/format.h>
 
-#include "calibration/light_margin.hpp"
+#include "report/light_bands.hpp"
 
 namespace lab::runner {
 namespace {
 
 constexpr double kCm = 100;
-
-calibration::LightFit toFit(const LightCalibration& calibration) {
-  calibration::LightFit fit;
-  fit.gamma = calibration.gamma;
-  fit.vignetting = calibration.vignetting;
-  fit.scale = calibration.scale;
-  fit.ambient = calibration.ambient;
-  fit.residual = calibration.residual;
-  for (const auto& [robot, gains] : calibration.gains) {
-    fit.gains[{robot, true}] = gains.front;
-    fit.gains[{robot, false}] = gains.back;
-  }
-  return fit;
-}
 
 }  // namespace
 
@@ -42,14 +28,9 @@ LightCalibration toCalibration(const calibration::LightFit& fit, const Experimen
 }
 
 std::string marginLines(const LightCalibration& calibration, const Experiment& experiment) {
-  std::vector<calibration::BandLimits> bands;
-  for (const LightBand& band : experiment.light_table.bands) {
-    bands.push_back({band.program, band.low, band.high});
-  }
   std::string lines;
   for (const calibration::BandMargin& band :
-       calibration::bandMargins(toFit(calibration), bands, experiment.arena_width,
-                                experiment.arena_height)) {
+       report::lightMargins(calibration, experiment)) {
     lines += fmt::format(
         "{}: light {:.3f} is {:.3f} from the edge of its band, {:.0f} standard deviations of a reading; "
         "chance of a wrong one {:.1e}. Without the calibration the {} sensor of robot {} would read "

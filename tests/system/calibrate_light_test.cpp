@@ -71,9 +71,14 @@ class CalibrateLight : public testing::Test {
                (folder_.path() / "calibrations").string() + " " + more);
   }
 
+  [[nodiscard]] fs::path lastRun() const {
+    return folder_.path() / ("run" + std::to_string(runs_));
+  }
+
   /// Share of the readings in the middle of each light during which a robot ran the wrong program.
   double wrongShare(const std::string& more) {
-    const fs::path out = folder_.path() / ("run" + std::to_string(++runs_));
+    ++runs_;
+    const fs::path out = lastRun();
     const Finished finished = run("lab run " + (folder_.path() / "dim.toml").string() +
                                   " --virtual-time --out " + out.string() + " " + more);
     EXPECT_EQ(finished.exit_code, 0) << finished.output;
@@ -135,6 +140,27 @@ TEST_F(CalibrateLight, MakesTheLightSelectTheProgramThatIsMeant) {
   EXPECT_GT(wrongShare(""), 0.5);
   EXPECT_EQ(wrongShare("--set 'projector.light_calibration=\"" + calibration().string() + "\"'"),
             0);
+  // The report of the second run, from its log alone.
+  fs::rename(calibration(), calibration().string() + ".away");
+  const fs::path folder = onlyRun(lastRun());
+  ASSERT_EQ(run("lab analyze --no-figures --no-bootstrap " + folder.string()).exit_code, 0);
+  EXPECT_THAT(readFile(folder / "report.html"), HasSubstr("<h2>Light bands</h2>"));
+  const nlohmann::json bands = readJson(folder / "summary.json").at("light_bands").at("bands");
+  ASSERT_EQ(bands.size(), 2U);
+  for (const auto& band : bands) {
+    EXPECT_GT(band.at("margin_in_sigmas").get<double>(), 5);
+    EXPECT_EQ(band.at("without_calibration").size(), 24U);
+  }
+  // Without it, gamma turns the light 0.4 into less than the band holds, most so in the corners.
+  double in_corner = 0;
+  double in_middle = 0;
+  for (const auto& place : bands[0].at("without_calibration")) {
+    EXPECT_GT(place.at("chance_wrong").get<double>(), 0.99);
+    if (place.at("x_cm") == 10.0 && place.at("y_cm") == 11.25) in_corner = place.at("reading");
+    if (place.at("x_cm") == 50.0 && place.at("y_cm") == 33.75) in_middle = place.at("reading");
+  }
+  EXPECT_GT(in_corner, 0);
+  EXPECT_LT(in_corner, 0.9 * in_middle);
 }
 
 TEST_F(CalibrateLight, RefusesWhatCannotBeUsed) {
