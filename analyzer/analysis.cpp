@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <utility>
+
+#include "analyzer/film_fit.hpp"
 
 namespace lab::analysis {
 namespace {
@@ -34,6 +37,7 @@ int Analysis::programOf(const ProgramLaw& law) {
 void Analysis::addTelemetry(int robot, const ProgramLaw& law, RobotTelemetry telemetry) {
   ++counters_.telemetry;
   telemetry.program = programOf(law);
+  telemetry.sense_distance = senseDistance(law);
   Robot& target = robotOf(robot);
   noteStay(target, telemetry);
   target.stitcher.addTelemetry(telemetry, samples_);
@@ -112,6 +116,12 @@ void Analysis::take(int id, Robot& robot) {
     auto& program = robot.programs[sample.program];
     if (!program) {
       program = std::make_unique<ProgramAnalysis>(law, config_.frame_period, config_.max_lag);
+      if (config_.compare_joins) {
+        program->watchJoins(config_.frame_period, config_.max_lag);
+      }
+      if (config_.find_runs) {
+        program->watchRuns(config_.frame_period);
+      }
     }
     program->add(sample);
     if (sink_) {
@@ -119,6 +129,11 @@ void Analysis::take(int id, Robot& robot) {
     }
   }
   samples_.clear();
+  for (const Piece& piece : robot.stitcher.takePieces()) {
+    if (piece_sink_) {
+      piece_sink_(id, programs_[static_cast<std::size_t>(piece.program)], piece);
+    }
+  }
 }
 
 void Analysis::flush() {
@@ -146,28 +161,56 @@ std::vector<ProgramResult> Analysis::results(Depth depth) const {
     CurveOptions options = config_.curves;
     options.unbiased_lag = spatial_light_ ? kUnbiasedShare * medianStay(program) : 0;
     BlockData pool;
+    JoinBlocks joins;
     ProgramTally sum;
     std::vector<ProgramResult> each;
+    std::vector<FoundRuns> runs;
+    std::deque<BlockData> blocks;        // of each
+    std::vector<const BlockData*> data;  // the same
     for (const auto& [id, robot] : robots_) {
       const auto found = robot.programs.find(program);
       if (found == robot.programs.end()) {
         continue;
       }
       const ProgramTally tally = robot.stitcher.tally(program);
-      pool.pool(found->second->data());
+      const BlockData& own_blocks = blocks.emplace_back(found->second->data());
+      pool.pool(own_blocks);
       sum.samples += tally.samples;
       sum.in_contact += tally.in_contact;
       sum.lost += tally.lost;
       sum.segments += tally.segments;
       sum.reversals += tally.reversals;
-      each.push_back(analyse(programs_[key], found->second->data(), tally, options, depth));
+      data.push_back(&own_blocks);
+      each.push_back(analyse(programs_[key], own_blocks, tally, options, depth));
       each.back().robot = id;
+      if (found->second->joins()) {
+        const JoinBlocks own = found->second->joins()->blocks();
+        each.back().joins = compareJoins(own);
+        joins.pool(own);
+      }
+      if (found->second->runs()) {
+        runs.push_back(found->second->runs()->find());
+        each.back().runs = runStatistics(programs_[key], {&runs.back()});
+      }
     }
     if (!each.empty()) {
       // The pool of one robot is that robot.
       results.push_back(each.size() == 1 ? each.front()
                                          : analyse(programs_[key], pool, sum, options, depth));
       results.back().robot = kPool;
+      if (depth == Depth::kFull) {
+        completeWithFilms(results.back(), pool, each, data, options);
+      }
+      if (!runs.empty()) {
+        std::vector<const FoundRuns*> all;
+        for (const FoundRuns& own : runs) {
+          all.push_back(&own);
+        }
+        results.back().runs = runStatistics(programs_[key], all);
+      }
+      if (!joins.lags.empty()) {
+        results.back().joins = compareJoins(joins);
+      }
       results.insert(results.end(), each.begin(), each.end());
     }
   }

@@ -33,6 +33,10 @@ struct AnalysisConfig {
   double max_lag = 100;     ///< s; bounds the memory.
   StitcherConfig stitcher;
   CurveOptions curves;
+  bool compare_joins = false;  ///< Fills ProgramResult::joins; doubles the work of a frame.
+  /// Fills ProgramResult::runs. Keeps up to 20 places a second of every RTP, 3 MB an hour, so it is
+  /// for films that end, not for live displays.
+  bool find_runs = false;
   bool without_law = false;  ///< Robots with no program (kNone) are analysed: curves, and their speed.
 };
 
@@ -69,6 +73,22 @@ class Analysis {
   void onSample(std::function<void(int robot, const ProgramLaw& law, const Sample&)> sink) {
     sink_ = std::move(sink);
   }
+
+  /// Every piece of free motion once it has ended (the last ones from flush()), in time order for
+  /// each robot.
+  void onPiece(std::function<void(int robot, const ProgramLaw& law, const Piece&)> sink) {
+    piece_sink_ = std::move(sink);
+  }
+
+  /// Before the first frame: whether the motion around reversals is joined or cut, and whether
+  /// windows across joins are compared with those within pieces (AnalysisConfig::compare_joins).
+  void stitch(bool join, bool compare) {
+    config_.stitcher.join = join;
+    config_.compare_joins = compare;
+  }
+
+  /// As AnalysisConfig::find_runs; to be said before the first frame.
+  void findRuns() { config_.find_runs = true; }
 
   /// Per program with a law, in the order of first appearance: the pool of all its robots, then
   /// each robot by number. Programs without a sample are left out.
@@ -109,6 +129,7 @@ class Analysis {
   std::vector<Sample> samples_;
   bool spatial_light_ = false;
   std::function<void(int, const ProgramLaw&, const Sample&)> sink_;
+  std::function<void(int, const ProgramLaw&, const Piece&)> piece_sink_;
 };
 
 }  // namespace lab::analysis

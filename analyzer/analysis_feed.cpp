@@ -137,16 +137,25 @@ void AnalysisFeed::onSample(SampleSink sink) {
                                               const Sample& sample) { sink(robot, sample); });
 }
 
+void AnalysisFeed::onPiece(PieceSink sink) {
+  analysis_.onPiece([this, sink = std::move(sink)](int robot, const ProgramLaw& law,
+                                                   const Piece& piece) {
+    sink(robot, programOf(law), piece);
+  });
+}
+
+program_t AnalysisFeed::programOf(const ProgramLaw& law) const {
+  for (const program_t& program : book_.programs()) {
+    if (toLaw(program, wheel_base_) == law) return program;
+  }
+  return {};
+}
+
 std::vector<FeedResult> AnalysisFeed::results(Depth depth) const {
   std::vector<FeedResult> results;
   for (ProgramResult& result : analysis_.results(depth)) {
     FeedResult one;
-    for (const program_t& program : book_.programs()) {
-      if (toLaw(program, wheel_base_) == result.law) {
-        one.program = program;
-        break;
-      }
-    }
+    one.program = programOf(result.law);
     one.result = std::move(result);
     results.push_back(std::move(one));
   }

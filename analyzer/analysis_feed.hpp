@@ -40,6 +40,9 @@ class AnalysisFeed {
   /// One pose that entered the statistics.
   using SampleSink = std::function<void(int robot, const Sample& sample)>;
 
+  /// One piece of free motion, once it has ended.
+  using PieceSink = std::function<void(int robot, const program_t& program, const Piece& piece)>;
+
   explicit AnalysisFeed(const Experiment& experiment);
 
   void take(const tracked_frame_t& frame);
@@ -49,8 +52,17 @@ class AnalysisFeed {
   /// End of data: judges what still waits for telemetry.
   void flush() { analysis_.flush(); }
 
+  /// As AnalysisConfig::find_runs; to be said before the first frame.
+  void findRuns() { analysis_.findRuns(); }
+
   /// Called with every sample, from within take() and flush(), in time order for each robot.
   void onSample(SampleSink sink);
+
+  /// Called with every piece, likewise.
+  void onPiece(PieceSink sink);
+
+  /// As Analysis::stitch().
+  void stitch(bool join, bool compare) { analysis_.stitch(join, compare); }
 
   /// Per program: the pool of its robots first, then each robot.
   [[nodiscard]] std::vector<FeedResult> results(Depth depth = Depth::kLive) const;
@@ -61,6 +73,7 @@ class AnalysisFeed {
   /// Of the last frame taken [us since 1970], 0: none yet.
   [[nodiscard]] std::int64_t lastFrameUtime() const { return last_frame_utime_; }
 
+  [[nodiscard]] std::vector<int> robots() const { return analysis_.robots(); }
   [[nodiscard]] StitcherCounters robotCounters(int robot) const {
     return analysis_.robotCounters(robot);
   }
@@ -76,6 +89,7 @@ class AnalysisFeed {
   };
 
   void anchor(std::int64_t utime);
+  [[nodiscard]] program_t programOf(const ProgramLaw& law) const;
   [[nodiscard]] RobotTelemetry telemetry(const robot_state_t& state, std::int64_t boot) const;
   std::int64_t bootOf(const robot_status_t& status, const robot_state_t& state);
 

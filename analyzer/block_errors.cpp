@@ -4,6 +4,11 @@
 #include <limits>
 
 namespace lab::analysis {
+namespace {
+
+constexpr double kNearly = 0.95;
+
+}  // namespace
 
 std::vector<BlockSums> groupBlocks(const BlockData& data, double min_length) {
   std::vector<BlockSums> groups;
@@ -11,8 +16,12 @@ std::vector<BlockSums> groupBlocks(const BlockData& data, double min_length) {
     const std::size_t first = groups.size();
     BlockSums group;
     for (const BlockSums& block : track) {
-      group += block;
-      if (group.time >= min_length) {
+      if (group.lags.empty() && group.time == 0) {
+        group = block;  // half the cost of adding to nothing
+      } else {
+        group += block;
+      }
+      if (group.time >= kNearly * min_length) {
         groups.push_back(std::move(group));
         group = BlockSums{};
       }

@@ -10,8 +10,9 @@ namespace lab::analysis {
 /// Below so many groups the scatter of blocks is not trusted alone.
 inline constexpr std::size_t kFewBlocks = 8;
 
-/// Adjacent blocks of each robot merged until every group lasts min_length (s) or is all there is
-/// of its robot; a remainder joins the group before it.
+/// Adjacent blocks of each robot merged until every group lasts min_length (s; blocks are equal to
+/// some frames only, so a twentieth less will do) or is all there is of its robot; a remainder
+/// joins the group before it.
 [[nodiscard]] std::vector<BlockSums> groupBlocks(const BlockData& data, double min_length);
 
 /// Functions of the sums, and the same functions with one group left out at a time.

@@ -13,6 +13,7 @@ namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kBlocksPerLag = 5;
 constexpr std::size_t kEnoughBlocks = 12;
+constexpr double kTrustedBlocks = 180;  // lags beyond track / 180 need more than blocks
 constexpr double kFilmsPerLag = 20;  // lags beyond film / 20 are too skewed to judge
 constexpr double kMinDraws = 100;    // draws or tumbles for any verdict
 constexpr double kLimitZ = 4;
@@ -167,6 +168,12 @@ Curves curves(const ProgramLaw& law, const BlockData& data, const CurveOptions& 
   const std::vector<double> means = functions(total);
   LagErrors errors(data, functions);
   const bool enough_draws = drawsSeen(law, observed) >= kMinDraws;
+  const auto tracks = static_cast<double>(data.tracks.size());
+  const auto film_error = [&](bool angular, double tau) {
+    return options.films != nullptr && kTrustedBlocks * tau > observed / tracks
+               ? relativeError(*options.films, angular, tau, observed, tracks)
+               : kNan;
+  };
 
   for (std::size_t i = 0; i < n; ++i) {
     const double tau = data.lagTime(i, total);
@@ -186,14 +193,20 @@ Curves curves(const ProgramLaw& law, const BlockData& data, const CurveOptions& 
       LagErrors::Error error = errors.at(tau, column, 2 * n + column);
       const double model = expected * (angular ? modelAngularError(exact, tau, observed)
                                                : modelMsdError(exact, tau, observed));
-      if (!error.enough) {
+      const double simulated = film_error(angular, tau);
+      p.noise = p.value - means[2 * n + column];
+      if (std::isfinite(simulated)) {
+        error.raw = simulated * (expected + p.noise);
+        error.corrected = simulated * expected;
+        error.freedom = kManyBlocks;
+      } else if (!error.enough) {
         error.raw = std::fmax(error.raw, model);
       }
-      if (!(error.corrected > model) && (!error.enough || angular || predictsItsMsdError(law))) {
+      const bool own = !error.enough || angular || predictsItsMsdError(law);
+      if (!std::isfinite(simulated) && !(error.corrected > model) && own) {
         error.corrected = model;
         error.freedom = kManyBlocks;
       }
-      p.noise = p.value - means[2 * n + column];
       p.sigma = p.windows > 0 ? error.raw : kNan;
       p.n_eff = (fourth - p.value * p.value) / (p.sigma * p.sigma);
       p.z = normalDeviate((means[2 * n + column] - expected) /

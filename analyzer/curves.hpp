@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "analyzer/curve_covariance.hpp"
 #include "analyzer/estimates.hpp"
 #include "analyzer/laws.hpp"
 #include "analyzer/msd_accumulator.hpp"
@@ -33,6 +34,9 @@ struct CurveOptions {
   double systematic_floor = 0.002;  ///< Share of the law below which no deviation counts.
   double speed_tolerance = 0.05;    ///< Share by which the speed may be off as a calibration.
   double unbiased_lag = 0;          ///< Longer lags are selected by the outcome, s; 0: none is.
+  /// Films of the program, or none. With them the errors of lags beyond a 180th of a track, where
+  /// blocks are too short (they give up to 36 % too little), are those of the films.
+  const SimulatedCurves* films = nullptr;
 };
 
 /// The relative standard error of the MSD over one film of length `observed` (s) that the law

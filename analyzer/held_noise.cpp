@@ -5,6 +5,8 @@
 #include <limits>
 #include <map>
 
+#include "analyzer/geometric_sums.hpp"
+
 namespace lab::analysis {
 namespace {
 
@@ -19,25 +21,6 @@ const GaussRule& halfRule(int count) {
     found = rules.emplace(count, gaussLegendre(count / 2 + 4)).first;
   }
   return found->second;
-}
-
-/// sum_{j=0}^{n-1} q^j and sum_{j=0}^{n-1} (n - 1 - j) q^j, also where q is close to 1.
-struct GeometricSums {
-  double plain = 0;
-  double weighted = 0;
-};
-
-GeometricSums geometricSums(double q, double n) {
-  const double p = 1 - q;
-  GeometricSums sums;
-  if (n * p < 1e-6) {
-    sums.plain = n * (1 - 0.5 * (n - 1) * p);
-    sums.weighted = 0.5 * n * (n - 1) * (1 - (n - 2) * p / 3);
-    return sums;
-  }
-  sums.plain = q > 0 ? -std::expm1(n * std::log1p(-p)) / p : (1 - std::pow(q, n)) / p;
-  sums.weighted = (n - sums.plain) / p;
-  return sums;
 }
 
 }  // namespace
@@ -58,8 +41,7 @@ HeldNoise::HeldNoise(Noise noise, double va, double width, double amplitude, dou
       epsilon_(epsilon),
       omega2_(noise == Noise::kTurning ? width * width / 3 : 2 * width * width / 3),
       q_(chi(epsilon)) {
-  // Enough for full precision: chi makes width * epsilon / 2 pi turns in a hold, its square two.
-  const int count = std::min(200, 18 + static_cast<int>(6 * width * epsilon));
+  const int count = points();
   const GaussRule& rule = halfRule(count);
   // The integrands are symmetric about total / 2.
   const auto convolve = [&](double from, double total) {
@@ -89,6 +71,11 @@ HeldNoise::HeldNoise(Noise noise, double va, double width, double amplitude, dou
   later_twice_ = later_once_.integral();
   spread_once_ = spread_.integral();
   spread_twice_ = spread_once_.integral();
+}
+
+int HeldNoise::points() const {
+  // chi makes width * epsilon / 2 pi turns in a hold, its square two.
+  return std::min(200, 18 + static_cast<int>(6 * width_ * epsilon_));
 }
 
 double HeldNoise::chi(double t) const {

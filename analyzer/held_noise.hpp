@@ -39,13 +39,21 @@ class HeldNoise {
   /// D_r = epsilon <omega^2> / 2 in rad^2/s: exact.
   [[nodiscard]] double rotationalDiffusivity() const { return 0.5 * epsilon_ * omega2_; }
 
+  /// chi(t) = <cos(omega t)> for one draw of the turning rate.
+  [[nodiscard]] double chi(double t) const;
+  /// <(v - va)^2 cos(omega t)> for one draw of the wheels, m^2/s^2.
+  [[nodiscard]] double psi(double t) const;
+  [[nodiscard]] double epsilon() const { return epsilon_; }       ///< s.
+  [[nodiscard]] double meanSpeed() const { return va_; }          ///< m/s.
+  [[nodiscard]] double meanSquareTurning() const { return omega2_; }  ///< <omega^2>, rad^2/s^2.
+  /// Chebyshev points that resolve everything on one hold to full precision.
+  [[nodiscard]] int points() const;
+
  private:
   enum class Noise { kTurning, kWheels };
 
   HeldNoise(Noise noise, double va, double width, double amplitude, double epsilon);
 
-  [[nodiscard]] double chi(double t) const;
-  [[nodiscard]] double psi(double t) const;
   /// int_0^tau (tau - s) g(s) ds.
   [[nodiscard]] double meanSpeedPart(double tau) const;
 

@@ -1,8 +1,8 @@
 #include "analyzer/laws.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <utility>
 #include <vector>
 
@@ -35,14 +35,6 @@ bool definesLaw(const ProgramLaw& law) {
       break;
   }
   return false;
-}
-
-double rtpAngularMsd(const ProgramLaw& law, double tau) {
-  const double turning2 = std::numbers::pi * std::numbers::pi / 3;
-  const double share = law.gamma * law.tau_t / (1 + law.gamma * law.tau_t);
-  const double t = law.tau_t;
-  const double shape = tau <= t ? tau * tau * (1 - tau / (3 * t)) / (t * t) : tau / t - 1.0 / 3;
-  return turning2 * share * shape;
 }
 
 /// A HeldNoise is a table that costs thousands of sines; a live analysis asks for the same few laws
@@ -105,7 +97,25 @@ double meanSpeed(const ProgramLaw& law) {
   return kNan;
 }
 
-ExactLaw::ExactLaw(const ProgramLaw& law) : law_(law), exists_(definesLaw(law)) {
+double neededWheelSpeed(const ProgramLaw& law, double largest_turn) {
+  switch (law.kind) {
+    case ProgramKind::kAbp:
+      return std::abs(law.v) + 0.5 * law.eta * law.wheel_base;
+    case ProgramKind::kNoisyAbp:
+      return std::abs(law.va) + law.V;
+    case ProgramKind::kBp:
+      return law.V;
+    case ProgramKind::kRtp:
+      return std::max(std::abs(law.v), 0.5 * largest_turn * law.wheel_base / law.tau_t);
+    case ProgramKind::kNone:
+    case ProgramKind::kWheels:
+      break;
+  }
+  return kNan;
+}
+
+ExactLaw::ExactLaw(const ProgramLaw& law, const Turning& turning)
+    : law_(law), exists_(definesLaw(law)), rtp_(law.v, law.gamma, law.tau_t, turning) {
   if (exists_ && isHeldNoise(law.kind)) held_ = heldNoise(law);
 }
 
@@ -113,30 +123,28 @@ double ExactLaw::msd(double tau) const {
   if (!exists_) {
     return kNan;
   }
-  return held_ ? held_->msd(tau) : paperMsd(law_, tau);
+  return held_ ? held_->msd(tau) : rtp_.msd(tau);
 }
 
 double ExactLaw::angularMsd(double tau) const {
   if (!exists_) {
     return kNan;
   }
-  return held_ ? held_->angularMsd(tau) : rtpAngularMsd(law_, tau);
+  return held_ ? held_->angularMsd(tau) : rtp_.angularMsd(tau);
 }
 
 double ExactLaw::velocityCorrelation(double s) const {
   if (!exists_) {
     return kNan;
   }
-  return held_ ? held_->velocityCorrelation(s)
-               : law_.v * law_.v * std::exp(-law_.gamma * s) / (1 + law_.gamma * law_.tau_t);
+  return held_ ? held_->velocityCorrelation(s) : rtp_.velocityCorrelation(s);
 }
 
 double ExactLaw::diffusivity() const {
   if (!exists_) {
     return kNan;
   }
-  return held_ ? held_->diffusivity()
-               : law_.v * law_.v / (2 * law_.gamma * (1 + law_.gamma * law_.tau_t));
+  return held_ ? held_->diffusivity() : rtp_.diffusivity();
 }
 
 double ExactLaw::persistenceLength() const {
@@ -144,7 +152,7 @@ double ExactLaw::persistenceLength() const {
     // C(l) = g(l / v) and int_0^inf C_v ds = 2 D.
     return 2 * held_->diffusivity() / law_.v;
   }
-  return exists_ && law_.kind == ProgramKind::kRtp ? law_.v / law_.gamma : kNan;
+  return exists_ && law_.kind == ProgramKind::kRtp ? rtp_.persistenceLength() : kNan;
 }
 
 double paperMsd(const ProgramLaw& law, double tau) {

@@ -2,8 +2,10 @@
 
 #include <cstdint>
 #include <memory>
+#include <numbers>
 
 #include "analyzer/held_noise.hpp"
+#include "analyzer/rtp_law.hpp"
 
 namespace lab::analysis {
 
@@ -42,15 +44,21 @@ struct ProgramLaw {
 [[nodiscard]] double translationalDiffusivity(const ProgramLaw& law);  ///< D_t = epsilon V^2/24.
 [[nodiscard]] double meanSpeed(const ProgramLaw& law);  ///< v (ABP, RTP), va (noisy ABP), 0 (BP).
 
+/// The fastest that a wheel must turn for the program, m/s: |v| + eta d/2 (ABP), |va| + V (noisy
+/// ABP, BP), the larger of |v| and largest_turn d / (2 tau_t) (RTP; rad, pi the short way round). Wheels
+/// that are slower saturate, and the law is then not the robot's. nan where a program has none.
+[[nodiscard]] double neededWheelSpeed(const ProgramLaw& law,
+                                      double largest_turn = std::numbers::pi);
+
 /// The exact law of what the robot executes, at every lag, for a random observation phase.
 ///
-/// Held noise: see HeldNoise. RTP in the stationary state with exponential runs and turning angles
-/// uniform on (-180, 180] degrees: C_v = v^2 exp(-gamma s) / (1 + gamma tau_t), which makes the
-/// paper's eq. 6 exact; the unwrapped heading turns at a constant rate inside a tumble. Without a
-/// law (standing, constant wheels, parameters that define none) every value is nan.
+/// Held noise: see HeldNoise. RTP: see RtpLaw; turning angles are uniform on (-180, 180] degrees
+/// unless told otherwise, which makes the paper's eq. 6 exact. Without a law (standing, constant
+/// wheels, parameters that define none) every value is nan.
 class ExactLaw {
  public:
-  explicit ExactLaw(const ProgramLaw& law);
+  /// @param turning of an RTP; other programs ignore it.
+  explicit ExactLaw(const ProgramLaw& law, const Turning& turning = {});
 
   [[nodiscard]] bool exists() const { return exists_; }
   [[nodiscard]] double msd(double tau) const;                ///< m^2.
@@ -65,6 +73,7 @@ class ExactLaw {
  private:
   ProgramLaw law_;
   bool exists_ = false;
+  RtpLaw rtp_;
   std::shared_ptr<const HeldNoise> held_;
 };
 

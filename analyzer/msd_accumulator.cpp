@@ -3,155 +3,133 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <numbers>
+#include <utility>
 
 namespace lab::analysis {
 namespace {
 
-constexpr std::size_t kMaxBlocks = 64;
 constexpr double kFirstBlock = 0.25;  // s
 constexpr double kLongestStep = 0.3;  // s between frames that still counts as observed
-constexpr int kRingMargin = 64;       // slots beyond the longest lag, for joins
 constexpr int kSearch = 8;            // slots
-constexpr double kBracket = 2.2;      // frame periods between which a start is interpolated
+constexpr double kBracket = 2.2;      // frame periods between which an end is interpolated
+constexpr int kFraction = 24;         // bits of a slot behind the point
 
-/// log2 of the distance between the end frames used for a lag: from lag/16 to lag/8.
-int strideLevel(int lag) {
-  return lag < 16 ? 0 : static_cast<int>(std::bit_width(static_cast<unsigned>(lag) / 8)) - 1;
+/// From 64 frames on: 0 up to 127, then one more an octave.
+int octave(int lag) { return static_cast<int>(std::bit_width(static_cast<unsigned>(lag))) - 7; }
+
+/// Frames between the begins of an octave's windows: lag/16 to lag/8.
+double strideOf(int octave) { return std::ldexp(5 * std::numbers::phi, octave); }
+
+/// Below 64 frames: log2 of the distance between the end frames used for a lag, from lag/16 to
+/// lag/8.
+std::size_t stepOf(int lag) { return lag < 16 ? 0 : lag < 32 ? 1 : 2; }
+
+inline void addTo(LagSums& sum, double dx, double dy, double turn, bool angular) {
+  const double r2 = dx * dx + dy * dy;
+  ++sum.windows;
+  if (!angular) {
+    sum.r2 += r2;
+    sum.r4 += r2 * r2;
+    return;
+  }
+  const double a2 = turn * turn;
+  ++sum.angular_windows;
+  sum.r2 += r2;
+  sum.a2 += a2;
+  sum.r4 += r2 * r2;
+  sum.a4 += a2 * a2;
 }
 
-void combine(BlockSums& a, const BlockSums& b, double sign) {
-  a.time += sign * b.time;
-  a.forward += sign * b.forward;
-  a.forward_time += sign * b.forward_time;
-  a.sideways2 += sign * b.sideways2;
-  a.steps += sign * b.steps;
-  a.joins += sign * b.joins;
-  a.run_time += sign * b.run_time;
-  a.run_span += sign * b.run_span;
-  a.tumbles += sign * b.tumbles;
-  if (a.lags.size() < b.lags.size()) {
-    a.lags.resize(b.lags.size());
-  }
-  for (std::size_t i = 0; i < b.lags.size(); ++i) {
-    LagSums& to = a.lags[i];
-    const LagSums& from = b.lags[i];
-    to.windows = sign > 0 ? to.windows + from.windows : to.windows - from.windows;
-    to.angular_windows = sign > 0 ? to.angular_windows + from.angular_windows
-                                  : to.angular_windows - from.angular_windows;
-    to.r2 += sign * from.r2;
-    to.r4 += sign * from.r4;
-    to.a2 += sign * from.a2;
-    to.a4 += sign * from.a4;
-  }
-}
+std::int64_t wholeSlot(std::uint64_t slot) { return static_cast<std::int64_t>(slot >> kFraction); }
 
 }  // namespace
 
-BlockSums& BlockSums::operator+=(const BlockSums& other) {
-  combine(*this, other, 1);
-  return *this;
-}
-
-BlockSums& BlockSums::operator-=(const BlockSums& other) {
-  combine(*this, other, -1);
-  return *this;
-}
-
-void BlockData::pool(const BlockData& other) {
-  if (lags.empty()) {
-    *this = other;
-    return;
-  }
-  tracks.insert(tracks.end(), other.tracks.begin(), other.tracks.end());
-  for (std::size_t i = 0; i < lag_times.size(); ++i) {
-    lag_times[i] += other.lag_times[i];
-  }
-}
-
-BlockSums BlockData::total() const {
-  BlockSums sum;
-  sum.lags.resize(lags.size());
-  for (const auto& track : tracks) {
-    for (const BlockSums& block : track) {
-      sum += block;
-    }
-  }
-  return sum;
-}
-
-double BlockData::observed() const {
-  double time = 0;
-  for (const auto& track : tracks) {
-    for (const BlockSums& block : track) {
-      time += block.time;
-    }
-  }
-  return time;
-}
-
-double BlockData::lagTime(std::size_t i, const BlockSums& total) const {
-  const std::uint32_t n = total.lags[i].windows;
-  return n > 0 ? lag_times[i] / n : lags[i] * frame_period;
-}
-
 MsdAccumulator::MsdAccumulator(std::vector<int> lags, double frame_period)
-    : block_length_(std::max(kFirstBlock, 2 * frame_period)),
+    : lags_(std::move(lags)),
+      frame_period_(frame_period),
+      lag_times_(lags_.size()),
+      blocks_(lags_.size(), std::max(kFirstBlock, 2 * frame_period)),
       period_time_(1),
       period_frames_(1 / frame_period),
       period_(frame_period) {
-  const auto slots = std::bit_ceil(static_cast<std::size_t>(lags.back() + kRingMargin));
-  ring_.resize(slots);
-  mask_ = slots - 1;
-  for (int level = 0; level <= 64; ++level) {
-    active_.push_back(static_cast<std::size_t>(std::count_if(
-        lags.begin(), lags.end(), [&](int lag) { return strideLevel(lag) <= level; })));
+  const auto dense_end = std::lower_bound(lags_.begin(), lags_.end(), kDenseLags);
+  dense_lags_ = static_cast<std::size_t>(dense_end - lags_.begin());
+  for (std::size_t i = 0; i < dense_lags_; ++i) {
+    for (std::size_t step = stepOf(lags_[i]); step < kSteps; ++step) {
+      active_[step] = i + 1;
+    }
   }
-  data_.frame_period = frame_period;
-  data_.lag_times.resize(lags.size());
-  data_.lags = std::move(lags);
-  data_.tracks.resize(1);
-  data_.tracks[0].emplace_back().lags.resize(data_.lags.size());
+  for (std::size_t i = dense_lags_; i < lags_.size(); ++i) {
+    if (i == dense_lags_ || octave(lags_[i]) != octave(lags_[i - 1])) {
+      levels_.emplace_back().stride =
+          static_cast<std::uint64_t>(std::ldexp(strideOf(octave(lags_[i])), kFraction));
+    }
+    cursors_.push_back({lags_[i], static_cast<std::uint16_t>(levels_.size() - 1), 0});
+  }
+  levels_.shrink_to_fit();
+  cursors_.shrink_to_fit();
+  following_.resize(cursors_.size() + levels_.size());
+}
+
+BlockData MsdAccumulator::data() const {
+  return {lags_, frame_period_, lag_times_, {blocks_.blocks()}};
+}
+
+std::size_t MsdAccumulator::memoryBytes() const {
+  return sizeof(*this) + lags_.capacity() * sizeof(int) + lag_times_.capacity() * sizeof(double) +
+         blocks_.memoryBytes() - sizeof(blocks_) + levels_.capacity() * sizeof(Level) +
+         cursors_.capacity() * sizeof(Cursor) + following_.capacity() * sizeof(std::uint16_t);
 }
 
 const MsdAccumulator::Fix* MsdAccumulator::find(std::int64_t slot) const {
-  const Fix& fix = ring_[static_cast<std::size_t>(slot) & mask_];
+  const Fix& fix = dense_[static_cast<std::size_t>(slot) % kDenseFixes];
   return slot >= segment_first_ && fix.slot == slot ? &fix : nullptr;
 }
 
 void MsdAccumulator::beginSegment() {
-  slot_ += static_cast<std::int64_t>(ring_.size());  // makes every stored slot stale
+  slot_ += static_cast<std::int64_t>(kDenseFixes);  // makes every dense slot stale
   segment_first_ = slot_;
   piece_first_ = slot_;
   angular_first_ = slot_;
   in_segment_ = 0;
   in_piece_ = 0;
   in_angular_ = 0;
+  for (Cursor& cursor : cursors_) {
+    cursor.start = levels_[cursor.level].head;  // no window begins before the segment
+  }
 }
 
 void MsdAccumulator::add(const Sample& sample) {
   Fix fix{0, sample.free_time, sample.x, sample.y, sample.theta};
+  std::int64_t first_due = slot_ + 1;
   if (empty_ || sample.segment != last_.segment) {
     beginSegment();
+    scheduleAll();
+    first_due = slot_;
   } else {
     const double dt = sample.free_time - last_.free_time;
     const double frames = std::round(dt / period_);
     if (frames < 1) {
       return;  // just after a join: nearer to the last slot than to the next one
     }
-    const Fix from = ring_[static_cast<std::size_t>(slot_) & mask_];
     slot_ += static_cast<std::int64_t>(frames);
-    addTime(dt);
+    blocks_.addTime(dt > std::max(kLongestStep, 1.5 * period_) ? period_ : dt);
     const bool join = sample.piece != last_.piece;
     if (join) {
       piece_first_ = slot_;
       in_piece_ = 0;
     }
-    addStep(from, fix, frames, join);
+    if (join || frames >= static_cast<double>(kWheel)) {
+      scheduleAll();  // what was expected at a slot has to be looked at again
+      first_due = slot_;
+    }
+    addStep(previous_, fix, frames, join);
     if (sample.angular_segment != last_.angular_segment) {
       angular_first_ = slot_;
       in_angular_ = 0;
     }
-    BlockSums& block = data_.tracks[0].back();
+    BlockSums& block = blocks_.open();
     block.run_time += sample.run_time - last_.run_time;
     block.run_span += dt;
     block.tumbles += static_cast<double>(sample.tumble_count - last_.tumble_count);
@@ -159,8 +137,10 @@ void MsdAccumulator::add(const Sample& sample) {
   empty_ = false;
   last_ = sample;
   fix.slot = slot_;
-  ring_[static_cast<std::size_t>(slot_) & mask_] = fix;
-  addWindows(fix);
+  dense_[static_cast<std::size_t>(slot_) % kDenseFixes] = fix;
+  addDenseWindows(fix);
+  turnWheel(first_due, fix);
+  previous_ = fix;
 }
 
 void MsdAccumulator::addStep(const Fix& from, const Fix& to, double frames, bool join) {
@@ -183,7 +163,7 @@ void MsdAccumulator::addStep(const Fix& from, const Fix& to, double frames, bool
   const double s = std::sin(heading);
   const double dx = to.x - from.x;
   const double dy = to.y - from.y;
-  BlockSums& block = data_.tracks[0].back();
+  BlockSums& block = blocks_.open();
   block.forward += c * dx + s * dy;
   block.forward_time += dt;
   block.joins += join ? 1 : 0;
@@ -194,62 +174,39 @@ void MsdAccumulator::addStep(const Fix& from, const Fix& to, double frames, bool
   }
 }
 
-void MsdAccumulator::addTime(double dt) {
-  std::vector<BlockSums>& blocks = data_.tracks[0];
-  blocks.back().time += dt > std::max(kLongestStep, 1.5 * period_) ? period_ : dt;
-  if (blocks.back().time < block_length_) {
-    return;
-  }
-  if (blocks.size() == kMaxBlocks) {
-    for (std::size_t i = 0; i < kMaxBlocks / 2; ++i) {
-      blocks[2 * i] += blocks[2 * i + 1];
-      if (i > 0) {
-        blocks[i] = std::move(blocks[2 * i]);
-      }
-    }
-    blocks.resize(kMaxBlocks / 2);
-    block_length_ *= 2;
-  }
-  blocks.emplace_back().lags.resize(data_.lags.size());
+inline void MsdAccumulator::addWindow(std::size_t i, const Fix& start, const Fix& end,
+                                      double duration, bool angular) {
+  lag_times_[i] += duration;
+  addTo(blocks_.open().lags[i], end.x - start.x, end.y - start.y, end.theta - start.theta, angular);
 }
 
-void MsdAccumulator::addWindows(const Fix& end) {
-  const std::vector<int>& lags = data_.lags;
+void MsdAccumulator::addDenseWindows(const Fix& end) {
   const auto extend = [&](std::size_t& count, std::int64_t first) {
-    while (count < lags.size() && lags[count] <= slot_ - first) {
+    while (count < dense_lags_ && lags_[count] <= slot_ - first) {
       ++count;
     }
   };
   extend(in_segment_, segment_first_);
   extend(in_piece_, piece_first_);
   extend(in_angular_, angular_first_);
-
   constexpr std::uint64_t kGoldenRatio = 0x9E3779B97F4A7C15ULL;
-  const auto level = std::countl_zero(static_cast<std::uint64_t>(slot_) * kGoldenRatio);
-  const std::size_t active = std::min(active_[static_cast<std::size_t>(level)], in_segment_);
+  const auto step = std::min(
+      static_cast<std::size_t>(std::countl_zero(static_cast<std::uint64_t>(slot_) * kGoldenRatio)),
+      kSteps - 1);
+  const std::size_t active = std::min(active_[step], in_segment_);
   const std::size_t direct = std::min(active, in_piece_);
-  LagSums* sums = data_.tracks[0].back().lags.data();
-  double* times = data_.lag_times.data();
+  const Fix fix = end;
+  const auto here = static_cast<int>(fix.slot % static_cast<std::int64_t>(kDenseFixes));
+  const int* lags = lags_.data();
+  LagSums* sums = blocks_.open().lags.data();
+  double* times = lag_times_.data();
   for (std::size_t i = 0; i < direct; ++i) {
-    const std::int64_t slot = slot_ - lags[i];
-    const Fix& start = ring_[static_cast<std::size_t>(slot) & mask_];
-    if (start.slot != slot) {
-      continue;
-    }
-    const double dx = end.x - start.x;
-    const double dy = end.y - start.y;
-    const double r2 = dx * dx + dy * dy;
-    LagSums& sum = sums[i];
-    ++sum.windows;
-    sum.r2 += r2;
-    sum.r4 += r2 * r2;
-    times[i] += end.time - start.time;
-    if (i < in_angular_) {
-      const double turn = end.theta - start.theta;
-      const double a2 = turn * turn;
-      ++sum.angular_windows;
-      sum.a2 += a2;
-      sum.a4 += a2 * a2;
+    const int at = here - lags[i];
+    const int wrapped = at < 0 ? at + static_cast<int>(kDenseFixes) : at;
+    const Fix& start = dense_[static_cast<std::size_t>(wrapped)];
+    if (start.slot == fix.slot - lags[i]) {
+      times[i] += fix.time - start.time;
+      addTo(sums[i], fix.x - start.x, fix.y - start.y, fix.theta - start.theta, i < in_angular_);
     }
   }
   for (std::size_t i = direct; i < active; ++i) {
@@ -258,23 +215,10 @@ void MsdAccumulator::addWindows(const Fix& end) {
 }
 
 void MsdAccumulator::addJoinWindow(std::size_t i, const Fix& end) {
-  const double lag = data_.lags[i] * period_;
-  const std::optional<Fix> start = interpolated(end.time - lag, slot_ - data_.lags[i]);
-  if (!start) {
-    return;
-  }
-  const double r2 =
-      (end.x - start->x) * (end.x - start->x) + (end.y - start->y) * (end.y - start->y);
-  LagSums& sum = data_.tracks[0].back().lags[i];
-  ++sum.windows;
-  sum.r2 += r2;
-  sum.r4 += r2 * r2;
-  data_.lag_times[i] += lag;
-  if (start->slot >= angular_first_) {
-    const double a2 = (end.theta - start->theta) * (end.theta - start->theta);
-    ++sum.angular_windows;
-    sum.a2 += a2;
-    sum.a4 += a2 * a2;
+  const double lag = lags_[i] * period_;
+  const std::optional<Fix> start = interpolated(end.time - lag, slot_ - lags_[i]);
+  if (start) {
+    addWindow(i, *start, end, lag, start->slot >= angular_first_);
   }
 }
 
@@ -308,6 +252,92 @@ std::optional<MsdAccumulator::Fix> MsdAccumulator::interpolated(double time,
                fix->theta + w * (after->theta - fix->theta)};
   }
   return std::nullopt;
+}
+
+/// Puts a task where the wheel will be at slot `due`.
+inline void MsdAccumulator::schedule(std::size_t task, std::int64_t due) {
+  const std::int64_t slot = std::min(due, slot_ + static_cast<std::int64_t>(kWheel) - 1);
+  std::uint16_t& first = wheel_[static_cast<std::size_t>(slot) % kWheel];
+  following_[task] = first;
+  first = static_cast<std::uint16_t>(task + 1);
+}
+
+/// All tasks at this slot.
+void MsdAccumulator::scheduleAll() {
+  wheel_.fill(0);
+  for (std::size_t task = 0; task < following_.size(); ++task) {
+    schedule(task, slot_);
+  }
+}
+
+/// Everything that was to be done from slot `from` until now.
+void MsdAccumulator::turnWheel(std::int64_t from, const Fix& end) {
+  for (std::int64_t slot = from; slot <= slot_; ++slot) {
+    std::size_t next = std::exchange(wheel_[static_cast<std::size_t>(slot) % kWheel], 0);
+    while (next != 0) {
+      const std::size_t task = next - 1;
+      next = following_[task];
+      schedule(task, task < cursors_.size() ? endWindows(task, end)
+                                            : keep(levels_[task - cursors_.size()], end));
+    }
+  }
+}
+
+/// Keeps the frame if windows of the level begin with it.
+/// @return the next slot to be kept
+inline std::int64_t MsdAccumulator::keep(Level& level, const Fix& fix) const {
+  if (wholeSlot(level.next) < slot_) {  // the frame was lost, or slots were jumped over
+    const auto now = static_cast<std::uint64_t>(slot_) << kFraction;
+    level.next += (now - level.next + level.stride - 1) / level.stride * level.stride;
+  }
+  if (wholeSlot(level.next) == slot_) {
+    level.fixes[level.head] = fix;
+    level.head = static_cast<std::uint16_t>((level.head + 1U) % kFixes);
+    level.next += level.stride;
+  }
+  return wholeSlot(level.next);
+}
+
+/// Ends the windows of a cursor that end at this frame or before it.
+/// @return a slot after this one before which its next window does not end
+inline std::int64_t MsdAccumulator::endWindows(std::size_t c, const Fix& end) {
+  Cursor& cursor = cursors_[c];
+  const Level& level = levels_[cursor.level];
+  for (; cursor.start != level.head;
+       cursor.start = static_cast<std::uint16_t>((cursor.start + 1U) % kFixes)) {
+    const Fix& start = level.fixes[cursor.start];
+    const std::int64_t due = start.slot + cursor.lag;
+    if (start.slot >= piece_first_) {
+      if (due > slot_) {
+        return due;
+      }
+      if (due == slot_) {  // otherwise its end frame was lost
+        addWindow(dense_lags_ + c, start, end, end.time - start.time,
+                  start.slot >= angular_first_);
+      }
+      continue;
+    }
+    const double ahead = (start.time - end.time) / period_ + cursor.lag;
+    if (ahead > 0) {
+      return slot_ + std::max<std::int64_t>(1, static_cast<std::int64_t>(ahead));
+    }
+    addEndedAcrossJoin(dense_lags_ + c, start, end);
+  }
+  return std::max(wholeSlot(level.next), slot_) + cursor.lag;  // it has not even begun
+}
+
+/// The window ended between the frame before and this one.
+void MsdAccumulator::addEndedAcrossJoin(std::size_t i, const Fix& start, const Fix& end) {
+  const double lag = lags_[i] * period_;
+  const double step = end.time - previous_.time;
+  const double w = (start.time + lag - previous_.time) / step;
+  if (!(w > 0) || step > kBracket * period_ || previous_.slot < segment_first_) {
+    return;  // frames were lost there
+  }
+  const Fix between{slot_, start.time + lag, previous_.x + w * (end.x - previous_.x),
+                    previous_.y + w * (end.y - previous_.y),
+                    previous_.theta + w * (end.theta - previous_.theta)};
+  addWindow(i, start, between, lag, start.slot >= angular_first_);
 }
 
 }  // namespace lab::analysis

@@ -1,67 +1,28 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <vector>
 
+#include "analyzer/block_store.hpp"
+#include "analyzer/block_sums.hpp"
 #include "analyzer/track_stitcher.hpp"
 
 namespace lab::analysis {
 
-/// The windows of one lag: powers of the displacement r and of the rotation a.
-struct LagSums {
-  std::uint32_t windows = 0;
-  std::uint32_t angular_windows = 0;
-  double r2 = 0;  ///< Sum of r^2, m^2.
-  double r4 = 0;  ///< m^4.
-  double a2 = 0;  ///< rad^2.
-  double a4 = 0;  ///< rad^4.
-};
-
-/// Everything that one block of free time adds to the sums. The statistics of a film are the sums
-/// over its blocks; their scatter gives the error bars.
-struct BlockSums {
-  double time = 0;            ///< Observed free time, s.
-  std::vector<LagSums> lags;  ///< One a lag of the grid.
-  double forward = 0;         ///< Displacement along the heading between consecutive frames, m.
-  double forward_time = 0;    ///< The time of these steps, s.
-  double sideways2 = 0;  ///< Sum of squares of one-frame displacements across the heading, m^2.
-  double steps = 0;      ///< Their number.
-  double joins = 0;      ///< Removed reversals.
-  double run_time = 0;   ///< In runs (RTP), s.
-  double run_span = 0;   ///< The time in which runs were counted, s.
-  double tumbles = 0;    ///< Begun in it (RTP).
-
-  BlockSums& operator+=(const BlockSums& other);
-  BlockSums& operator-=(const BlockSums& other);
-};
-
-/// The blocks of one or many robots that run the same program on the same lag grid.
-struct BlockData {
-  std::vector<int> lags;          ///< Frames.
-  double frame_period = 0;        ///< s.
-  std::vector<double> lag_times;  ///< Sum of the windows' true durations, one a lag, s.
-  std::vector<std::vector<BlockSums>> tracks;  ///< Per robot, in time order.
-
-  /// Adds the robots of another data set; their blocks stay independent blocks.
-  void pool(const BlockData& other);
-
-  [[nodiscard]] BlockSums total() const;
-  [[nodiscard]] double observed() const;  ///< Free time, s.
-
-  /// The mean duration of the windows of lag i; frames times frame_period where there is none.
-  [[nodiscard]] double lagTime(std::size_t i, const BlockSums& total) const;
-};
-
-/// MSD and angular MSD of one robot and program, online, in memory bounded by the longest lag.
+/// MSD and angular MSD of one robot and program, online, in less than 50 kB however long the film
+/// and its lags are: a multi-tau scheme that leaves frames out and never averages them.
 ///
-/// Overlapping windows; positions are never averaged. A window needs its two end frames and lies in
-/// one segment. Within a piece it joins frames that are exactly a lag apart; across a removed
-/// reversal, where frames no longer align, its start is interpolated linearly at exactly t - lag.
-/// From 16 frames on only every (lag/16 to lag/8)-th end frame is used, chosen by the golden
-/// ratio so that no program's clock can lock to the choice; that raises errors by less than 1 %.
+/// Overlapping windows; a window needs its two end frames and lies in one segment. Within a piece
+/// it joins frames that are exactly a lag apart. From 16 frames on only every (lag/16 to lag/8)-th
+/// window counts, chosen by the golden ratio so that no program's clock can lock to the choice;
+/// that raises errors by less than 1 %. Up to 64 frames the choice is of end frames. Above that it
+/// is of the frames with which windows begin, and of old frames only these are kept; as any frame
+/// may end a window, a lag need not be a multiple of anything.
 ///
-/// Blocks: at most 64, of nearly equal free time; when full, pairs merge to 32.
+/// Across a removed reversal frames no longer align: one end of the window is interpolated linearly
+/// between two frames so that it lasts exactly the lag, the end that the choice is not of.
 class MsdAccumulator {
  public:
   /// Lags in frames, ascending and positive; the nominal frame period in s.
@@ -71,7 +32,11 @@ class MsdAccumulator {
   /// a program that comes back does so with a new segment.
   void add(const Sample& sample);
 
-  [[nodiscard]] const BlockData& data() const { return data_; }
+  /// What has been measured so far: one track.
+  [[nodiscard]] BlockData data() const;
+
+  /// Of this object and all that it holds.
+  [[nodiscard]] std::size_t memoryBytes() const;
 
  private:
   /// A stored sample. Slots count frame periods; a lost frame leaves its slot stale.
@@ -83,26 +48,64 @@ class MsdAccumulator {
     double theta = 0;
   };
 
+  static constexpr int kDenseLags = 64;            ///< Below, every frame is at hand.
+  static constexpr std::size_t kDenseFixes = 80;   ///< For these, and for what joins shift.
+  static constexpr std::size_t kSteps = 3;         ///< From every window to every fourth one.
+  static constexpr std::size_t kFixes = 18;        ///< A level's: 16 strides, and some for joins.
+  static constexpr std::size_t kWheel = 256;      ///< Slots, a power of two.
+
+  /// One octave of lags, and the frames at which their windows begin.
+  struct Level {
+    std::uint64_t stride = 0;  ///< Frames between these on average, in units of 2^-24.
+    std::uint64_t next = 0;    ///< The next slot to be kept, in the same units.
+    std::uint16_t head = 0;    ///< Where it goes.
+    std::array<Fix, kFixes> fixes;
+  };
+  /// Of a lag above the dense ones.
+  struct Cursor {
+    int lag = 0;
+    std::uint16_t level = 0;
+    std::uint16_t start = 0;  ///< Where in its level its next window begins; head: not yet.
+  };
+
   [[nodiscard]] const Fix* find(std::int64_t slot) const;
   [[nodiscard]] std::optional<Fix> interpolated(double time, std::int64_t guess) const;
   void beginSegment();
   void addStep(const Fix& from, const Fix& to, double frames, bool join);
-  void addTime(double dt);
-  void addWindows(const Fix& end);
+  void addWindow(std::size_t i, const Fix& start, const Fix& end, double duration, bool angular);
+  void addDenseWindows(const Fix& end);
   void addJoinWindow(std::size_t i, const Fix& end);
 
-  BlockData data_;
-  std::vector<Fix> ring_;
-  std::size_t mask_ = 0;
-  std::vector<std::size_t> active_;  ///< By level: how many lags a frame of this level may end.
-  double block_length_ = 0;
+  void turnWheel(std::int64_t from, const Fix& end);
+  void schedule(std::size_t task, std::int64_t due);
+  void scheduleAll();
+  [[nodiscard]] std::int64_t keep(Level& level, const Fix& fix) const;
+  [[nodiscard]] std::int64_t endWindows(std::size_t c, const Fix& end);
+  void addEndedAcrossJoin(std::size_t i, const Fix& start, const Fix& end);
+
+  std::vector<int> lags_;
+  double frame_period_;
+  std::vector<double> lag_times_;
+  BlockStore blocks_;
+
+  std::array<Fix, kDenseFixes> dense_;
+  std::size_t dense_lags_ = 0;  ///< Lags below kDenseLags.
+  std::array<std::size_t, kSteps> active_{};  ///< By step: how many of them a frame may end.
+  std::vector<Level> levels_;
+  std::vector<Cursor> cursors_;  ///< By lag, from dense_lags_ on.
+  /// What is to be done at which slot, by slot modulo the wheel. A task is a cursor's window that
+  /// ends, or behind all cursors a level's frame to keep; 0: none. What lies more than a turn ahead
+  /// is put in again on the way.
+  std::array<std::uint16_t, kWheel> wheel_{};  ///< The first task, from 1,
+  std::vector<std::uint16_t> following_;       ///< and by task the next one in the same slot.
 
   Sample last_;
+  Fix previous_;  ///< The frame before this one, if it lies in the same segment.
   std::int64_t slot_ = 0;
   std::int64_t segment_first_ = 0;
   std::int64_t piece_first_ = 0;
   std::int64_t angular_first_ = 0;
-  std::size_t in_segment_ = 0;  ///< Lags that reach back no farther than the segment's begin.
+  std::size_t in_segment_ = 0;  ///< Dense lags that reach back no farther than its begin.
   std::size_t in_piece_ = 0;
   std::size_t in_angular_ = 0;
   bool empty_ = true;

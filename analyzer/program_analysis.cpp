@@ -8,7 +8,7 @@ ProgramAnalysis::ProgramAnalysis(const ProgramLaw& law, double frame_period, dou
     : law_(law), accumulator_(makeLagGrid(frame_period, max_lag, law), frame_period) {}
 
 ProgramResult analyse(const ProgramLaw& law, const BlockData& data, const ProgramTally& tally,
-                      const CurveOptions& options, [[maybe_unused]] Depth depth) {
+                      const CurveOptions& options, Depth depth) {
   ProgramResult result;
   result.law = law;
   result.robots = static_cast<int>(data.tracks.size());
@@ -24,6 +24,7 @@ ProgramResult analyse(const ProgramLaw& law, const BlockData& data, const Progra
   result.curves = curves(law, data, options);
   result.estimates = estimate(law, data);
   result.verdict = judge(result.curves);
+  if (depth == Depth::kFull) result.brownian = testBrownian(law, data);
   return result;
 }
 

@@ -1,12 +1,17 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
+#include "analyzer/brownian_test.hpp"
 #include "analyzer/curves.hpp"
 #include "analyzer/estimates.hpp"
+#include "analyzer/join_comparison.hpp"
+#include "analyzer/law_fit.hpp"
 #include "analyzer/laws.hpp"
 #include "analyzer/msd_accumulator.hpp"
+#include "analyzer/run_statistics.hpp"
 #include "analyzer/track_stitcher.hpp"
 
 namespace lab::analysis {
@@ -34,6 +39,10 @@ struct ProgramResult {
   Curves curves;
   std::vector<Estimate> estimates;
   Verdict verdict;
+  std::optional<LawFit> fit;  ///< At Depth::kFull, of programs with a law.
+  std::optional<JoinComparison> joins;  ///< Where AnalysisConfig::compare_joins asks for it.
+  std::optional<RunStatistics> runs;  ///< Of an RTP, where AnalysisConfig::find_runs asks for it.
+  std::optional<BrownianTest> brownian;  ///< Of a BP, at Depth::kFull.
 };
 
 /// One program of one robot: takes its samples, gives its statistics.
@@ -42,14 +51,31 @@ class ProgramAnalysis {
   /// The longest lag and the nominal frame period in s.
   ProgramAnalysis(const ProgramLaw& law, double frame_period, double max_lag);
 
-  void add(const Sample& sample) { accumulator_.add(sample); }
+  /// Also compares windows within pieces with all; to be said before the first sample.
+  void watchJoins(double frame_period, double max_lag) { joins_.emplace(frame_period, max_lag); }
 
-  [[nodiscard]] const BlockData& data() const { return accumulator_.data(); }
+  /// Also finds the runs of an RTP; to be said before the first sample.
+  void watchRuns(double frame_period) {
+    if (law_.kind == ProgramKind::kRtp) runs_.emplace(law_, frame_period);
+  }
+
+  void add(const Sample& sample) {
+    accumulator_.add(sample);
+    if (joins_) joins_->add(sample);
+    if (runs_) runs_->add(sample);
+  }
+
+  [[nodiscard]] BlockData data() const { return accumulator_.data(); }
   [[nodiscard]] const ProgramLaw& law() const { return law_; }
+  /// Nothing: not watched.
+  [[nodiscard]] const std::optional<JoinWatch>& joins() const { return joins_; }
+  [[nodiscard]] const std::optional<RunFinder>& runs() const { return runs_; }
 
  private:
   ProgramLaw law_;
   MsdAccumulator accumulator_;
+  std::optional<JoinWatch> joins_;
+  std::optional<RunFinder> runs_;
 };
 
 /// Curves, estimates and verdict of block data; the tally of its robots is added up by the caller.

@@ -89,7 +89,10 @@ void TrackStitcher::addTelemetry(const RobotTelemetry& telemetry, std::vector<Sa
   processPending(false, out);
 }
 
-void TrackStitcher::flush(std::vector<Sample>& out) { processPending(true, out); }
+void TrackStitcher::flush(std::vector<Sample>& out) {
+  processPending(true, out);
+  closePiece(PieceEnd::kEnd);
+}
 
 ProgramTally TrackStitcher::tally(int program) const {
   const auto i = static_cast<std::size_t>(program);
@@ -121,7 +124,11 @@ void TrackStitcher::processPending(bool force, std::vector<Sample>& out) {
   }
 }
 
-void TrackStitcher::process(const TrackPoint& point, std::vector<Sample>& out) {
+void TrackStitcher::process(TrackPoint point, std::vector<Sample>& out) {
+  if (config_.headings) {
+    counters_.flips += flips_.mend(point) ? 1 : 0;
+    counters_.flip_jumps = flips_.jumps();
+  }
   Context context;
   const Fate fate = judge(point, context);
   if (fate != Fate::kFree) {
@@ -141,10 +148,14 @@ void TrackStitcher::process(const TrackPoint& point, std::vector<Sample>& out) {
         }
         // Two frames agree with each other and not with the track: it did jump.
         ++counters_.jumps;
-        cut_ = true;
+        cut(PieceEnd::kJump);
       }
       break;
     case Link::kJoin:
+      if (!config_.join) {
+        cut(PieceEnd::kNotJoined);
+        break;
+      }
       gap -= context.after->reversal_end - context.after->reversal_start;
       join(point, *context.after);
       ++counters_.reversals;
@@ -152,11 +163,11 @@ void TrackStitcher::process(const TrackPoint& point, std::vector<Sample>& out) {
       break;
     case Link::kLostReversal:
       ++counters_.lost_reversals;
-      cut_ = true;
+      cut(PieceEnd::kLostReversal);
       break;
     case Link::kFirst:
     case Link::kCut:
-      cut_ = true;
+      cut(PieceEnd::kProgramSwitch);
       break;
   }
   append(point, context, gap, out);
@@ -185,6 +196,7 @@ TrackStitcher::Fate TrackStitcher::judge(const TrackPoint& point, Context& conte
   const RobotTelemetry* last = since_before && next->time > point.time ? before : state;
   context.tumble_count = last->tumble_count;
   context.run_time = before != nullptr ? runTimeAt(point.time, *before, *next) : next->run_time;
+  context.sense_distance = state->sense_distance;
   if (state->program < 0 || state->stopped || (since_before && before->stopped)) {
     return Fate::kStanding;
   }
@@ -281,6 +293,7 @@ bool TrackStitcher::reachable(const TrackPoint& from, const TrackPoint& to) cons
 }
 
 void TrackStitcher::drop(Fate fate, int program) {
+  PieceEnd reason = PieceEnd::kStop;
   switch (fate) {
     case Fate::kUncovered:
       ++counters_.uncovered;
@@ -297,21 +310,56 @@ void TrackStitcher::drop(Fate fate, int program) {
     case Fate::kContact:
       ++counters_.in_contact;
       ++tallyOf(program).in_contact;
+      reason = PieceEnd::kContact;
       break;
     case Fate::kLostReversal:
       counters_.lost_reversals += cut_ ? 0 : 1;
       ++tallyOf(program).lost;
+      reason = PieceEnd::kLostReversal;
       break;
     case Fate::kFree:
       return;
   }
+  cut(reason);
+}
+
+void TrackStitcher::cut(PieceEnd reason) {
+  if (!cut_) {
+    closePiece(reason);
+  }
   cut_ = true;
+}
+
+void TrackStitcher::closePiece(PieceEnd reason) {
+  if (piece_.frames > 0) {
+    piece_.reason = reason;
+    pieces_.push_back(piece_);
+  }
+  piece_ = {};
 }
 
 void TrackStitcher::join(const TrackPoint& point, const RobotTelemetry& reversal) {
   const double before = reversal.reversal_start - last_->time;
   const double removed = reversal.reversal_end - reversal.reversal_start;
   const double total = point.time - last_->time - removed;
+  const double offset_x = offset_x_;
+  const double offset_y = offset_y_;
+  const auto finish = [&] {
+    piece_.reversal_start = reversal.reversal_start;
+    piece_.reversal_end = reversal.reversal_end;
+    piece_.dx = offset_x - offset_x_;
+    piece_.dy = offset_y - offset_y_;
+    piece_.rotation = wrapped(point.theta - last_->theta);
+    closePiece(PieceEnd::kJoined);
+    removed_ += removed;
+    ++sample_.piece;
+  };
+  if (std::isfinite(reversal.reversal_dx) && std::isfinite(reversal.reversal_dy)) {
+    offset_x_ -= reversal.reversal_dx;
+    offset_y_ -= reversal.reversal_dy;
+    finish();
+    return;
+  }
   // Telemetry on the axis of free time since the last frame: all of a reversal is one instant.
   const auto freeTime = [&](const RobotTelemetry& t) {
     const double since = t.time - last_->time;
@@ -334,12 +382,27 @@ void TrackStitcher::join(const TrackPoint& point, const RobotTelemetry& reversal
   }
   offset_x_ = x - point.x;
   offset_y_ = y - point.y;
-  removed_ += removed;
-  ++sample_.piece;
+  finish();
 }
 
-void TrackStitcher::append(const TrackPoint& point, const Context& context, double gap,
+/// Which end of the robot is its head: programs that drive forward show it.
+void TrackStitcher::watchSense(TrackPoint& point, double sense_distance) {
+  // Held programs turn little between frames, and the sum over many of them decides.
+  const double middle = last_->theta + 0.5 * wrapped(point.theta - last_->theta);
+  const double forward = (point.x - last_->x) * std::cos(middle) +
+                         (point.y - last_->y) * std::sin(middle);
+  if (flips_.drive(forward, sense_distance)) {
+    ++counters_.sense_turns;
+    ++sample_.angular_segment;
+    point.theta = wrapped(point.theta + std::numbers::pi);
+  }
+}
+
+void TrackStitcher::append(TrackPoint point, const Context& context, double gap,
                            std::vector<Sample>& out) {
+  if (config_.headings && !cut_ && context.reversals == last_context_.reversals) {
+    watchSense(point, context.sense_distance);
+  }
   if (cut_) {
     ++sample_.segment;
     ++sample_.piece;
@@ -369,7 +432,14 @@ void TrackStitcher::append(const TrackPoint& point, const Context& context, doub
   sample_.tumble_count = context.tumble_count;
   sample_.run_time = context.run_time;
   last_ = point;
-  last_context_ = {context.program, context.epoch, context.reversals, nullptr, 0, 0};
+  last_context_ = {context.program, context.epoch, context.reversals, nullptr, 0, 0, 0};
+  if (piece_.frames++ == 0) {
+    piece_.program = sample_.program;
+    piece_.segment = sample_.segment;
+    piece_.piece = sample_.piece;
+    piece_.begin = point.time;
+  }
+  piece_.end = point.time;
   ++counters_.samples;
   ++tallyOf(context.program).samples;
   out.push_back(sample_);
@@ -379,7 +449,8 @@ void TrackStitcher::restart() {
   pending_.clear();
   log_.clear();
   newest_ = -1e300;
-  cut_ = true;
+  cut(PieceEnd::kClockSetBack);
+  flips_ = FlipFilter({.max_turn_rate = 2 * config_.max_wheel_speed / config_.wheel_base});
   last_.reset();
   suspect_.reset();
 }

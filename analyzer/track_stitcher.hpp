@@ -2,8 +2,12 @@
 
 #include <cstdint>
 #include <deque>
+#include <limits>
 #include <optional>
+#include <utility>
 #include <vector>
+
+#include "analyzer/flip_filter.hpp"
 
 namespace lab::analysis {
 
@@ -29,6 +33,10 @@ struct RobotTelemetry {
   std::int64_t reversal_count = 0;  ///< Reversals begun.
   double reversal_start = 0;        ///< Of the last reversal, s.
   double reversal_end = 0;          ///< Of the last reversal, s; ignored while reversing.
+  /// How far the last reversal went, m, where a camera has measured it (ReversalFinder); nan: the
+  /// free motion around it is bridged at the held wheel speeds.
+  double reversal_dx = std::numeric_limits<double>::quiet_NaN();
+  double reversal_dy = std::numeric_limits<double>::quiet_NaN();
   bool reversing = false;
   double v_l = 0;                 ///< The program's held wheel speeds, also while
   double v_r = 0;                 ///< reversing, m/s.
@@ -36,6 +44,7 @@ struct RobotTelemetry {
   bool stopped = false;           ///< Stopped from outside.
   std::int64_t tumble_count = 0;  ///< Tumbles begun (RTP).
   double run_time = 0;            ///< Time spent in runs, reversals excluded (RTP), s.
+  double sense_distance = 0;      ///< Shows head from tail, see senseDistance(), m.
 };
 
 /// One point of the free motion. Free time and the stitched coordinates mean something only
@@ -65,6 +74,40 @@ struct StitcherConfig {
   double max_wheel_speed = 0.27;  ///< m/s.
   double wheel_base = 0.075;      ///< m.
   bool headings = true;           ///< False: theta of the frames means nothing.
+  bool join = true;               ///< False: reversals are removed, and cut.
+};
+
+/// Why a piece of free motion ended.
+enum class PieceEnd : std::uint8_t {
+  kJoined,          ///< A reversal was removed and the motion after it joined.
+  kNotJoined,       ///< A reversal was removed and cuts, as StitcherConfig::join asks.
+  kLostReversal,    ///< A reversal whose times, or the frames around it, are not known.
+  kProgramSwitch,   ///< Another program, or a fresh start of the same.
+  kContact,         ///< Touches another robot.
+  kStop,            ///< Standing, or stopped from outside.
+  kJump,            ///< Two frames or more agree with each other and not with the track.
+  kClockSetBack,    ///< The camera's time stamps went back for good.
+  kClockStep,       ///< The clock of a file of poses jumped.
+  kEnd,             ///< End of data.
+};
+
+/// A stretch of free motion without a gap in its meaning. SI units.
+struct Piece {
+  int program = -1;  ///< As in the samples.
+  int segment = 0;
+  int piece = 0;
+  double begin = 0;  ///< Camera time of its first frame, s.
+  double end = 0;    ///< Of its last frame, s.
+  std::int64_t frames = 0;
+  PieceEnd reason = PieceEnd::kEnd;
+  /// Of the reversal that ended it, where it was joined; else nan.
+  double reversal_start = std::numeric_limits<double>::quiet_NaN();  ///< s.
+  double reversal_end = std::numeric_limits<double>::quiet_NaN();    ///< s.
+  double dx = std::numeric_limits<double>::quiet_NaN();  ///< Taken out of the track, m.
+  double dy = std::numeric_limits<double>::quiet_NaN();  ///< m.
+  /// What the heading turned between the frames around it, rad. It stays in the track: the robot
+  /// keeps its heading while it reverses, and free motion up to the frames turned it.
+  double rotation = std::numeric_limits<double>::quiet_NaN();
 };
 
 /// What happened to the frames, over all programs.
@@ -82,6 +125,9 @@ struct StitcherCounters {
   std::int64_t jumps = 0;           ///< Cuts at an unmarked jump.
   std::int64_t lost_reversals = 0;  ///< Cuts at reversals whose times were lost.
   std::int64_t reversals = 0;       ///< Removed and joined.
+  std::int64_t flips = 0;           ///< Headings turned round: the tail was taken for the head.
+  std::int64_t flip_jumps = 0;      ///< Jumps of the heading by pi that were mended.
+  std::int64_t sense_turns = 0;     ///< Times that the motion showed the head to be the tail.
 };
 
 /// Of one program.
@@ -97,6 +143,7 @@ struct ProgramTally {
 /// joins the free motion around them. The robot resumes exactly (timers, wheel speeds and heading
 /// are kept), so the stitched track is statistically the free one.
 ///
+/// Headings that a tracker turned round are turned back first (FlipFilter), also while reversing.
 /// Frames and telemetry come in any interleaving. A frame is judged once telemetry at or after its
 /// time is known, or after reorder_delay. Inside a reversal frames are dropped; free time stops;
 /// the motion between the last frame before and the first one after is driven at the held wheel
@@ -104,7 +151,9 @@ struct ProgramTally {
 /// reversal without its times cut: a new segment begins. A lost frame does not.
 class TrackStitcher {
  public:
-  explicit TrackStitcher(const StitcherConfig& config) : config_(config) {}
+  explicit TrackStitcher(const StitcherConfig& config)
+      : config_(config),
+        flips_({.max_turn_rate = 2 * config.max_wheel_speed / config.wheel_base}) {}
 
   /// Takes a frame; appends to `out` the samples that can now be judged.
   void addFrame(const TrackPoint& point, std::vector<Sample>& out);
@@ -116,6 +165,8 @@ class TrackStitcher {
   void flush(std::vector<Sample>& out);
 
   [[nodiscard]] const StitcherCounters& counters() const { return counters_; }
+  /// The pieces that have ended since the last call, in time order.
+  [[nodiscard]] std::vector<Piece> takePieces() { return std::exchange(pieces_, {}); }
   /// Zeros for a key that never appeared.
   [[nodiscard]] ProgramTally tally(int program) const;
 
@@ -130,12 +181,13 @@ class TrackStitcher {
     const RobotTelemetry* after = nullptr;  ///< Says when the last of them was.
     std::int64_t tumble_count = 0;          ///< Begun before the frame.
     double run_time = 0;                    ///< At the frame, s.
+    double sense_distance = 0;              ///< m.
   };
   enum class Fate { kFree, kUncovered, kStanding, kReversal, kContact, kLostReversal };
   enum class Link { kFirst, kSamePiece, kJoin, kCut, kLostReversal };
 
   void processPending(bool force, std::vector<Sample>& out);
-  void process(const TrackPoint& point, std::vector<Sample>& out);
+  void process(TrackPoint point, std::vector<Sample>& out);
   Fate judge(const TrackPoint& point, Context& context) const;
   [[nodiscard]] bool nearContact(double time, Log::const_iterator next) const;
   [[nodiscard]] bool nearReversal(double time, Log::const_iterator next) const;
@@ -143,14 +195,19 @@ class TrackStitcher {
   [[nodiscard]] bool reachable(const TrackPoint& from, const TrackPoint& to) const;
   void drop(Fate fate, int program);
   void join(const TrackPoint& point, const RobotTelemetry& reversal);
-  void append(const TrackPoint& point, const Context& context, double gap,
-              std::vector<Sample>& out);
+  void append(TrackPoint point, const Context& context, double gap, std::vector<Sample>& out);
+  void watchSense(TrackPoint& point, double sense_distance);
+  void cut(PieceEnd reason);
+  void closePiece(PieceEnd reason);
   void restart();
   ProgramTally& tallyOf(int program);
 
   StitcherConfig config_;
+  FlipFilter flips_;
   StitcherCounters counters_;
   std::vector<ProgramTally> tallies_;
+  std::vector<Piece> pieces_;
+  Piece piece_;  ///< The one that grows; without frames: none.
   std::deque<TrackPoint> pending_;
   Log log_;
   double newest_frame_ = -1e300;

@@ -2,9 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <vector>
+
+#include "analyzer/lags.hpp"
 
 namespace lab::analysis {
 namespace {
@@ -236,8 +239,8 @@ TEST(MsdAccumulator, KeepsTheSumOfTheBlocksWhenTheyMerge) {
     dut.add(sample);
     most_blocks = std::max(most_blocks, dut.data().tracks[0].size());
   }
-  EXPECT_LE(most_blocks, 64U);
-  EXPECT_GE(dut.data().tracks[0].size(), 32U);
+  EXPECT_LE(most_blocks, BlockStore::kMaxBlocks);
+  EXPECT_GE(dut.data().tracks[0].size(), BlockStore::kMaxBlocks / 2);
   EXPECT_NEAR(dut.data().observed(), 29999 * kPeriod, 1e-6);
   EXPECT_EQ(dut.data().total().lags[1].windows, 30000U - 7U);
   const double length = dut.data().tracks[0].front().time;
@@ -279,6 +282,81 @@ TEST(MsdAccumulator, MeasuresTheForwardStepAndWhatCrossesTheHeading) {
   EXPECT_NEAR(total.forward, 0.1, 1e-12);
   EXPECT_NEAR(total.forward_time, 100 * kPeriod, 1e-12);
   EXPECT_NEAR(total.sideways2 / total.steps, 0.0002 * 0.0002, 1e-15);
+}
+
+TEST(MsdAccumulator, GivesWindowsOfLongLagsTheirExactLengthAcrossLostFramesAndJoins) {
+  // Straight on at constant speed every window of a lag has one and the same displacement, and a
+  // window that lasts a frame too long or too short shows.
+  Track track;
+  for (int i = 0; i < 400; ++i) {
+    track.walk(37 + i % 11);
+    track.join(0.09 * (i % 10) - 0.4);
+    track.walk(20);
+    track.lose(i % 3);
+  }
+  const std::vector<int> lags{1, 15, 16, 40, 63, 64, 99, 500, 3001};
+  MsdAccumulator dut(lags, kPeriod);
+  for (Sample sample : track.samples()) {
+    sample.x = 0.03 * sample.free_time;
+    sample.y = 0;
+    sample.theta = 0.7 * sample.free_time;
+    dut.add(sample);
+  }
+  const BlockData data = dut.data();
+  const BlockSums total = data.total();
+  for (std::size_t i = 0; i < lags.size(); ++i) {
+    const LagSums& sums = total.lags[i];
+    const double tau = data.lagTime(i, total);
+    const auto n = static_cast<double>(sums.windows);
+    EXPECT_GT(n, 0.6 * static_cast<double>(track.samples().size()) /
+                     std::max(1.0, lags[i] / 7.9));
+    EXPECT_EQ(sums.angular_windows, sums.windows);
+    EXPECT_NEAR(tau / (lags[i] * kPeriod), 1, 1e-3) << lags[i];
+    EXPECT_NEAR(sums.r2 / n / std::pow(0.03 * tau, 2), 1, 1e-6) << lags[i];
+    EXPECT_NEAR(sums.a2 / n / std::pow(0.7 * tau, 2), 1, 1e-6) << lags[i];
+    EXPECT_NEAR(sums.r4 * n / (sums.r2 * sums.r2), 1, 1e-6) << lags[i];
+  }
+}
+
+TEST(MsdAccumulator, KeepsAnHourAtHundredFramesASecondInLessThan50kB) {
+  ProgramLaw law;
+  law.kind = ProgramKind::kAbp;
+  law.v = 0.03;
+  law.eta = 3;
+  law.epsilon = 0.5;
+  MsdAccumulator dut(makeLagGrid(0.01, 100, law), 0.01);
+  Sample sample;
+  for (int i = 0; i < 360000; ++i) {
+    sample.free_time = 0.01 * i;
+    dut.add(sample);
+  }
+  EXPECT_LT(dut.memoryBytes(), 50000U);
+}
+
+TEST(BlockStore, PacksBlocksWithoutLosingWhatTheyDifferIn) {
+  Track track;
+  track.walk(20000);
+  MsdAccumulator dut({1, 7, 100}, kPeriod);
+  for (const Sample& sample : track.samples()) {
+    dut.add(sample);
+  }
+  const BlockData data = dut.data();
+  // A lag of one frame: every step of the walk is in one block, and nowhere else.
+  std::size_t at = 0;
+  const std::vector<BlockSums>& blocks = data.tracks[0];
+  for (std::size_t b = 0; b + 1 < blocks.size(); ++b) {
+    const auto steps = static_cast<std::size_t>(std::lround(blocks[b].time / kPeriod));
+    double r2 = 0;
+    for (std::size_t i = at; i < at + steps && i + 1 < track.samples().size(); ++i) {
+      r2 += std::pow(track.samples()[i + 1].x - track.samples()[i].x, 2) +
+            std::pow(track.samples()[i + 1].y - track.samples()[i].y, 2);
+    }
+    at += steps;
+    const LagSums& lag = blocks[b].lags[0];
+    EXPECT_NEAR(lag.windows, static_cast<double>(steps), 0.03 * static_cast<double>(steps));
+    EXPECT_NEAR(lag.r2 / lag.windows / (r2 / static_cast<double>(steps)), 1, 2e-2);
+    EXPECT_NEAR(lag.r4 * lag.windows / (lag.r2 * lag.r2), 2, 0.5);
+  }
 }
 
 }  // namespace

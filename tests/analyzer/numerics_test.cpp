@@ -62,6 +62,28 @@ TEST(PoissonInterval, AgreesWithTheTables) {
   EXPECT_NEAR(poissonInterval(0).high, 3.69, 0.1);
 }
 
+TEST(FisherTail, AgreesWithTables) {
+  // F(1, n) is the square of Student's t.
+  EXPECT_NEAR(fisherTail(2.228 * 2.228, 1, 10), 0.05, 1e-4);
+  EXPECT_NEAR(fisherTail(1, 7, 7), 0.5, 1e-12);
+  EXPECT_NEAR(fisherTail(3.3258, 5, 10), 0.05, 1e-5);
+  EXPECT_NEAR(fisherTail(5.6363, 5, 10), 0.01, 1e-5);
+  EXPECT_EQ(fisherTail(0, 3, 4), 1);
+}
+
+TEST(HotellingTail, IsChiSquareForAKnownCovariance) {
+  EXPECT_NEAR(hotellingTail(15.507, 8, 1e7), 0.05, 1e-4);
+  EXPECT_GT(hotellingTail(15.507, 8, 100), 0.06);  // wider for one that is not
+  EXPECT_TRUE(std::isnan(hotellingTail(1, 8, 5)));
+}
+
+TEST(DeviateOf, InvertsTheNormalTail) {
+  for (const double x : {0.5, 1.0, 3.0, 8.0}) {
+    EXPECT_NEAR(deviateOf(std::erfc(x / std::sqrt(2.0))), x, 1e-9);
+  }
+  EXPECT_EQ(std::lround(deviateOf(0)), 40);
+}
+
 TEST(LagGrid, IsAscendingWholeAndHoldsTheHoldTime) {
   for (const double fps : {10.0, 25.0, 50.0, 100.0}) {
     const std::vector<int> dut = makeLagGrid(1 / fps, 100, abpLaw(3, 0.5));

@@ -10,7 +10,7 @@ namespace lab::analysis {
 
 /// The rows of a reference table without comments and column names, split at the commas.
 inline std::vector<std::vector<std::string>> readTable(const std::string& name) {
-  const std::string path = std::string(LAB_REFERENCE_DIRECTORY) + "/" + name;
+  const std::string path = LAB_REFERENCE_DIRECTORY "/" + name;
   std::ifstream file(path);
   if (!file) {
     throw std::runtime_error("cannot read " + path);

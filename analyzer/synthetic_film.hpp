@@ -1,0 +1,50 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "analyzer/laws.hpp"
+
+namespace lab::analysis {
+
+/// xoshiro256++ seeded by SplitMix64 (Blackman and Vigna 2019): the generator of simulated films.
+class Random {
+ public:
+  explicit Random(std::uint64_t seed);
+
+  std::uint64_t next();
+  double uniform() { return static_cast<double>(next() >> 11) * 0x1.0p-53; }  ///< In [0, 1).
+  double uniform(double low, double high) { return low + (high - low) * uniform(); }
+  double exponential(double rate);  ///< Mean 1 / rate.
+  double normal();  ///< Mean 0, variance 1: ziggurat of 128 layers (Marsaglia and Tsang 2000).
+
+ private:
+  std::array<std::uint64_t, 4> state_{};
+};
+
+/// What a film shows: the free process of a program (see ExactLaw) without walls, seen by a camera.
+struct FilmPlan {
+  ProgramLaw law;          ///< Must have a law.
+  double duration = 0;     ///< s.
+  double period = 0;       ///< Between frames, s.
+  double sigma = 0;        ///< Tracker noise per axis, m.
+  double sigma_theta = 0;  ///< rad.
+  /// s; a frame shows the mean pose over it (two-point Gauss rule: exact to the third power). The
+  /// holds themselves count from the exposure's middle.
+  double exposure = 0;
+};
+
+/// The poses of a film, one a frame; headings unwrapped. SI units.
+struct FilmPoses {
+  std::vector<double> x;
+  std::vector<double> y;
+  std::vector<double> theta;
+};
+
+/// The frames of a film: exact arcs from event to event, stationary from the first frame on, the
+/// observation phase uniformly random. The same plan and seed give the same bits. Throws
+/// std::invalid_argument for a program without a law, or a duration or period that is not positive.
+void simulateFilm(const FilmPlan& plan, std::uint64_t seed, FilmPoses& poses);
+
+}  // namespace lab::analysis
