@@ -189,6 +189,17 @@ struct Until {
   bool operator==(const Until&) const = default;
 };
 
+/// What ends a run before its time: a measured number that is known well enough.
+struct StopRule {
+  Until until;          ///< an estimate
+  double at_least = 0;  ///< [s] of the script, before which it does not count
+
+  bool operator==(const StopRule&) const = default;
+};
+
+/// How many of the rules have to hold.
+enum class StopOn : std::int8_t { kAll = 0, kAny = 1 };
+
 /// What follows a step whose condition was not met in time.
 enum class IfNot : std::int8_t {
   kNext = 0,  ///< the next step
@@ -320,6 +331,8 @@ struct Experiment {
   LightTable light_table;
   Reversal reversal;
   LightScript light;
+  std::vector<StopRule> stop_when;  ///< empty: nothing ends the run before its time
+  StopOn stop_on = StopOn::kAll;
   Projector projector;
   Camera camera;
   AnalysisOptions analysis;

@@ -23,6 +23,9 @@ void checkCamera(const ExperimentForm& form, Problems& problems);
 /// The steps follow each other, their conditions can come about. There is at least one step.
 void checkScript(const ExperimentForm& form, Problems& problems);
 
+/// What ends the run before its time can come about.
+void checkStopRules(const ExperimentForm& form, Problems& problems);
+
 /// The name is that of a program.
 void checkProgramName(const ExperimentForm& form, const std::string& path, const std::string& name,
                       Problems& problems);

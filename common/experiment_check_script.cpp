@@ -297,7 +297,35 @@ void checkLimits(const ExperimentForm& form, const LightScript& script, Problems
   }
 }
 
+std::string rulePath(std::size_t index) { return "stop_when[" + std::to_string(index) + "]"; }
+
 }  // namespace
+
+void checkStopRules(const ExperimentForm& form, Problems& problems) {
+  const std::vector<StopRule>& rules = form.common.stop_when;
+  for (std::size_t i = 0; i < rules.size(); ++i) {
+    const std::string path = rulePath(i);
+    if (problems.concern(path)) continue;
+    const Until& until = rules[i].until;
+    checkEstimate(form, path, until, problems);
+    checkOneRobot(form, path, until.robot, problems);
+    if (!problems.concern("duration_s") && rules[i].at_least >= form.common.duration) {
+      problems.add(path + ".at_least_s", "found " + numberText(rules[i].at_least) +
+                                             ", allowed below duration_s = " +
+                                             numberText(form.common.duration));
+    }
+    for (std::size_t k = 0; k < i; ++k) {
+      const Until& other = rules[k].until;
+      const bool same = other.estimate == until.estimate && other.program == until.program &&
+                        other.robot == until.robot;
+      if (!same) continue;
+      problems.add(path + ".estimate", "found " + tomlString(until.estimate) + " of " +
+                                           tomlString(until.program) + ", which " + rulePath(k) +
+                                           " asks for already, allowed one rule for each number");
+      break;
+    }
+  }
+}
 
 void checkScript(const ExperimentForm& form, Problems& problems) {
   const bool forms = checkStepForms(form, problems) && checkOpenSteps(form, problems);

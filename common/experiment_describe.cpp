@@ -287,13 +287,26 @@ std::string describeCamera(const Experiment& e) {
                             fileText(camera.heading_noise, unitOf("_deg")) + " degrees");
 }
 
+std::string describeStop(const Experiment& e) {
+  std::string text;
+  for (const StopRule& rule : e.stop_when) {
+    const bool first = text.empty();
+    std::string what = first ? "" : e.stop_on == StopOn::kAll ? "and " : "or ";
+    what += untilText(rule.until);
+    if (rule.at_least > 0) what += ", not before " + numberText(rule.at_least) + " s";
+    text += line(first ? "stop when" : "", what);
+  }
+  return text;
+}
+
 }  // namespace
 
 std::string describeExperiment(const Experiment& e) {
   std::string text =
       line("experiment", e.name + (e.description.empty() ? "" : ": ") + e.description);
-  const std::string at_most = mayEndEarly(e.light) ? "at most " : "";
+  const std::string at_most = mayEndEarly(e) ? "at most " : "";
   text += line("run", at_most + numberText(e.duration) + " s, seed " + std::to_string(e.seed));
+  text += describeStop(e);
   text += line("arena", cm(e.arena_width) + " cm x " + cm(e.arena_height) + " cm");
   text += describeRobots(e);
   text += describePrograms(e);

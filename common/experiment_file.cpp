@@ -89,6 +89,7 @@ Experiment parseExperiment(std::string_view text, const std::string& name,
   keys::checkRobots(form, problems);
   keys::checkCamera(form, problems);
   keys::checkLight(form, directory, problems);
+  keys::checkStopRules(form, problems);
   if (!problems.empty()) throw ExperimentError(problems.lines(kMostProblems));
   return keys::toExperiment(form);
 }

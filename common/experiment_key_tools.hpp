@@ -89,6 +89,8 @@ class Selector {
 // Parts of visitKeys() with files of their own.
 void visitLayer(KeyVisitor& v, LayerEntry& entry);
 void visitLight(KeyVisitor& v, ExperimentForm& form);
+void visitStopOn(KeyVisitor& v, StopOn& on);
+void visitStopRule(KeyVisitor& v, StopRule& rule);
 void visitProjector(KeyVisitor& v, Projector& projector);
 
 }  // namespace lab::keys

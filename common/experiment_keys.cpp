@@ -261,6 +261,7 @@ void visitTop(KeyVisitor& v, ExperimentForm& form) {
           "light of 0.5 where [light] has no steps",
           Need::kShorthand, "-"},
          {.most = 32, .bare = true}, form.program);
+  visitStopOn(v, e.stop_on);
   e.fileversion = static_cast<int>(version);
   e.seed = static_cast<std::uint64_t>(seed);
 }
@@ -301,6 +302,11 @@ void visitKeys(KeyVisitor& v, ExperimentForm& form) {
   v.table({"reversal", "Turning back from obstacles (appendix B of the paper)"},
           [&] { visitReversal(v, e.reversal); });
   v.table({"light", "The light script"}, [&] { visitLight(v, form); });
+  visitList(v,
+            {"stop_when",
+             "What ends the run before duration_s: a measured number that is known well enough"},
+            {.fewest = 0, .most = 20}, e.stop_when,
+            [&](StopRule& rule) { visitStopRule(v, rule); });
   v.table({"projector", "The projector"}, [&] { visitProjector(v, e.projector); });
   v.table({"camera", "Camera and tracker"}, [&] { visitCamera(v, e.camera); });
   v.table({"analysis", "The analyzer"}, [&] {

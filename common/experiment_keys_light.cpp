@@ -12,34 +12,45 @@ const std::array<Choice, 2> kWho = {{choiceOf("any", Who::kAny), choiceOf("all",
 const std::array<Choice, 3> kIfNot = {{choiceOf("next", IfNot::kNext), choiceOf("end", IfNot::kEnd),
                                        choiceOf("safe", IfNot::kSafe)}};
 
+const std::array<Choice, 2> kStopOn = {
+    {choiceOf("all", StopOn::kAll), choiceOf("any", StopOn::kAny)}};
+
+constexpr const char* kEstimate =
+    "a measured number that has to be known: D_r, v, v_a, V, D_t, gamma, tau_r, D, L_s or D_slope, "
+    "as the program has them";
+constexpr const char* kOfProgram = "of which it is";
+constexpr const char* kKnown =
+    "standard error over value that is good enough, of all that the run has seen so far";
+constexpr const char* kRobot = "the one robot that is meant; without it every one";
+const TextRule kEstimateRule{.most = 20, .bare = true};
+const TextRule kProgramRule{.most = 32, .bare = true};
+
+void visitOneRobot(KeyVisitor& v, std::int32_t& robot) {
+  std::int64_t id = robot;
+  v.integer(orNothing(id != 0, {"robot", kRobot}), 1, kLargestId, id);
+  robot = static_cast<std::int32_t>(id);
+}
+
 // Which of the three kinds of condition it is, is a matter of what is there.
 void visitUntil(KeyVisitor& v, Until& until) {
   using enum Region;
-  v.text(orNothing(!until.estimate.empty(),
-                   {"estimate", "a measured number that has to be known: D_r, v, v_a, V, D_t, "
-                                "gamma, tau_r, D, L_s or D_slope, as the program has them"}),
-         {.most = 20, .bare = true}, until.estimate);
+  v.text(orNothing(!until.estimate.empty(), {"estimate", kEstimate}), kEstimateRule,
+         until.estimate);
   const bool estimate = !until.estimate.empty();
-  v.text(onlyWith(estimate, "estimate", {"program", "of which it is", Need::kRequired}),
-         {.most = 32, .bare = true}, until.program);
-  v.number(onlyWith(estimate, "estimate",
-                    {"relative_error", "standard error over value that is good enough, of all that "
-                                       "the run has seen so far",
-                     Need::kRequired}),
+  v.text(onlyWith(estimate, "estimate", {"program", kOfProgram, Need::kRequired}), kProgramRule,
+         until.program);
+  v.number(onlyWith(estimate, "estimate", {"relative_error", kKnown, Need::kRequired}),
            {.low = 0, .high = 1, .above_low = true}, until.relative_error);
   v.integer(orNothing(until.tumbles != 0,
                       {"tumbles", "how many, since the step began, of all robots together or of one"}),
             1, 1'000'000'000, until.tumbles);
-  std::int64_t robot = until.robot;
-  v.integer(orNothing(robot != 0, {"robot", "the one robot that is meant; without it every one"}), 1,
-            kLargestId, robot);
-  until.robot = static_cast<std::int32_t>(robot);
+  visitOneRobot(v, until.robot);
   const Selector region(
       v, orNothing(until.region != kNone, {"region", "where a robot's axis has to be"}), kRegions,
       until.region);
   const auto both = {kCircle, kRectangle};
   Key who = region.only(both, {"robots", "whether one of them has to be there or all at a time"});
-  if (robot != 0 && who.applies == Applies::kYes) who.applies = Applies::kNo;
+  if (until.robot != 0 && who.applies == Applies::kYes) who.applies = Applies::kNo;
   who.condition += " and without robot";
   enumerate(v, who, kWho, until.who);
   v.number(region.only(both, {"x_cm", "its middle", Need::kRequired}), kPlace, until.x);
@@ -89,6 +100,23 @@ void visitStep(KeyVisitor& v, StepEntry& step) {
 }
 
 }  // namespace
+
+void visitStopOn(KeyVisitor& v, StopOn& on) {
+  enumerate(v,
+            orNothing(on != StopOn::kAll,
+                      {"stop_on", "whether all rules of stop_when have to hold at a time, or any"}),
+            kStopOn, on);
+}
+
+void visitStopRule(KeyVisitor& v, StopRule& rule) {
+  v.text({"estimate", kEstimate, Need::kRequired}, kEstimateRule, rule.until.estimate);
+  v.text({"program", kOfProgram, Need::kRequired}, kProgramRule, rule.until.program);
+  v.number({"relative_error_percent", kKnown, Need::kRequired},
+           {.low = 0, .high = 100, .above_low = true}, rule.until.relative_error);
+  visitOneRobot(v, rule.until.robot);
+  v.number({"at_least_s", "of the script, before which the rule does not count"},
+           {0, kLongestRun}, rule.at_least);
+}
 
 void visitLight(KeyVisitor& v, ExperimentForm& form) {
   LightScript& light = form.common.light;

@@ -1,9 +1,14 @@
 #include "common/log_file.hpp"
 
+#include <fcntl.h>
 #include <lcm/lcm.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cstdio>
+#include <optional>
 #include <stdexcept>
 
 #include "common/channels.hpp"
@@ -14,46 +19,108 @@ namespace fs = std::filesystem;
 
 namespace {
 
-using Log = std::unique_ptr<lcm_eventlog_t, decltype(&lcm_eventlog_destroy)>;
-using Event = std::unique_ptr<lcm_eventlog_event_t, decltype(&lcm_eventlog_free_event)>;
+constexpr std::uint32_t kSync = 0xEDA1DA01;
+/// An event's sync word, number, time and two lengths, big-endian.
+constexpr std::size_t kHeader_bytes = 28;
+constexpr std::size_t kTime_at = 12;
+constexpr std::size_t kChannelLength_at = 20;
+constexpr std::size_t kDataLength_at = 24;
+constexpr std::int32_t kLongestChannel = 999;  // LCM's own reader takes no longer one
 
-/// Moves to the first sync word at or behind the file's position. @return false: there is none.
-bool findEvent(std::FILE* file) {
-  constexpr std::uint32_t kSync = 0xEDA1DA01;
-  std::uint32_t word = 0;
-  for (int byte = std::fgetc(file); byte != EOF; byte = std::fgetc(file)) {
-    word = (word << 8U) | static_cast<std::uint32_t>(byte);
-    if (word == kSync) return fseeko(file, -4, SEEK_CUR) == 0;
+/// A file in memory: LCM's reader copies and frees every event, which takes as long as decoding it.
+class MappedFile {
+ public:
+  explicit MappedFile(const fs::path& path) {
+    const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+    if (file < 0) throw std::runtime_error("cannot open the log " + path.string());
+    struct stat status {};
+    const bool known = ::fstat(file, &status) == 0 && S_ISREG(status.st_mode);
+    size_ = known ? static_cast<std::size_t>(status.st_size) : 0;
+    if (size_ > 0) data_ = ::mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, file, 0);
+    ::close(file);
+    if (!known || data_ == MAP_FAILED) {
+      throw std::runtime_error("cannot read the log " + path.string());
+    }
+    if (size_ > 0) ::madvise(data_, size_, MADV_SEQUENTIAL);
   }
-  return false;
+  ~MappedFile() {
+    if (size_ > 0) ::munmap(data_, size_);
+  }
+  MappedFile(const MappedFile&) = delete;
+  MappedFile& operator=(const MappedFile&) = delete;
+
+  [[nodiscard]] Bytes bytes() const { return {static_cast<const std::uint8_t*>(data_), size_}; }
+
+ private:
+  void* data_ = nullptr;
+  std::size_t size_ = 0;
+};
+
+template <class Integer>
+Integer bigEndian(Bytes file, std::size_t at) {
+  std::uint64_t value = 0;
+  for (std::size_t i = 0; i < sizeof(Integer); ++i) value = (value << 8U) | file[at + i];
+  return static_cast<Integer>(value);
 }
 
-/// An event's sync word, number, time and two lengths.
-constexpr off_t kHeader_bytes = 28;
+bool syncAt(Bytes file, std::size_t at) { return bigEndian<std::uint32_t>(file, at) == kSync; }
+
+/// The first sync word at or behind a place; the file's size: there is none.
+std::size_t findEvent(Bytes file, std::size_t at) {
+  for (; at + sizeof kSync <= file.size(); ++at) {
+    if (syncAt(file, at)) return at;
+  }
+  return file.size();
+}
+
+struct Event {
+  std::string_view channel;
+  Bytes data;
+  std::int64_t utime = 0;
+  std::size_t end = 0;  ///< behind it in the file
+};
+
+/// The event that begins at a sync word. Nothing: its lengths cannot be, or something else than an
+/// event or the end of the file comes behind it.
+std::optional<Event> eventAt(Bytes file, std::size_t at) {
+  if (file.size() - at < kHeader_bytes) return std::nullopt;
+  const auto channel_length = bigEndian<std::int32_t>(file, at + kChannelLength_at);
+  const auto data_length = bigEndian<std::int32_t>(file, at + kDataLength_at);
+  if (channel_length <= 0 || channel_length > kLongestChannel || data_length < 0) {
+    return std::nullopt;
+  }
+  const std::size_t channel_at = at + kHeader_bytes;
+  const std::size_t data_at = channel_at + static_cast<std::size_t>(channel_length);
+  const std::size_t end = data_at + static_cast<std::size_t>(data_length);
+  if (end > file.size()) return std::nullopt;
+  if (end + sizeof kSync <= file.size() && !syncAt(file, end)) return std::nullopt;
+  const Bytes channel = file.subspan(channel_at, data_at - channel_at);
+  return Event{{reinterpret_cast<const char*>(channel.data()), channel.size()},
+               file.subspan(data_at, end - data_at),
+               bigEndian<std::int64_t>(file, at + kTime_at),
+               end};
+}
 
 void readFile(const fs::path& path, const PacketHandler& handler, LogReadResult& result) {
-  const Log log(lcm_eventlog_create(path.c_str(), "r"), &lcm_eventlog_destroy);
-  if (!log) throw std::runtime_error("cannot open the log " + path.string());
-  off_t whole = 0;  // everything up to here is read or counted
-  while (findEvent(log->f)) {
-    const off_t start = ftello(log->f);
-    const Event event(lcm_eventlog_read_next_event(log.get()), &lcm_eventlog_free_event);
+  const MappedFile mapped(path);
+  const Bytes file = mapped.bytes();
+  std::size_t whole = 0;  // everything up to here is read or counted
+  std::size_t at = findEvent(file, 0);
+  while (at < file.size()) {
+    const std::optional<Event> event = eventAt(file, at);
     if (!event) {
-      if (fseeko(log->f, start + 1, SEEK_SET) != 0) break;
+      at = findEvent(file, at + 1);
       continue;
     }
-    if (start != whole) ++result.resyncs;
-    whole = start + kHeader_bytes + event->channellen + event->datalen;
-    const std::string_view channel(event->channel, static_cast<std::size_t>(event->channellen));
-    if (channel == channels::kLcmSelfTest) continue;
+    if (at != whole) ++result.resyncs;
+    whole = event->end;
+    at = findEvent(file, whole);
+    if (event->channel == channels::kLcmSelfTest) continue;
     ++result.events;
-    const Bytes data(static_cast<const std::uint8_t*>(event->data),
-                     static_cast<std::size_t>(event->datalen));
-    const std::optional<std::vector<std::uint8_t>> newer = upgraded(data);
-    handler({channel, newer ? Bytes(*newer) : data, event->timestamp});
+    const std::optional<std::vector<std::uint8_t>> newer = upgraded(event->data);
+    handler({event->channel, newer ? Bytes(*newer) : event->data, event->utime});
   }
-  if (std::ferror(log->f) != 0) throw std::runtime_error("cannot read the log " + path.string());
-  if (ftello(log->f) != whole) ++result.resyncs;
+  if (file.size() != whole) ++result.resyncs;
 }
 
 }  // namespace

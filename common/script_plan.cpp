@@ -51,6 +51,10 @@ bool mayEndEarly(const LightScript& script) {
   return !script.isPlanned() && (!script.repeat || std::ranges::any_of(script.steps, ends));
 }
 
+bool mayEndEarly(const Experiment& experiment) {
+  return !experiment.stop_when.empty() || mayEndEarly(experiment.light);
+}
+
 std::string untilText(const Until& until) {
   const std::string robot = until.robot == 0 ? "" : "robot " + std::to_string(until.robot);
   if (!until.estimate.empty()) {

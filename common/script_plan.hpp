@@ -32,6 +32,9 @@ struct StepGroup {
 /// where a condition is not met.
 [[nodiscard]] bool mayEndEarly(const LightScript& script);
 
+/// Whether the run may end before its time, by its script or by a rule.
+[[nodiscard]] bool mayEndEarly(const Experiment& experiment);
+
 /// What a step waits for, as a sentence without its full stop: "D_r of abp is known to 5 %".
 [[nodiscard]] std::string untilText(const Until& until);
 

@@ -11,6 +11,7 @@
 #include "report/people.hpp"
 #include "report/report_error.hpp"
 #include "report/run_record.hpp"
+#include "report/segments.hpp"
 #include "report/summary.hpp"
 #include "report/trajectories.hpp"
 
@@ -77,13 +78,22 @@ AnalyzedRun writeResults(const RunRecord& record, const fs::path& out, bool with
   std::vector<Figure> figures;
   if (with_figures) figures = drawFigures(record, scratch.path());
 
-  std::vector<std::string> names{"summary.json", "trajectories.csv"};
+  const fs::path for_paper = "figures";
+  std::vector<std::string> names{"summary.json", "trajectories.csv", "segments.csv"};
   scratch.write("summary.json", summaryJson(record));
   scratch.write("trajectories.csv", trajectoriesCsv(record));
+  scratch.write("segments.csv", segmentsCsv(record));
   for (const Figure& figure : figures) {
     if (figure.svg.empty()) continue;
     names.push_back(figure.name + ".svg");
     scratch.write(names.back(), figure.svg);
+    fs::create_directories(scratch.path() / for_paper);
+    fs::create_directories(out / for_paper);
+    names.push_back(for_paper / (figure.name + ".pdf"));
+    scratch.write(names.back(), figure.pdf);
+    if (figure.csv.empty()) continue;
+    names.push_back(for_paper / (figure.name + ".csv"));
+    scratch.write(names.back(), figure.csv);
   }
   names.emplace_back("report.html");
   scratch.write("report.html", reportHtml(record, figures));
@@ -103,7 +113,7 @@ AnalyzedRun writeResults(const RunRecord& record, const fs::path& out, bool with
 AnalyzedRun analyzeRun(const fs::path& run_or_log, const fs::path& out_directory,
                        const AnalyzeOptions& options) {
   const std::vector<fs::path> files = logFiles(run_or_log);
-  const RunRecord record = readRun(files, options.depth);
+  const RunRecord record = readRun(files, {options.depth, options.stitch});
   if (record.log.frames == 0 && options.needs_frames) {
     throw ReportError(withoutFrames(files.front(), record));
   }
@@ -114,7 +124,7 @@ AnalyzedRun analyzePoses(const fs::path& file, const fs::path& out_directory,
                          const PoseFileOptions& poses, const PoseProgram& program,
                          const AnalyzeOptions& options) {
   const PoseFile film = readPoses(file, poses);
-  return writeResults(poseRun(film, file.stem().string(), program, options.depth), out_directory,
+  return writeResults(poseRun(film, file.stem().string(), program, {options.depth, options.stitch}), out_directory,
                       options.figures);
 }
 

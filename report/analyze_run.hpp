@@ -16,6 +16,7 @@ struct AnalyzeOptions {
   bool needs_frames = true;
   bool figures = true;  ///< False: numbers only.
   analysis::Depth depth = analysis::Depth::kFull;
+  bool stitch = true;  ///< False: reversals are removed and cut, and nothing is joined.
 };
 
 /// What came of it.

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <limits>
 
+#include "report/figure_files.hpp"
 #include "report/figure_scripts.hpp"
 #include "report/gnuplot.hpp"
 #include "report/people.hpp"
@@ -18,14 +19,15 @@ struct Quantity {
   const char* name;
   const char* title;
   const char* axis;
+  const char* unit;  // in names of columns
   double factor;
   std::vector<CurvePoint> analysis::Curves::*curve;
 };
 
-constexpr Quantity kMsd{"msd", "Mean-squared displacement", "MSD (cm²)", 1e4,
+constexpr Quantity kMsd{"msd", "Mean-squared displacement", "MSD (cm²)", "cm2", 1e4,
                         &analysis::Curves::msd};
 constexpr Quantity kAngular{"angular_msd", "Angular mean-squared displacement",
-                            "angular MSD (rad²)", 1, &analysis::Curves::angular_msd};
+                            "angular MSD (rad²)", "rad2", 1, &analysis::Curves::angular_msd};
 
 bool drawable(const CurvePoint& point) {
   return point.windows > 0 && std::isfinite(point.value) && point.value > 0 && point.tau > 0;
@@ -122,7 +124,7 @@ std::string upperPanel(const CurveData& data, const Quantity& quantity) {
       "set xrange [{:.6g}:{:.6g}]\nset ylabel '{}' offset 0.5\nset key top left Left reverse\n"
       "plot ",
       data.has_law ? "set format x ''\nset bmargin at screen 0.40\n"
-                   : "set format x '%g'\nset bmargin at screen 0.13\nset xlabel 'lag (s)'\n",
+                   : "set format x '%g'\nset bmargin at screen (on_paper ? 0.18 : 0.13)\nset xlabel 'lag (s)'\n",
       data.first / 1.4, data.last * 1.4, quantity.axis);
   std::vector<std::string> plots;
   if (data.has_robots) {
@@ -156,7 +158,7 @@ std::string lowerPanel(const CurveData& data) {
   const double range = std::clamp(data.largest_z * 1.25, 6.0, 14.0);
   return fmt::format(
       "unset logscale y\nset format x '%g'\nset tmargin at screen 0.36\n"
-      "set bmargin at screen 0.13\nunset key\nset xlabel 'lag (s)'\n"
+      "set bmargin at screen (on_paper ? 0.18 : 0.13)\nunset key\nset xlabel 'lag (s)'\n"
       "set ylabel 'deviation (σ)' offset 0.5\nset yrange [-{0:.4g}:{0:.4g}]\nset ytics {1}\n"
       "set object 2 rectangle from graph 0,first -2 to graph 1,first 2 behind fs solid noborder "
       "fc rgb '#E8EFF5'\n"
@@ -172,8 +174,22 @@ std::string lowerPanel(const CurveData& data) {
 std::string curveScript(const Finding& finding, const Quantity& quantity, const std::string& file) {
   const CurveData data = collect(finding, quantity);
   return data.text() + style::preamble(file, 760, 640) +
-         "set multiplot\nset lmargin at screen 0.15\nset rmargin at screen 0.97\n" +
+         "set multiplot\nset lmargin at screen (on_paper ? 0.24 : 0.15)\n"
+         "set rmargin at screen 0.97\n" +
          upperPanel(data, quantity) + (data.has_law ? lowerPanel(data) : "") + "unset multiplot\n";
+}
+
+std::string curveCsv(const std::vector<CurvePoint>& points, const Quantity& quantity) {
+  CsvText csv(fmt::format(
+      "lag_s,value_{0},standard_error_{0},noise_{0},exact_{0},paper_{0},z,windows,judged",
+      quantity.unit));
+  const double factor = quantity.factor;
+  for (const CurvePoint& p : points) {
+    if (!drawable(p)) continue;
+    csv.row(p.tau, p.value * factor, p.sigma * factor, p.noise * factor, p.exact * factor,
+            p.paper * factor, p.z, p.windows, p.judged);
+  }
+  return csv.text();
 }
 
 FigureScript curveFigure(const Finding& finding, const Quantity& quantity) {
@@ -189,6 +205,7 @@ FigureScript curveFigure(const Finding& finding, const Quantity& quantity) {
     return script;
   }
   script.script = curveScript(finding, quantity, script.figure.name);
+  script.figure.csv = curveCsv(points, quantity);
   return script;
 }
 

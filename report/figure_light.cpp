@@ -2,6 +2,7 @@
 #include <cmath>
 #include <map>
 
+#include "report/figure_files.hpp"
 #include "report/figure_scripts.hpp"
 #include "report/gnuplot.hpp"
 
@@ -43,7 +44,7 @@ std::string bands(const RunRecord& record) {
           edge);
     }
     script += fmt::format(
-        "set label {} at graph 1.01,first {:.5g} left font 'Arial,14' "
+        "set label {} at graph 1.01,first {:.5g} left font small_font "
         "tc rgb '#404040' noenhanced\n",
         gnuplotText(band.program), (band.low + std::min(1.0, band.high)) / 2);
   }
@@ -111,6 +112,24 @@ std::string counts(const RunRecord& record, const style::TimeAxis& axis, std::st
   return plots;
 }
 
+/// Both parts of the figure in one file: a row a span of the light, then of each robot's programs.
+std::string lightCsv(const RunRecord& record) {
+  CsvText csv("what,begin_s,end_s,darkest,brightest,particle,program");
+  for (std::size_t i = 0; i < record.light.size(); ++i) {
+    const LightSpan& span = record.light[i];
+    const double end = i + 1 < record.light.size() ? record.seconds(record.light[i + 1].begin_utime)
+                                                   : record.duration();
+    csv.row("light", record.seconds(span.begin_utime), end, span.low, span.high, "", "");
+  }
+  for (const auto& [id, robot] : record.robots) {
+    for (const ProgramSpan& span : robot.programs) {
+      csv.row("program", record.seconds(span.begin_utime), record.seconds(span.end_utime), "", "",
+              id, span.program < 0 ? "standing" : record.programNameOf(span.program));
+    }
+  }
+  return csv.text();
+}
+
 std::string robotTics(const RunRecord& record) {
   const std::size_t every = (record.robots.size() + kMostTics - 1) / kMostTics;
   std::string tics;
@@ -137,6 +156,7 @@ FigureScript lightAndPrograms(const RunRecord& record) {
     script.figure.sentence = "Neither projector nor robots reported anything.";
     return script;
   }
+  script.figure.csv = lightCsv(record);
   const double duration = std::max(record.duration(), 1e-3);
   const style::TimeAxis axis = style::timeAxis(duration);
   const bool as_strips = fitsStrips(record);
@@ -149,7 +169,7 @@ FigureScript lightAndPrograms(const RunRecord& record) {
   const auto screen = [height](int pixels_from_bottom) {
     return static_cast<double>(pixels_from_bottom) / height;
   };
-  script.script += style::preamble(script.figure.name, 900, height);
+  script.script += style::preamble(script.figure.name, 900, height, style::kPage_cm);
   script.script += fmt::format(
       "set multiplot\nset lmargin at screen 0.10\nset rmargin at screen 0.86\n"
       "set xrange [0:{:.7g}]\nset yrange [-0.04:1.04]\nset ytics 0.25\n"

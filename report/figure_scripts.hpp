@@ -15,7 +15,7 @@ namespace lab::report {
 
 /// A figure before it is drawn.
 struct FigureScript {
-  Figure figure;       ///< without its SVG
+  Figure figure;       ///< without its drawings
   std::string script;  ///< empty where the figure has a sentence
 };
 
@@ -38,8 +38,15 @@ inline constexpr std::string_view kPaleGrey = "#D8D8D8";
 /// The colour of a program, by its key.
 [[nodiscard]] std::string_view programColour(int key);
 
-/// Settings that every figure begins with. @param size in pixels at which text has its size.
-[[nodiscard]] std::string preamble(const std::string& name, int width, int height);
+/// Widths in print [cm]: a column of a journal, and the page.
+inline constexpr double kColumn_cm = 8.6;
+inline constexpr double kPage_cm = 17.8;
+
+/// Settings that every figure begins with. What follows may ask gnuplot's variables `on_paper` (1 in
+/// the PDF, where text is larger for the width, else 0) and `small_font`.
+/// @param width, height in pixels at which text has its size on the screen
+[[nodiscard]] std::string preamble(const std::string& name, int width, int height,
+                                   double print_cm = kColumn_cm);
 
 /// Seconds as the axis of a run shows them.
 struct TimeAxis {

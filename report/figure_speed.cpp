@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "common/units.hpp"
+#include "report/figure_files.hpp"
 #include "report/figure_scripts.hpp"
 #include "report/gnuplot.hpp"
 #include "report/people.hpp"
@@ -42,7 +43,8 @@ std::optional<Stretch> stretchOf(const RunRecord& record, int program) {
 }
 
 /// Speed [cm/s] over the baseline, free motion and the rest apart. @return whether there is any.
-bool addSpeeds(const RunRecord& record, const Stretch& stretch, DataBlock& free, DataBlock& held) {
+bool addSpeeds(const RunRecord& record, const Stretch& stretch, const std::string& name,
+               DataBlock& free, DataBlock& held, CsvText& csv) {
   struct Place {
     std::int64_t utime;
     const TrackRow* row;
@@ -74,6 +76,7 @@ bool addSpeeds(const RunRecord& record, const Stretch& stretch, DataBlock& free,
     DataBlock& data = is_free ? free : held;
     if (is_free != last_free) (is_free ? free : held).blank();
     data.row(t, distance / dt * kCm);
+    csv.row(name, stretch.robot, t, distance / dt * kCm, is_free);
     last_free = is_free;
     any = true;
   }
@@ -97,6 +100,7 @@ FigureScript speedTraces(const RunRecord& record) {
     Stretch stretch;
   };
   std::vector<Panel> panels;
+  CsvText csv("program,particle,t_s,speed_cm_s,free");
   for (std::size_t key = 0; key < record.programs.size() && panels.size() < kMostPanels; ++key) {
     const std::optional<Stretch> stretch = stretchOf(record, static_cast<int>(key));
     if (!stretch) continue;
@@ -104,7 +108,7 @@ FigureScript speedTraces(const RunRecord& record) {
     DataBlock held(fmt::format("held{}", key));
     free.row(std::nan(""), std::nan(""));
     held.row(std::nan(""), std::nan(""));
-    if (!addSpeeds(record, *stretch, free, held)) continue;
+    if (!addSpeeds(record, *stretch, record.programs[key].name, free, held, csv)) continue;
     script.script += free.text() + held.text();
     panels.push_back({key, *stretch});
   }
@@ -112,9 +116,10 @@ FigureScript speedTraces(const RunRecord& record) {
     script.figure.sentence = "No speed trace: no robot was tracked while it ran a program.";
     return script;
   }
+  script.figure.csv = csv.text();
   constexpr int kPanelHeight = 200;
   const int height = kPanelHeight * static_cast<int>(panels.size()) + 70;
-  script.script += style::preamble(script.figure.name, 900, height);
+  script.script += style::preamble(script.figure.name, 900, height, style::kPage_cm);
   script.script +=
       "set multiplot\nset lmargin at screen 0.10\nset rmargin at screen 0.97\n"
       "set ylabel 'speed (cm/s)' offset 0.5\nset yrange [0:*]\nset grid ytics lc rgb '#E4E4E4'\n"

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <set>
 
+#include "report/figure_files.hpp"
 #include "report/figure_scripts.hpp"
 #include "report/gnuplot.hpp"
 #include "report/people.hpp"
@@ -57,6 +58,19 @@ void addLine(DataBlock& data, const PlotLine& line, double colour) {
   data.blank();
 }
 
+std::string trackCsv(const RunRecord& record, const PlotTracks& plot) {
+  CsvText csv("particle,line,program,free,t_s,x_cm,y_cm");
+  int number = 0;
+  for (const PlotLine& line : plot.lines) {
+    const std::string program = line.program < 0 ? "standing" : record.programNameOf(line.program);
+    for (const PlotPoint& p : line.points) {
+      csv.row(line.robot, number, program, line.free, p.t, p.x, p.y);
+    }
+    ++number;
+  }
+  return csv.text();
+}
+
 }  // namespace
 
 FigureScript trajectoryByTime(const RunRecord& record) {
@@ -66,6 +80,7 @@ FigureScript trajectoryByTime(const RunRecord& record) {
     script.figure.sentence = "No trajectory: fewer than two tracked positions of any robot.";
     return script;
   }
+  script.figure.csv = trackCsv(record, plot);
   const style::TimeAxis axis = style::timeAxis(plot.end - plot.begin);
   const double length = std::max(1e-6, plot.end - plot.begin);
   // A path changes colour in steps, so that each step is one element of the picture.
@@ -101,7 +116,7 @@ FigureScript trajectoryByTime(const RunRecord& record) {
   for (const PlotLine& line : plot.lines) {
     if (seen.insert(line.robot).second) starts.row(line.points.front().x, line.points.front().y);
   }
-  script.script += starts.text() + style::preamble(script.figure.name, 900, 640) + arena(record);
+  script.script += starts.text() + style::preamble(script.figure.name, 900, 640, style::kPage_cm) + arena(record);
   // Viridis (Smith and van der Walt 2015), ordered in lightness too, without its palest end.
   script.script += fmt::format(
       "set palette maxcolors {} defined (0 '#440154', 1 '#414487', 2 '#2a788e', 3 '#22a884', "
@@ -121,6 +136,7 @@ FigureScript trajectoryByProgram(const RunRecord& record) {
     script.figure.sentence = "No trajectory: fewer than two tracked positions of any robot.";
     return script;
   }
+  script.figure.csv = trackCsv(record, plot);
   std::string plots = "$held with lines lw 1 lc rgb '#BBBBBB' title 'reversing or cut'";
   DataBlock held("held");
   held.row(std::nan(""), std::nan(""));
@@ -142,7 +158,7 @@ FigureScript trajectoryByProgram(const RunRecord& record) {
     plots += fmt::format(", \\\n  $program{} with lines lw 1.5 lc rgb '{}' title {}", key,
                          style::programColour(program), gnuplotText(record.programs[key].name));
   }
-  script.script += style::preamble(script.figure.name, 900, 640) + arena(record);
+  script.script += style::preamble(script.figure.name, 900, 640, style::kPage_cm) + arena(record);
   script.script += "set key outside top center horizontal\nplot " + plots + "\n";
   script.figure.caption =
       plot.whole_run

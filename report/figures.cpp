@@ -1,12 +1,10 @@
 #include "report/figures.hpp"
 
 #include <array>
-#include <fstream>
-#include <iterator>
 
+#include "report/figure_files.hpp"
 #include "report/figure_scripts.hpp"
-#include "report/gnuplot.hpp"
-#include "report/report_error.hpp"
+#include "report/run_findings.hpp"
 
 namespace lab::report {
 namespace fs = std::filesystem;
@@ -19,17 +17,15 @@ std::string_view programColour(int key) {
   return key < 0 ? kGrey : kColours[static_cast<std::size_t>(key) % kColours.size()];
 }
 
-std::string preamble(const std::string& name, int width, int height) {
+std::string preamble(const std::string& name, int width, int height, double print_cm) {
   return fmt::format(
       "reset\n"
       "set encoding utf8\n"
-      "set terminal svg size {},{} dynamic font 'Arial,16' background 'white' noenhanced "
-      "linewidth 1.2\n"
-      "set output '{}.svg'\n"
+      "eval open_figure('{}', {}, {}, {:.4g})\n"
       "set border lc rgb '#404040'\n"
       "set tics nomirror tc rgb '#202020'\n"
       "set key noenhanced samplen 2.2\n",
-      width, height, name);
+      name, width, height, print_cm);
 }
 
 TimeAxis timeAxis(double duration) {
@@ -47,29 +43,13 @@ std::vector<Figure> drawFigures(const RunRecord& record, const fs::path& scratch
   for (const Finding& finding : findingsOf(record)) {
     scripts.push_back(msdFigure(finding));
     scripts.push_back(angularMsdFigure(finding));
-  }
-  std::string all = "cd " + gnuplotText(fs::absolute(scratch).string()) + "\n";
-  bool any = false;
-  for (const FigureScript& one : scripts) {
-    all += one.script;
-    any = any || !one.script.empty();
-  }
-  if (any) runGnuplot(scratch, all);
-
-  std::vector<Figure> figures;
-  for (FigureScript& one : scripts) {
-    if (!one.script.empty()) {
-      const fs::path file = scratch / (one.figure.name + ".svg");
-      std::ifstream stream(file, std::ios::binary);
-      const std::string svg{std::istreambuf_iterator<char>(stream),
-                            std::istreambuf_iterator<char>()};
-      if (svg.empty()) throw ReportError("gnuplot drew nothing for " + one.figure.title);
-      one.figure.svg = tidySvg(svg, one.figure.title);
-      fs::remove(file);
+    const auto& runs = finding.pool->result.runs;
+    if (runs && runs->problem.empty()) {
+      scripts.push_back(runTimesFigure(finding));
+      scripts.push_back(turnsFigure(finding));
     }
-    figures.push_back(std::move(one.figure));
   }
-  return figures;
+  return drawScripts(std::move(scripts), scratch);
 }
 
 }  // namespace lab::report

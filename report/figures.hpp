@@ -1,4 +1,4 @@
-/// The figures of a run, drawn by gnuplot as SVG.
+/// The figures of a run, drawn by gnuplot: for the screen as SVG, for paper as PDF, with their data.
 #pragma once
 
 #include <filesystem>
@@ -11,11 +11,13 @@ namespace lab::report {
 
 /// One figure, or the sentence that stands in its place when there is nothing to draw.
 struct Figure {
-  std::string name;  ///< of its file, without .svg
+  std::string name;  ///< of its files, without their endings
   std::string title;
   std::string caption;   ///< what is drawn how
   std::string sentence;  ///< in place of the figure; empty: there is one
-  std::string svg;       ///< the whole file
+  std::string svg;       ///< the whole file, for the screen
+  std::string pdf;       ///< the whole file, as wide as a journal prints it
+  std::string csv;       ///< what is drawn, a header with units first; empty: not given
 };
 
 /// Draws every figure. The same record gives the same bytes.

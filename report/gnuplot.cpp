@@ -5,6 +5,7 @@
 #include <spawn.h>
 #include <sys/wait.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstdlib>
@@ -37,7 +38,8 @@ pid_t start(const fs::path& script, const fs::path& messages) {
   std::string file = script.string();
   std::array<char*, 4> arguments{program.data(), defaults.data(), file.data(), nullptr};
   std::string locale = "LC_ALL=C";
-  std::array<char*, 2> environment{locale.data(), nullptr};
+  std::string zone = "TZ=UTC";
+  std::array<char*, 3> environment{locale.data(), zone.data(), nullptr};
   pid_t child = 0;
   const int error = posix_spawnp(&child, program.c_str(), &actions, nullptr, arguments.data(),
                                  environment.data());
@@ -123,6 +125,17 @@ std::string tidySvg(const std::string& svg, const std::string& title) {
   tidy += svg.substr(at);
   replaceAll(tidy, "font-family=\"Arial\"", "font-family=\"Helvetica, Arial, sans-serif\"");
   return tidy;
+}
+
+std::string undatedPdf(std::string pdf) {
+  constexpr std::string_view kDate = "/CreationDate (";
+  const std::size_t begin = pdf.find(kDate);
+  const std::size_t end = pdf.find(')', begin);
+  if (begin == std::string::npos || end == std::string::npos) return pdf;
+  // Blanks in its place: the offsets of what follows stand in the file's table.
+  std::fill(pdf.begin() + static_cast<std::ptrdiff_t>(begin),
+            pdf.begin() + static_cast<std::ptrdiff_t>(end) + 1, ' ');
+  return pdf;
 }
 
 std::string inlineSvg(const std::string& svg, const std::string& prefix) {

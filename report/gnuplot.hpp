@@ -20,6 +20,9 @@ void runGnuplot(const std::filesystem::path& folder, const std::string& script);
 /// of its data, which browsers would show as tips.
 [[nodiscard]] std::string tidySvg(const std::string& svg, const std::string& title);
 
+/// A PDF without the time when it was made, so that the same figure is the same file.
+[[nodiscard]] std::string undatedPdf(std::string pdf);
+
 /// A tidy SVG file as an element of an HTML page: without its XML head, and with ids that begin
 /// with `prefix`, so that several figures can stand in one page.
 [[nodiscard]] std::string inlineSvg(const std::string& svg, const std::string& prefix);

@@ -5,7 +5,10 @@
 #include "report/findings.hpp"
 #include "report/html_sections.hpp"
 #include "report/html_style.hpp"
+#include "report/light_bands.hpp"
 #include "report/people.hpp"
+#include "report/segments.hpp"
+#include "report/run_findings.hpp"
 
 namespace lab::report {
 namespace {
@@ -42,12 +45,15 @@ std::string reportHtml(const RunRecord& record, const std::vector<Figure>& figur
       description.empty() ? "" : fmt::format("<p>{}</p>\n", escapeHtml(description)));
   page += html::warnings(record);
   page += html::verdicts(findings);
+  page += html::runs(findings, record.experimentOrDefault().hardware.max_wheel_speed);
   page += html::figureSection(figures);
+  page += html::stitching(record);
   if (record.poses) {
     page += html::poseSource(record);
     return page + "</body>\n</html>\n";
   }
   page += html::lightSteps(record);
+  page += html::lightBands(record);
   page += html::robots(record);
   page += html::losses(record);
   page += html::provenance(record);

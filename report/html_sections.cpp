@@ -229,9 +229,21 @@ std::string poseSource(const RunRecord& record) {
         "<li>The file has no headings: there is no angular curve, no speed along the heading, no "
         "D<sub>r</sub>, and the tracker’s noise is neither measured nor taken out.</li>\n";
   }
+  if (poses.bad_times > 0) {
+    html += fmt::format("<li>{} whose time repeats an earlier one or goes back: left out.</li>\n",
+                        countText(poses.bad_times, "frame"));
+  }
+  if (poses.clock_steps > 0) {
+    html += fmt::format("<li>{} of the clock against the frame numbers: the tracks are cut there.</li>\n",
+                        countText(poses.clock_steps, "step"));
+  }
+  html += record.programs.front().program.kind == program_t::NONE
+              ? "<li>Without a program there is no telling reversals from what it drives: they are "
+                "part of the motion, and of its curves.</li>\n"
+              : fmt::format("<li>{} found by straight even motion that the program cannot drive.</li>\n",
+                            countText(poses.reversals, "reversal"));
   return html +
-         "<li>Contacts are known by distance only. Reversals at walls are not known: they are part of "
-         "the motion, and of its curves.</li>\n<li>No robot said what it did: that all ran one "
+         "<li>Contacts are known by distance only.</li>\n<li>No robot said what it did: that all ran one "
          "program all the time is taken from whoever asked for this report.</li>\n</ul>\n";
 }
 

@@ -13,6 +13,8 @@ namespace lab::report::html {
 /// What the reader must know before anything else: faults, marks, a run cut short. Empty: nothing.
 [[nodiscard]] std::string warnings(const RunRecord& record);
 
+/// Measured values, their intervals, what was programmed, and how.
+[[nodiscard]] std::string estimateTable(const std::vector<analysis::Estimate>& estimates);
 [[nodiscard]] std::string verdicts(const std::vector<Finding>& findings);
 [[nodiscard]] std::string figureSection(const std::vector<Figure>& figures);
 [[nodiscard]] std::string lightSteps(const RunRecord& record);

@@ -3,6 +3,8 @@
 #include <cctype>
 #include <cmath>
 
+#include "report/brownian_findings.hpp"
+#include "report/fit_section.hpp"
 #include "report/html_sections.hpp"
 #include "report/people.hpp"
 
@@ -26,27 +28,6 @@ const char* verdictClass(VerdictKind kind) {
 
 std::string withUnit(const std::string& number, const std::string& unit) {
   return unit.empty() || number == "–" ? number : number + " " + unit;
-}
-
-std::string estimateTable(const ProgramResult& result) {
-  Table table({"", ">measured", ">95 % interval", ">programmed", "how"});
-  for (const Estimate& estimate : result.estimates) {
-    const PeopleUnit unit = peopleUnit(estimate.unit);
-    const double half = (estimate.high95 - estimate.low95) / 2 * unit.factor;
-    const std::string interval =
-        std::isfinite(half)
-            ? fmt::format("{} to {}", numberText(estimate.low95 * unit.factor, half),
-                          numberText(estimate.high95 * unit.factor, half))
-            : "–";
-    const double theory = estimate.theory;
-    const bool outside = theory < estimate.low95 || theory > estimate.high95;
-    table.row({symbolHtml(estimate.name),
-               withUnit(numberText(estimate.value * unit.factor, half), unit.text), interval,
-               fmt::format("<span{}>{}</span>", outside ? " class=\"disagrees\"" : "",
-                           withUnit(shortText(theory * unit.factor), unit.text)),
-               "<span class=\"soft\">" + escapeHtml(estimate.note) + "</span>"});
-  }
-  return table.text();
 }
 
 std::string robotTable(const Finding& finding) {
@@ -104,12 +85,35 @@ std::string card(const Finding& finding) {
   for (const std::string& remark : reservations(result)) {
     html += fmt::format("<li>{}</li>\n", escapeHtml(remark));
   }
-  html += "</ul>\n" + estimateTable(result);
+  html += "</ul>\n" + estimateTable(result.estimates);
+  if (result.fit) html += fitHtml(*result.fit);
+  if (result.brownian) html += brownianHtml(*result.brownian);
   if (!finding.robots.empty()) html += robotTable(finding);
   return html + "</section>\n";
 }
 
 }  // namespace
+
+std::string estimateTable(const std::vector<Estimate>& estimates) {
+  Table table({"", ">measured", ">95 % interval", ">programmed", "how"});
+  for (const Estimate& estimate : estimates) {
+    const PeopleUnit unit = peopleUnit(estimate.unit);
+    const double half = (estimate.high95 - estimate.low95) / 2 * unit.factor;
+    const std::string interval =
+        std::isfinite(half)
+            ? fmt::format("{} to {}", numberText(estimate.low95 * unit.factor, half),
+                          numberText(estimate.high95 * unit.factor, half))
+            : "–";
+    const double theory = estimate.theory;
+    const bool outside = theory < estimate.low95 || theory > estimate.high95;
+    table.row({symbolHtml(estimate.name),
+               withUnit(numberText(estimate.value * unit.factor, half), unit.text), interval,
+               fmt::format("<span{}>{}</span>", outside ? " class=\"disagrees\"" : "",
+                           withUnit(shortText(theory * unit.factor), unit.text)),
+               "<span class=\"soft\">" + escapeHtml(estimate.note) + "</span>"});
+  }
+  return table.text();
+}
 
 std::string verdicts(const std::vector<Finding>& findings) {
   std::string html =

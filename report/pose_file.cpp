@@ -12,7 +12,9 @@
 #include <fstream>
 #include <initializer_list>
 #include <limits>
+#include <optional>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "common/units.hpp"
@@ -22,6 +24,9 @@ namespace lab::report {
 namespace {
 
 constexpr double kLeastConfidence = 0.5;  // as for poses from the bus
+constexpr std::int64_t kBadTimesOneIn = 20;
+constexpr double kClockStep = 3;  // frames
+constexpr double kDrift = 0.01;   // share: clocks of cameras are not exact, and frames jitter
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 using Fields = std::vector<std::string_view>;
@@ -66,11 +71,19 @@ struct Row {
 
 class Reader {
  public:
-  Reader(const std::string& name, const PoseFileOptions& options)
-      : name_(name), options_(options) {}
+  Reader(std::string name, const PoseFileOptions& options)
+      : name_(std::move(name)), options_(options) {}
 
-  PoseFile read(std::istream& text) {
+  /// For messages about the next file.
+  void rename(std::string name) {
+    name_ = std::move(name);
+    line_ = 0;
+  }
+
+  /// Reads one file; robots of a file without ids are called `robot`.
+  void read(std::istream& text, int robot = 0) {
     std::string line;
+    default_robot_ = robot;
     readHeader(text, line);
     while (std::getline(text, line)) {
       ++line_;
@@ -79,6 +92,9 @@ class Reader {
       readRow();
     }
     if (text.bad()) throw ReportError(name_ + ": cannot be read to its end");
+  }
+
+  PoseFile finish() {
     if (rows_.empty()) {
       throw ReportError(fmt::format("{}: found no pose in {} rows; expected at least one robot",
                                     name_, file_.rows));
@@ -111,6 +127,12 @@ class Reader {
     separator_ = separatorOf(header);
     split(header, separator_, fields_);
     columns_ = fields_.size();
+    // "X#wcentroid (cm)" of TRex: the unit is always this one.
+    for (std::string_view& field : fields_) {
+      if (field.find('(') != std::string_view::npos && !field.starts_with('(')) {
+        field = trimmed(field.substr(0, field.find('(')));
+      }
+    }
     frame_ = find({"frame"});
     id_ = find({"id", "particle"});
     x_ = find({"x_cm"});
@@ -124,14 +146,19 @@ class Reader {
     time_ = find({"t_s", "t", "time"});
     theta_ = find({"theta_rad", "theta"});
     confidence_ = find({"confidence"});
+    missing_ = find({"missing"});
+    findTrex();
     file_.headings = static_cast<bool>(theta_);
-    if (!frame_ || !id_ || !x_ || !y_) {
+    if (!frame_ || !(id_ || trex_) || !x_ || !y_) {
       fail(1,
            fmt::format("found the columns \"{}\"; expected frame, id or particle, and x_cm, y_cm "
-                       "(or x, y with --scale-cm)",
+                       "(or x, y with --scale-cm), or those of TRex: frame, X#wcentroid, "
+                       "Y#wcentroid, time",
                        fmt::join(fields_, "\", \"")));
     }
-    if (!file_.in_arena) {
+    if (trex_) {
+      unit_ = options_.scale.value_or(units::kCentimetre);
+    } else if (!file_.in_arena) {
       if (!options_.scale) {
         fail(1,
              "x, y: found no unit; expected columns x_cm, y_cm, or --scale-cm with the length of "
@@ -146,10 +173,27 @@ class Reader {
     }
   }
 
-  /// nan for an empty field and for "nan".
+  /// TRex: the middle of the body where it is exported; X and Y alone are the head.
+  void findTrex() {
+    trex_ = false;
+    if (x_ && y_) return;
+    for (const std::string source : {"#wcentroid", "#centroid", "#pcentroid", "", "#head"}) {
+      const std::string x = "X" + source;
+      const std::string y = "Y" + source;
+      x_ = find({x});
+      y_ = find({y});
+      if (x_ && y_) break;
+    }
+    trex_ = x_ && y_;
+    if (!trex_) return;
+    theta_ = find({"ANGLE", "ANGLE#head", "ANGLE#pcentroid", "ANGLE#wcentroid", "ANGLE#centroid"});
+  }
+
+  /// nan for an empty field, for "nan" and for "inf".
   [[nodiscard]] double number(const Column& column) const {
     const std::string_view text = fields_[column.index];
     if (text.empty() || text == "nan" || text == "NaN" || text == "NA") return kNan;
+    if (text == "inf" || text == "-inf" || text == "Infinity" || text == "-Infinity") return kNan;
     double value = 0;
     const char* end = text.data() + text.size();
     const auto [stop, error] = std::from_chars(text.data() + (text.front() == '+'), end, value);
@@ -170,6 +214,8 @@ class Reader {
   }
 
   void readRow() {
+    // TRex may end its rows with columns that have no name.
+    while (fields_.size() > columns_ && fields_.back().empty()) fields_.pop_back();
     if (fields_.size() != columns_) {
       fail(line_, fmt::format("found {} fields, expected {} as in the first line", fields_.size(),
                               columns_));
@@ -178,11 +224,16 @@ class Reader {
     Row row;
     row.line = line_;
     row.frame = whole(frame_);
+    const bool seen = !missing_ || number(missing_) == 0;
     row.time = time_ ? number(time_) : static_cast<double>(row.frame) / *options_.fps;
     if (!std::isfinite(row.time)) {
+      if (!seen) {
+        ++file_.without_pose;
+        return;
+      }
       fail(line_, fmt::format("{}: found no number, expected a time in s", time_.name));
     }
-    const std::int64_t id = whole(id_);
+    const std::int64_t id = id_ ? whole(id_) : default_robot_;
     if (id < std::numeric_limits<int>::min() || id > std::numeric_limits<int>::max()) {
       fail(line_, fmt::format("{}: found {}, expected a smaller number", id_.name, id));
     }
@@ -191,7 +242,7 @@ class Reader {
     row.pose.y = number(y_) * unit_;
     row.pose.theta = theta_ ? number(theta_) : 0;
     row.pose.valid = !confidence_ || number(confidence_) >= kLeastConfidence;
-    if (!std::isfinite(row.pose.x + row.pose.y + row.pose.theta)) {
+    if (!seen || !std::isfinite(row.pose.x + row.pose.y + row.pose.theta)) {
       ++file_.without_pose;
     } else if (id == 0 && file_.in_arena) {
       ++file_.without_id;
@@ -200,40 +251,72 @@ class Reader {
     }
   }
 
+  /// Rows of one frame whose times differ: which of them is wrong nobody knows.
+  void checkTimes(const Row& row) const {
+    if (row.time == file_.frames.back().time) return;
+    fail(row.line, fmt::format("{}: found {} s, expected {} s as in the other rows of frame {}",
+                               time_.name, row.time, file_.frames.back().time, row.frame));
+  }
+
   void collectFrames() {
     std::stable_sort(rows_.begin(), rows_.end(),
                      [](const Row& a, const Row& b) { return a.frame < b.frame; });
+    const Row* bad = nullptr;  // the first one whose time does not go on
+    std::int64_t left_out = std::numeric_limits<std::int64_t>::min();
+    for (const Row& row : rows_) {
+      if (row.frame == left_out) continue;
+      if (!file_.frames.empty() && file_.frames.back().frame == row.frame) {
+        checkTimes(row);
+        file_.frames.back().poses.push_back(row.pose);
+        continue;
+      }
+      if (!file_.frames.empty() && !(row.time > file_.frames.back().time)) {
+        if (bad == nullptr) bad = &row;
+        left_out = row.frame;
+        ++file_.bad_times;
+        continue;
+      }
+      file_.frames.push_back({row.time, row.frame, {row.pose}});
+    }
+    const auto all = static_cast<std::int64_t>(file_.frames.size()) + file_.bad_times;
+    if (bad != nullptr && file_.bad_times * kBadTimesOneIn > all) {
+      const std::string where = fmt::format("{}: found {} s in frame {}", time_.name, bad->time,
+                                            bad->frame);
+      fail(bad->line, fmt::format("{}, expected more than in the frames before it; so it is in {} of "
+                                  "{} frames. Without --fps nothing tells when they were taken: "
+                                  "leave the column of times out",
+                                  where, file_.bad_times, all));
+    }
+    measurePeriod();
+  }
+
+  /// The period, the gaps in the frame numbers and the steps of the clock.
+  void measurePeriod() {
     std::int64_t least_step = std::numeric_limits<std::int64_t>::max();
     std::vector<double> periods;
-    for (const Row& row : rows_) {
-      if (file_.frames.empty() || file_.frames.back().frame != row.frame) {
-        if (!file_.frames.empty()) {
-          const analysis::Frame& last = file_.frames.back();
-          if (!(row.time > last.time)) {
-            fail(row.line, fmt::format("{}: found {} s in frame {}, expected more than the {} s of "
-                                       "frame {}",
-                                       time_.name, row.time, row.frame, last.time, last.frame));
-          }
-          least_step = std::min(least_step, row.frame - last.frame);
-          periods.push_back(row.time - last.time);
-        }
-        file_.frames.push_back({row.time, row.frame, {}});
-      } else if (row.time != file_.frames.back().time) {
-        fail(row.line, fmt::format("{}: found {} s, expected {} s as in the other rows of frame {}",
-                                   time_.name, row.time, file_.frames.back().time, row.frame));
-      }
-      file_.frames.back().poses.push_back(row.pose);
+    for (std::size_t i = 1; i < file_.frames.size(); ++i) {
+      least_step = std::min(least_step, file_.frames[i].frame - file_.frames[i - 1].frame);
+      periods.push_back(file_.frames[i].time - file_.frames[i - 1].time);
     }
     if (periods.empty()) return;
-    const auto middle = periods.begin() + static_cast<std::ptrdiff_t>(periods.size() / 2);
-    std::nth_element(periods.begin(), middle, periods.end());
+    std::vector<double> sorted = periods;
+    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+    std::nth_element(sorted.begin(), middle, sorted.end());
     file_.frame_period = *middle;
     // A film of which every n-th picture was tracked is whole.
     const std::int64_t span = file_.frames.back().frame - file_.frames.front().frame;
-    file_.missing_frames = span / least_step + 1 - static_cast<std::int64_t>(file_.frames.size());
+    file_.missing_frames = span / least_step + 1 -
+                           static_cast<std::int64_t>(file_.frames.size()) - file_.bad_times;
+    for (std::size_t i = 0; i < periods.size(); ++i) {
+      const std::int64_t frames = file_.frames[i + 1].frame - file_.frames[i].frame;
+      const double expected = static_cast<double>(frames / least_step) * file_.frame_period;
+      if (std::abs(periods[i] - expected) > kClockStep * file_.frame_period + kDrift * expected) {
+        file_.clock_steps.push_back(file_.frames[i + 1].time);
+      }
+    }
   }
 
-  const std::string& name_;
+  std::string name_;
   const PoseFileOptions& options_;
   PoseFile file_;
   std::vector<Row> rows_;
@@ -242,19 +325,63 @@ class Reader {
   std::int64_t line_ = 0;
   char separator_ = ',';
   double unit_ = 1;  ///< [m]
-  Column frame_, id_, x_, y_, time_, theta_, confidence_;
+  Column frame_, id_, x_, y_, time_, theta_, confidence_, missing_;
+  bool trex_ = false;  ///< one individual a file
+  int default_robot_ = 0;
 };
+
+/// 7 of NAME_fish7.csv and of NAME_id7.csv.
+std::optional<int> trexNumber(const std::filesystem::path& file) {
+  const std::string stem = file.stem().string();
+  for (const std::string_view mark : {"_fish", "_id"}) {
+    const std::size_t at = stem.rfind(mark);
+    if (at == std::string::npos) continue;
+    int number = 0;
+    const char* end = stem.data() + stem.size();
+    const auto [stop, error] = std::from_chars(stem.data() + at + mark.size(), end, number);
+    if (error == std::errc() && stop == end) return number;
+  }
+  return std::nullopt;
+}
 
 }  // namespace
 
 PoseFile readPoses(std::istream& text, const std::string& name, const PoseFileOptions& options) {
-  return Reader(name, options).read(text);
+  Reader reader(name, options);
+  reader.read(text);
+  return reader.finish();
+}
+
+std::vector<std::filesystem::path> trexFiles(const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> files;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+    if (entry.path().extension() == ".csv" && trexNumber(entry.path())) {
+      files.push_back(entry.path());
+    }
+  }
+  std::sort(files.begin(), files.end(), [](const auto& a, const auto& b) {
+    return std::pair(*trexNumber(a), a) < std::pair(*trexNumber(b), b);
+  });
+  return files;
 }
 
 PoseFile readPoses(const std::filesystem::path& file, const PoseFileOptions& options) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw ReportError(fmt::format("{}: {}", file.string(), std::strerror(errno)));
-  return readPoses(stream, file.string(), options);
+  std::vector<std::filesystem::path> files{file};
+  if (std::filesystem::is_directory(file)) files = trexFiles(file);
+  if (files.empty()) {
+    throw ReportError(fmt::format("{}: found no NAME_fish0.csv or NAME_id0.csv, the files that TRex "
+                                  "exports; expected a file of poses or a folder of these",
+                                  file.string()));
+  }
+  Reader reader(file.string(), options);
+  for (const std::filesystem::path& one : files) {
+    std::ifstream stream(one, std::ios::binary);
+    if (!stream) throw ReportError(fmt::format("{}: {}", one.string(), std::strerror(errno)));
+    reader.rename(one.string());
+    reader.read(stream, trexNumber(one).value_or(0));
+  }
+  return reader.finish();
 }
 
 }  // namespace lab::report

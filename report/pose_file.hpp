@@ -6,6 +6,7 @@
 #include <istream>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "analyzer/analysis.hpp"
 
@@ -27,6 +28,8 @@ struct PoseFile {
   std::int64_t without_pose = 0;    ///< rows left out: no number for x, y or the heading
   std::int64_t without_id = 0;      ///< rows left out: id 0, belonging to no track
   std::int64_t missing_frames = 0;  ///< gaps in the frame numbers
+  std::int64_t bad_times = 0;       ///< frames left out: their time repeats an earlier one or goes back
+  std::vector<double> clock_steps;  ///< [s] times of frames to which the clock jumped
   double frame_period = 0;          ///< [s] median, 0: fewer than two frames
 };
 
@@ -37,14 +40,23 @@ struct PoseFile {
 ///   x_cm, y_cm; or x, y        the latter in units of options.scale
 ///   theta_rad or theta         optional [rad]
 ///   t_s, t or time             [s]; or frame / options.fps
+/// or by those of TRex, one file for each individual NAME_fish0.csv or NAME_id0.csv:
+///   frame; X#wcentroid, Y#wcentroid (or #centroid, #pcentroid) [cm]; ANGLE optional [rad]; time [s];
+///   missing optional, 1: not seen (the place may be an interpolated one). "X (cm)" is "X".
 ///   confidence                 optional, 0 to 1; below 0.5 the pose is not used
-/// A number may be nan or empty: then nothing is known of that robot in that frame.
+/// A number may be nan, inf or empty: then nothing is known of that robot in that frame.
+///
+/// Bad times: frames whose time does not go on are left out, unless they are more than one in
+/// twenty, and a step of the clock against the frame numbers by more than three frames is told.
 /// @param name of the file, for messages
 /// @throws ReportError: file, line, column, what was found and what was expected.
 [[nodiscard]] PoseFile readPoses(std::istream& text, const std::string& name,
                                  const PoseFileOptions& options = {});
 
-/// The same of a file. @throws ReportError also where it cannot be read.
+/// The files of TRex in a folder, by number; empty where it holds none.
+[[nodiscard]] std::vector<std::filesystem::path> trexFiles(const std::filesystem::path& folder);
+
+/// The same of a file, or of all the files of TRex in a folder. @throws ReportError also where it cannot be read.
 [[nodiscard]] PoseFile readPoses(const std::filesystem::path& file,
                                  const PoseFileOptions& options = {});
 

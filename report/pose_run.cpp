@@ -12,9 +12,11 @@
 #include <string_view>
 
 #include "analyzer/analysis_feed.hpp"
+#include "analyzer/reversal_finder.hpp"
 #include "common/experiment_file.hpp"
 #include "common/experiment_messages.hpp"
 #include "common/units.hpp"
+#include "report/report_error.hpp"
 
 namespace lab::report {
 namespace {
@@ -75,15 +77,36 @@ std::set<int> touching(const Frame& frame, const Experiment& experiment, bool in
 /// Feeds the analysis and keeps what it says of every row.
 class PoseFeed {
  public:
-  PoseFeed(const PoseFile& poses, const Experiment& experiment, const analysis::ProgramLaw& law)
-      : poses_(poses), experiment_(experiment), law_(law), analysis_(configOf(poses, experiment)) {
+  PoseFeed(const PoseFile& poses, const Experiment& experiment, const analysis::ProgramLaw& law,
+           bool speed_is_known)
+      : poses_(poses),
+        experiment_(experiment),
+        law_(law),
+        speed_is_known_(speed_is_known),
+        epoch_start_(poses.frames.front().time),
+        analysis_(configOf(poses, experiment)) {
     const bool runs = law.kind == analysis::ProgramKind::kRtp && law.gamma > 0;
     run_share_ = runs ? 1 / (1 + law.gamma * law.tau_t) : 1;
     analysis_.onSample([this](int robot, const analysis::ProgramLaw&,
                               const analysis::Sample& sample) { judge(robot, sample); });
   }
 
-  void run(RunRecord& record, analysis::Depth depth) {
+  void run(RunRecord& record, analysis::Depth depth, bool stitch) {
+    analysis_.stitch(stitch, depth == analysis::Depth::kFull);
+    analysis_.onPiece([&record](int robot, const analysis::ProgramLaw&, analysis::Piece piece) {
+      const double start = units::seconds(record.start_utime);
+      for (double analysis::Piece::*time :
+           {&analysis::Piece::begin, &analysis::Piece::end, &analysis::Piece::reversal_start,
+            &analysis::Piece::reversal_end}) {
+        piece.*time -= start;
+      }
+      // Here programs never change; a step of the clock starts them afresh.
+      if (piece.reason == analysis::PieceEnd::kProgramSwitch) {
+        piece.reason = analysis::PieceEnd::kClockStep;
+      }
+      record.pieces.push_back({robot, 0, piece});
+    });
+    examine(record);
     for (const Frame& frame : poses_.frames) take(frame, record);
     analysis_.flush();
     record.tracks = std::move(tracks_);
@@ -98,19 +121,67 @@ class PoseFeed {
     config.frame_period = poses.frame_period;
     config.stitcher.headings = poses.headings;
     config.without_law = experiment.programs.empty();
+    config.find_runs = true;
     return config;
   }
 
-  void take(const Frame& frame, RunRecord& record) {
+  /// Mends headings and finds reversals, robot by robot.
+  void examine(RunRecord& record) {
+    std::map<int, std::vector<analysis::TrackPoint>> tracks;
+    for (const Frame& frame : poses_.frames) {
+      for (const FramePose& pose : frame.poses) {
+        if (!pose.valid) continue;
+        std::vector<analysis::TrackPoint>& track = tracks[pose.robot];
+        if (!track.empty() && track.back().time == frame.time) continue;  // seen twice
+        track.push_back({frame.time, frame.frame, pose.x, pose.y, pose.theta, 0, 0, true});
+      }
+    }
+    const Reversal& reversal = experiment_.reversal;
+    analysis::ReversalSearch search = analysis::reversalSearch(
+        law_, speed_is_known_ ? reversal.speed : kNan, reversal.distance);
+    search.headings = poses_.headings;
+    search.max_turn_rate = 2 * experiment_.hardware.max_wheel_speed / experiment_.hardware.diameter;
+    // Without a program there is no telling what it cannot drive.
+    search.wanted = !experiment_.programs.empty() && reversal.on != ReverseOn::kNever;
+    for (auto& [robot, track] : tracks) {
+      const analysis::TrackFindings found = analysis::examineTrack(track, search);
+      record.headings.flips += found.flips;
+      record.headings.jumps += found.flip_jumps;
+      record.headings.sense_turns += found.sense_turns;
+      record.poses->reversals += static_cast<std::int64_t>(found.reversals.size());
+      tellers_.try_emplace(robot, found.reversals);
+      std::map<double, double>& mended = mended_[robot];
+      if (found.flips == 0 && found.sense_turns == 0) continue;
+      for (const analysis::TrackPoint& point : track) mended[point.time] = point.theta;
+    }
+  }
+
+  void take(Frame frame, RunRecord& record) {
+    while (next_step_ < poses_.clock_steps.size() &&
+           poses_.clock_steps[next_step_] <= frame.time) {
+      epoch_start_ = poses_.clock_steps[next_step_++];
+    }
     const std::set<int> contacts = touching(frame, experiment_, poses_.in_arena);
     tracks_.frames.push_back({units::microseconds(frame.time), frame.frame, tracks_.rows.size()});
     record.poses->in_contact += static_cast<std::int64_t>(contacts.size());
-    for (const FramePose& pose : frame.poses) {
+    for (FramePose& pose : frame.poses) {
+      const auto mended = mended_.find(pose.robot);
+      if (mended != mended_.end()) {
+        const auto theta = mended->second.find(frame.time);
+        if (theta != mended->second.end()) pose.theta = theta->second;
+      }
       analysis::RobotTelemetry telemetry;
       telemetry.time = frame.time;
-      telemetry.program_start = poses_.frames.front().time;
+      telemetry.program_epoch = static_cast<std::int64_t>(next_step_);
+      telemetry.program_start = epoch_start_;
       telemetry.contact = contacts.contains(pose.robot);
-      telemetry.run_time = run_share_ * (frame.time - telemetry.program_start);
+      telemetry.run_time = frame.time - poses_.frames.front().time;
+      const auto teller = tellers_.find(pose.robot);
+      if (teller != tellers_.end()) {
+        teller->second.tell(telemetry);
+        telemetry.run_time -= teller->second.removed();
+      }
+      telemetry.run_time *= run_share_;
       analysis_.addTelemetry(pose.robot, law_, telemetry);
       waiting_[pose.robot].push_back({frame.time, tracks_.rows.size()});
       tracks_.rows.push_back({pose.robot, static_cast<float>(pose.x), static_cast<float>(pose.y),
@@ -135,7 +206,12 @@ class PoseFeed {
   const PoseFile& poses_;
   const Experiment& experiment_;
   analysis::ProgramLaw law_;
+  bool speed_is_known_ = false;
   double run_share_ = 1;
+  std::map<int, analysis::ReversalTeller> tellers_;
+  std::map<int, std::map<double, double>> mended_;  ///< by robot and time, where any was
+  std::size_t next_step_ = 0;
+  double epoch_start_ = 0;
   analysis::Analysis analysis_;
   Tracks tracks_;
   std::map<int, std::deque<Waiting>> waiting_;
@@ -152,17 +228,26 @@ void adoptExtent(const PoseFile& poses, Experiment& experiment) {
   }
 }
 
-/// What only the robots could have told.
-void leaveOpen(analysis::ProgramResult& result) {
+/// What robots would have told of their tumbles: here their poses must.
+void adoptRuns(analysis::ProgramResult& result) {
   if (result.law.kind != analysis::ProgramKind::kRtp) return;
-  constexpr std::array<std::string_view, 4> kOfTumbles{"gamma", "tau_r", "D", "L_s"};
+  const std::string problem = result.runs ? result.runs->problem : std::string();
+  constexpr std::array<std::string_view, 5> kOfTumbles{"gamma", "tau_r", "v", "D", "L_s"};
   for (analysis::Estimate& estimate : result.estimates) {
-    if (estimate.name == "v") estimate.note += ", its share as programmed";
     if (std::find(kOfTumbles.begin(), kOfTumbles.end(), estimate.name) == kOfTumbles.end())
       continue;
+    const analysis::Estimate* seen = result.runs ? result.runs->find(estimate.name) : nullptr;
+    if (seen != nullptr) {
+      estimate = *seen;
+      continue;
+    }
+    if (estimate.name == "v") {
+      estimate.note += ", its share as programmed";
+      continue;
+    }
     estimate.value = estimate.sigma = estimate.low95 = estimate.high95 = kNan;
     estimate.n_eff = 0;
-    estimate.note = "needs the tumbles, which only the robots report";
+    estimate.note = "needs the tumbles, and the poses show none: " + problem;
   }
 }
 
@@ -181,8 +266,14 @@ void fillRobots(RunRecord& record) {
 }  // namespace
 
 RunRecord poseRun(const PoseFile& poses, const std::string& name, const PoseProgram& program,
-                  analysis::Depth depth) {
+                  const ReadOptions& options) {
+  if (poses.frames.size() < 2) {
+    throw ReportError(fmt::format(
+        "{}: found poses in {}, expected at least two: a single picture has no motion", name,
+        poses.frames.empty() ? "no frame" : "one frame"));
+  }
   RunRecord record;
+  record.stitched = options.stitch;
   record.experiment = experimentOf(name, program);
   const Experiment& experiment = *record.experiment;
   RunProgram robots_run{{}, "motion"};
@@ -195,7 +286,9 @@ RunRecord poseRun(const PoseFile& poses, const std::string& name, const PoseProg
   record.poses = PoseSource{.headings = poses.headings,
                             .rows = poses.rows,
                             .without_pose = poses.without_pose,
-                            .without_id = poses.without_id};
+                            .without_id = poses.without_id,
+                            .bad_times = poses.bad_times,
+                            .clock_steps = static_cast<std::int64_t>(poses.clock_steps.size())};
   record.log.frames = static_cast<std::int64_t>(poses.frames.size());
   record.missing_frames = poses.missing_frames;
   record.frame_period = poses.frame_period;
@@ -203,9 +296,14 @@ RunRecord poseRun(const PoseFile& poses, const std::string& name, const PoseProg
   record.end_utime = units::microseconds(poses.frames.back().time);
   record.ended = true;
 
-  PoseFeed(poses, experiment, analysis::toLaw(robots_run.program, experiment.hardware.diameter))
-      .run(record, depth);
-  for (analysis::FeedResult& result : record.results) leaveOpen(result.result);
+  const bool speed_is_known =
+      std::any_of(program.set.begin(), program.set.end(), [](const std::string& set) {
+        return set.starts_with("reversal.speed_cm_s=");
+      });
+  PoseFeed(poses, experiment, analysis::toLaw(robots_run.program, experiment.hardware.diameter),
+           speed_is_known)
+      .run(record, options.depth, options.stitch);
+  for (analysis::FeedResult& result : record.results) adoptRuns(result.result);
   fillRobots(record);
   return record;
 }

@@ -21,15 +21,17 @@ struct PoseProgram {
 /// - contacts are seen by distance: robots nearer than their diameter, and where the arena is
 /// known,
 ///   walls nearer than their radius, cut the track as reported ones do;
-/// - reversals are not known, so they are part of the motion;
-/// - of RTP the tumbles are not known: the speed is taken with the programmed share of run time,
-/// and
-///   the tumble rate is left open.
+/// - headings off by pi are mended, and reversals found by their straight even motion and taken out
+///   (docs/stitching.md); without a program there is no telling, and they are part of the motion;
+/// - a step of the clock cuts;
+/// - of RTP the tumbles are found in the poses (docs/runs.md); where that fails, the speed is taken
+///   with the programmed share of run time, and the tumble rate is left open.
 /// Without a program there are curves and a speed, and nothing to compare them with.
 /// @param name of the run, for its title
-/// @throws ExperimentError where the program is not a valid one.
+/// @throws ExperimentError where the program is not a valid one, ReportError where there are fewer
+/// than two frames.
 [[nodiscard]] RunRecord poseRun(const PoseFile& poses, const std::string& name,
                                 const PoseProgram& program,
-                                analysis::Depth depth = analysis::Depth::kFull);
+                                const ReadOptions& options = {});
 
 }  // namespace lab::report

@@ -87,6 +87,24 @@ void fillPrograms(RunRecord& record) {
   }
 }
 
+/// The pieces in the time of the record, and what was mended.
+void fillStitching(const analysis::AnalysisFeed& feed, RunRecord& record) {
+  const double start = feed.seconds(record.start_utime);
+  for (PieceRecord& one : record.pieces) {
+    for (double analysis::Piece::*time :
+         {&analysis::Piece::begin, &analysis::Piece::end, &analysis::Piece::reversal_start,
+          &analysis::Piece::reversal_end}) {
+      one.piece.*time -= start;
+    }
+  }
+  for (const int robot : feed.robots()) {
+    const analysis::StitcherCounters counters = feed.robotCounters(robot);
+    record.headings.flips += counters.flips;
+    record.headings.jumps += counters.flip_jumps;
+    record.headings.sense_turns += counters.sense_turns;
+  }
+}
+
 /// The experiment as its START tells it.
 void adoptStart(const std::optional<experiment_event_t>& start, RunRecord& record) {
   if (!start) {
@@ -126,13 +144,20 @@ std::string RunRecord::programNameOf(int key) const {
   return key >= 0 && index < programs.size() ? programs[index].name : std::string();
 }
 
-RunRecord readRun(const std::vector<std::filesystem::path>& files, analysis::Depth depth) {
+RunRecord readRun(const std::vector<std::filesystem::path>& files, const ReadOptions& options) {
+  const analysis::Depth depth = options.depth;
   RunRecord record;
   adoptStart(findStart(files), record);
   const Experiment& experiment = record.experimentOrDefault();
 
   analysis::AnalysisFeed feed(experiment);
+  if (depth == analysis::Depth::kFull) feed.findRuns();
+  feed.stitch(options.stitch, depth == analysis::Depth::kFull);
   analysis::ProgramBook book;
+  record.stitched = options.stitch;
+  feed.onPiece([&](int robot, const program_t& program, const analysis::Piece& piece) {
+    record.pieces.push_back({robot, book.key(program), piece});
+  });
   TrackRecord tracks(feed);
   LightTimeline light(experiment.arena_width, experiment.arena_height);
   RobotTimelines robots([&book](const program_t& program) { return book.key(program); });
@@ -168,6 +193,7 @@ RunRecord readRun(const std::vector<std::filesystem::path>& files, analysis::Dep
   fillPrograms(record);
   record.results = feed.results(depth);
   events.finish(record);
+  fillStitching(feed, record);
   services.finish(record);
   return record;
 }

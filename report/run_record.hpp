@@ -10,6 +10,7 @@
 
 #include "analyzer/analysis_feed.hpp"
 #include "common/experiment.hpp"
+#include "common/light_file.hpp"
 #include "report/log_source.hpp"
 #include "report/timelines.hpp"
 
@@ -94,6 +95,23 @@ struct PoseSource {
   std::int64_t without_pose = 0;  ///< of these, rows without numbers
   std::int64_t without_id = 0;    ///< of these, rows that belong to no track
   std::int64_t in_contact = 0;    ///< of these, poses that touch a robot or a wall
+  std::int64_t reversals = 0;     ///< found
+  std::int64_t bad_times = 0;     ///< frames left out: their times go back
+  std::int64_t clock_steps = 0;   ///< where the track was cut
+};
+
+/// A stretch of free motion of one robot, times in s since the start.
+struct PieceRecord {
+  int robot = 0;
+  int program = -1;  ///< key into RunRecord::programs
+  analysis::Piece piece;
+};
+
+/// Headings that were off by pi, over all robots.
+struct HeadingRecord {
+  std::int64_t flips = 0;        ///< headings turned round
+  std::int64_t jumps = 0;        ///< jumps by pi that were mended
+  std::int64_t sense_turns = 0;  ///< tracks whose head was the tail
 };
 
 struct RunRecord {
@@ -115,6 +133,7 @@ struct RunRecord {
   std::vector<Remark> marks;
   std::vector<LightSpan> light;
   std::string calibration;  ///< of the projector, empty: none
+  std::optional<LightCalibration> light_calibration;  ///< that the robots' bands went by
   std::map<std::int32_t, RobotRecord> robots;
   std::vector<ServiceRecord> services;
   std::vector<ListenerLoss> listeners;
@@ -122,6 +141,9 @@ struct RunRecord {
   Tracks tracks;
   std::int64_t missing_frames = 0;   ///< numbers that the camera counted and the log has not
   double frame_period = 0;           ///< [s] nominal
+  std::vector<PieceRecord> pieces;   ///< of free motion
+  HeadingRecord headings;
+  bool stitched = true;              ///< reversals were joined, not cut
   std::vector<RunProgram> programs;  ///< by key
   std::vector<analysis::FeedResult> results;
 
@@ -132,9 +154,15 @@ struct RunRecord {
   [[nodiscard]] std::string programNameOf(int key) const;
 };
 
+/// How a run is analyzed.
+struct ReadOptions {
+  analysis::Depth depth = analysis::Depth::kFull;
+  bool stitch = true;  ///< false: reversals cut
+};
+
 /// Reads the log once, and analyzes it on the way.
 /// @throws ReportError when it was written under another contract.
 [[nodiscard]] RunRecord readRun(const std::vector<std::filesystem::path>& files,
-                                analysis::Depth depth = analysis::Depth::kFull);
+                                const ReadOptions& options = {});
 
 }  // namespace lab::report

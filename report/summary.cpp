@@ -3,14 +3,18 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <nlohmann/json.hpp>
 
 #include "common/version.hpp"
+#include "report/brownian_findings.hpp"
 #include "report/delivery.hpp"
 #include "report/findings.hpp"
+#include "report/fit_section.hpp"
+#include "report/json_numbers.hpp"
+#include "report/light_bands.hpp"
 #include "report/people.hpp"
+#include "report/segments.hpp"
+#include "report/run_findings.hpp"
 
 namespace lab::report {
 namespace {
@@ -20,37 +24,8 @@ using analysis::CurvePoint;
 
 constexpr int kFormat = 1;  // of summary.json
 
-/// Rounded to six figures; null where it is no number.
-Json number(double value) {
-  if (!std::isfinite(value)) return nullptr;
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%.6g", value);
-  const double rounded = std::strtod(text.data(), nullptr);
-  return rounded == 0 ? 0.0 : rounded;  // no -0
-}
-
 Json secondsOrNull(const RunRecord& record, std::int64_t utime) {
   return utime == 0 ? Json(nullptr) : number(record.seconds(utime));
-}
-
-std::string keyWithUnit(const std::string& name, const std::string& unit_key) {
-  return unit_key.empty() ? name : name + "_" + unit_key;
-}
-
-Json estimates(const analysis::ProgramResult& result) {
-  Json all = Json::object();
-  for (const analysis::Estimate& estimate : result.estimates) {
-    const PeopleUnit unit = peopleUnit(estimate.unit);
-    all[keyWithUnit(estimate.name, unit.key)] = {
-        {"value", number(estimate.value * unit.factor)},
-        {"standard_error", number(estimate.sigma * unit.factor)},
-        {"low95", number(estimate.low95 * unit.factor)},
-        {"high95", number(estimate.high95 * unit.factor)},
-        {"theory", number(estimate.theory * unit.factor)},
-        {"effective_samples", number(estimate.n_eff)},
-        {"note", estimate.note}};
-  }
-  return all;
 }
 
 /// One array a column. A robot's own curve goes without what its program's pool says already.
@@ -102,7 +77,11 @@ Json result(const analysis::ProgramResult& result, bool whole) {
   json["reversals"] = result.reversals;
   json["contact_share"] = number(result.contact_share);
   json["longest_unselected_lag_s"] = result.unbiased_lag > 0 ? number(result.unbiased_lag) : Json();
-  json["estimates"] = estimates(result);
+  json["estimates"] = estimatesJson(result.estimates);
+  if (result.fit) json["fit"] = fitJson(*result.fit);
+  if (result.runs) json["runs"] = runsJson(*result.runs, whole);
+  if (whole) json["joins"] = joinsJson(result);
+  if (result.brownian) json["brownian"] = brownianJson(*result.brownian);
   json["msd"] = curve(result.curves.msd, "m^2", whole);
   json["angular_msd"] = curve(result.curves.angular_msd, "rad^2", whole);
   return json;
@@ -230,6 +209,9 @@ std::string summaryJson(const RunRecord& record) {
     json["poses"] = {{"rows", record.poses->rows},
                      {"rows_without_pose", record.poses->without_pose},
                      {"rows_without_track", record.poses->without_id},
+                     {"frames_with_bad_times", record.poses->bad_times},
+                     {"clock_steps", record.poses->clock_steps},
+                     {"reversals_found", record.poses->reversals},
                      {"headings", record.poses->headings}};
   }
   json["duration_s"] = number(record.duration());
@@ -238,12 +220,14 @@ std::string summaryJson(const RunRecord& record) {
   json["faults"] = remarks(record, record.faults);
   json["marks"] = remarks(record, record.marks);
   json["programs"] = programs(record);
+  json["stitching"] = stitchingJson(record);
   json["robots"] = robots(record);
   json["latency"] = {{"presented", latency(presentedDelays(record.steps))},
                      {"seen", latency(seenDelays(record.steps))},
                      {"first_acted", latency(firstActedDelays(record.steps))},
                      {"last_acted", latency(lastActedDelays(record.steps))}};
   json["steps"] = steps(record);
+  json["light_bands"] = lightBandsJson(record);
   json["losses"] = losses(record);
   return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }

@@ -40,16 +40,15 @@ void appendNumber(fmt::memory_buffer& out, double value, double scale, int decim
   appendFixed(out, std::llround(units), decimals);
 }
 
-/// A field of a CSV file, quoted where it must be (RFC 4180).
-std::string quoted(const std::string& text) {
+}  // namespace
+
+std::string csvField(const std::string& text) {
   if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
   std::string field = "\"";
   for (const char letter : text)
     field += letter == '"' ? std::string("\"\"") : std::string(1, letter);
   return field + "\"";
 }
-
-}  // namespace
 
 std::string trajectoriesCsv(const RunRecord& record) {
   constexpr std::size_t kRow_bytes = 56;
@@ -60,7 +59,7 @@ std::string trajectoriesCsv(const RunRecord& record) {
   out.append(std::string_view("frame,particle,x,y,t,theta,program,segment\n"));
 
   std::vector<std::string> names{"standing"};
-  for (const RunProgram& program : record.programs) names.push_back(quoted(program.name));
+  for (const RunProgram& program : record.programs) names.push_back(csvField(program.name));
   for (std::size_t i = 0; i < record.tracks.frames.size(); ++i) {
     const TrackFrame& frame = record.tracks.frames[i];
     const std::int64_t since_start = frame.utime - record.start_utime;

@@ -12,4 +12,7 @@ namespace lab::report {
 /// trackpy reads come first.
 [[nodiscard]] std::string trajectoriesCsv(const RunRecord& record);
 
+/// A field of a CSV file, quoted where it must be (RFC 4180).
+[[nodiscard]] std::string csvField(const std::string& text);
+
 }  // namespace lab::report

@@ -187,6 +187,8 @@ void addAnalyze(CLI::App& app, Chosen& chosen) {
   command->add_flag("--figures,!--no-figures", options->figures, "Draw the figures (default: yes)");
   command->add_flag("--bootstrap,!--no-bootstrap", options->bootstrap,
                     "Fit the exact laws, with intervals from simulated films (default: yes)");
+  command->add_flag("--stitch,!--no-stitch", options->stitch,
+                    "Join the motion around reversals; else they cut (default: yes)");
   command->add_option("--program", options->program,
                       "Poses: what all robots ran: abp, noisy_abp, bp, rtp (default: not known)");
   command->add_option("--set", options->set,
@@ -197,6 +199,33 @@ void addAnalyze(CLI::App& app, Chosen& chosen) {
   command->add_option("--fps", options->fps, "Poses: frames a second, where there are no times")
       ->check(between(1e-6, 1e6));
   command->callback([&chosen, options] { chosen = [options] { return analyze(*options); }; });
+}
+
+void addTheory(CLI::App& app, Chosen& chosen) {
+  auto options = std::make_shared<TheoryOptions>();
+  CLI::App* command =
+      app.add_subcommand("theory", "The exact laws of a program as CSV, beside the paper's formula");
+  command->add_option("PROGRAM", options->program, "abp, noisy_abp, bp, rtp")->required();
+  command->add_option("KEY=VALUE", options->set,
+                      "Its keys as in experiment files (v_cm_s=3 epsilon_s=0.25 eta_rad_s=6), and "
+                      "diameter_cm, the wheel base");
+  command->add_option("--lags", options->lags, "s, separated by commas (default: 0.01 to 1000)");
+  command->add_option("--exposure-ms", options->exposure_ms, "Of a frame: positions are means")
+      ->check(between(0, 60000));
+  command->add_option("--noise-cm", options->noise_cm, "Localisation noise per axis")
+      ->check(between(0, 100));
+  command->add_option("--noise-deg", options->noise_deg, "Noise of the heading")
+      ->check(between(0, 360));
+  command->add_option("--phase-s", options->phase_s,
+                      "Locked clocks: from a window's begin to the next draw");
+  command->add_option("--phases", options->phases,
+                      "Locked clocks: frames fall on so many phases of the hold, one of them "
+                      "--phase-s before a draw (default: at one)")
+      ->check(CLI::Range(1, 100000));
+  command->add_option("--turning-deg", options->turning_deg,
+                      "LOW,HIGH of an rtp's turning angles (default: -180,180)");
+  command->add_flag("--kurtosis", options->kurtosis, "One more column (bp)");
+  command->callback([&chosen, options] { chosen = [options] { return theory(*options); }; });
 }
 
 void addTrack(CLI::App& app, Chosen& chosen) {
@@ -216,6 +245,36 @@ void addTrack(CLI::App& app, Chosen& chosen) {
       ->check(CLI::Range(1, 100'000));
   command->add_flag("--force", options->force, "Replace files that are there");
   command->callback([&chosen, options] { chosen = [options] { return track(*options); }; });
+}
+
+void addReproduce(CLI::App& app, Chosen& chosen) {
+  auto options = std::make_shared<ReproduceOptions>();
+  CLI::App* command = app.add_subcommand(
+      "reproduce", "Every panel of the paper's figures 2, 3, 4, in virtual time, on one page");
+  command->add_option("--out", options->out, "Folder for the page, the panels and the runs")
+      ->capture_default_str();
+  command->add_option("--hours", options->hours, "Length of each film (4b,c: always 3 minutes)")
+      ->check(between(0.005, 200))
+      ->capture_default_str();
+  command->add_option("--seed", options->seed, "All random numbers derive from it")
+      ->check(CLI::Range(0, 1'000'000'000))
+      ->capture_default_str();
+  command->add_option("--panels", options->panels, "Only these: 2b,3d or whole figures: 4");
+  command->add_option("--ensemble", options->ensemble,
+                      "Films of each set: means with the errors of their scatter, and no fits")
+      ->check(CLI::Range(1, 999))
+      ->capture_default_str();
+  command->add_option("--through", options->through,
+                      "What drives the robots: sim, or firmware on simulated chips")
+      ->check(CLI::IsMember({"sim", "firmware"}))
+      ->capture_default_str();
+  command->add_option("--jobs", options->jobs, "Films at a time (default: one a core)")
+      ->check(CLI::Range(1, 256));
+  command->add_flag("--bootstrap,!--no-bootstrap", options->bootstrap,
+                    "Fit the exact laws, with intervals from simulated films (default: yes)");
+  command->add_flag("--keep-logs", options->keep_logs, "Keep the logs: 150 MB an hour of film");
+  command->add_flag("--force", options->force, "Replace what is in the folder");
+  command->callback([&chosen, options] { chosen = [options] { return reproduce(*options); }; });
 }
 
 void addReplay(CLI::App& app, Chosen& chosen) {
@@ -315,7 +374,9 @@ int runCommandLine(int argc, char** argv) {
   addPreview(app, chosen);
   addCalibrate(app, chosen, fs::canonical("/proc/self/exe").parent_path());
   addAnalyze(app, chosen);
+  addTheory(app, chosen);
   addTrack(app, chosen);
+  addReproduce(app, chosen);
   addReplay(app, chosen);
   addLight(app, chosen);
   addStop(app, chosen);

@@ -36,6 +36,7 @@ struct AnalyzeOptions {
   std::filesystem::path input;  ///< folder of a run, log, or file of poses (.csv)
   std::optional<std::filesystem::path> out;
   bool figures = true;
+  bool stitch = true;     ///< join the motion around reversals
   bool bootstrap = true;  ///< fits of the exact law, whose intervals need simulated films
   /// Of a file of poses alone:
   std::string program;            ///< model that all robots ran, empty: not known
@@ -44,6 +45,34 @@ struct AnalyzeOptions {
   std::optional<double> fps;       ///< where it has no times [1/s]
 };
 ExitCode analyze(const AnalyzeOptions& options);
+
+struct TheoryOptions {
+  std::string program;            ///< abp, noisy_abp, bp, rtp
+  std::vector<std::string> set;   ///< key=value: its parameters, as in experiment files
+  std::string lags;               ///< [s] separated by commas, empty: 0.01 to 1000
+  double exposure_ms = 0;         ///< of a frame
+  double noise_cm = 0;            ///< localisation noise per axis
+  double noise_deg = 0;           ///< of the heading
+  std::optional<double> phase_s;  ///< from a window's begin to the next draw
+  std::optional<int> phases;      ///< frames fall on so many phases of the hold
+  std::string turning_deg;        ///< LOW,HIGH of an RTP's turning angles, empty: -180,180
+  bool kurtosis = false;          ///< one more column (BP)
+};
+ExitCode theory(const TheoryOptions& options);
+
+struct ReproduceOptions {
+  std::filesystem::path out = "reproduction";
+  double hours = 1;  ///< of each film but the paper's short one
+  std::uint64_t seed = 1;
+  std::string panels;           ///< "2b,3d"; empty: all
+  int ensemble = 1;             ///< films of each set
+  std::string through = "sim";  ///< or "firmware": simulated chips
+  int jobs = 0;                 ///< films at a time; 0: as many as there are cores
+  bool bootstrap = true;        ///< fits of the exact law
+  bool keep_logs = false;
+  bool force = false;           ///< replaces what is in the folder
+};
+ExitCode reproduce(const ReproduceOptions& options);
 
 struct TrackOptions {
   std::string source;                 ///< a folder or pattern of pictures, or a movie

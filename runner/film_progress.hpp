@@ -9,12 +9,14 @@ namespace lab::runner {
 
 /// "[#####.....] 123 of 400 frames, 96 a second, 3 s left"; without bar and end where the length is
 /// not known (0).
-[[nodiscard]] std::string filmProgressText(std::int64_t done, std::int64_t length, double seconds);
+[[nodiscard]] std::string filmProgressText(std::int64_t done, std::int64_t length, double seconds,
+                                           const char* unit = "frames");
 
 /// Rewrites its line on a terminal; elsewhere it says nothing.
 class FilmProgress {
  public:
-  explicit FilmProgress(std::int64_t length);
+  /// @param unit of what is counted; a literal
+  explicit FilmProgress(std::int64_t length, const char* unit = "frames");
   ~FilmProgress();
   FilmProgress(const FilmProgress&) = delete;
   FilmProgress& operator=(const FilmProgress&) = delete;
@@ -26,6 +28,7 @@ class FilmProgress {
 
  private:
   std::int64_t length_;
+  const char* unit_;
   bool terminal_;
   bool shown_ = false;
   std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();

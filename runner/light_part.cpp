@@ -16,11 +16,6 @@ constexpr std::int64_t kLightPeriod_us = 500'000;  // 2 Hz
 constexpr std::int64_t kDeliveryPatience_us = 2'000'000;
 constexpr std::int64_t kSecond_us = units::kSecond_us;
 
-bool waitsForEstimates(const LightScript& script) {
-  return std::ranges::any_of(script.steps,
-                             [](const LightStep& step) { return !step.until.estimate.empty(); });
-}
-
 }  // namespace
 
 LightPart::LightPart(Node& node, Loop& loop, const Experiment& experiment,
@@ -38,12 +33,6 @@ LightPart::LightPart(Node& node, Loop& loop, const Experiment& experiment,
     if (watch_) watch_->take(seen);
     finishWatch();
   });
-  if (waitsForEstimates(experiment.light)) {
-    node_.subscribe<analysis_t>(channels::kAnalysis, [this](const analysis_t& analysis) {
-      player_.take(analysis);
-      look();
-    });
-  }
 }
 
 void LightPart::begin() {
@@ -166,6 +155,11 @@ void LightPart::take(const robot_status_t& status) {
   if (watch_) watch_->take(status);
   finishWatch();
   player_.take(status);
+  look();
+}
+
+void LightPart::take(const analysis_t& analysis) {
+  player_.take(analysis);
   look();
 }
 

@@ -50,6 +50,7 @@ class LightPart {
 
   void take(const tracked_frame_t& frame);
   void take(const robot_status_t& status);
+  void take(const analysis_t& analysis);
 
   /// Of the step shown.
   [[nodiscard]] const std::string& label() const { return command_.label; }

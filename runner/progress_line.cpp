@@ -4,22 +4,16 @@
 #include <unistd.h>
 
 #include <chrono>
-#include <cmath>
 #include <cstdio>
 #include <system_error>
+
+#include "runner/left_text.hpp"
 
 namespace lab::runner {
 namespace {
 
 constexpr double kPrints = 10;  // over the whole run, where the output is not a terminal
 constexpr std::int64_t kShortest_us = 100'000;
-
-std::string leftText(double seconds) {
-  const auto whole = static_cast<std::int64_t>(std::ceil(seconds));
-  if (whole < 120) return fmt::format("{} s", whole);
-  if (whole < 7200) return fmt::format("{} min {:02} s", whole / 60, whole % 60);
-  return fmt::format("{} h {:02} min", whole / 3600, whole / 60 % 60);
-}
 
 std::int64_t steady_us() {
   return std::chrono::duration_cast<std::chrono::microseconds>(
@@ -34,8 +28,9 @@ std::string progressText(const Progress& progress) {
   for (const auto& [name, robots] : progress.robots_running) {
     programs += fmt::format("{}{} {}", programs.empty() ? "" : ", ", robots, name);
   }
-  return fmt::format("{}{} left | light {} | {} robot{} seen | {} | {} lost",
+  return fmt::format("{}{} left{} | light {} | {} robot{} seen | {} | {} lost",
                      progress.at_most ? "at most " : "", leftText(progress.left),
+                     progress.stop.empty() ? "" : " | " + progress.stop,
                      progress.light.empty() ? "-" : progress.light, progress.robots_seen,
                      progress.robots_seen == 1 ? "" : "s", programs.empty() ? "no robot" : programs,
                      progress.lost);

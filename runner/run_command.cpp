@@ -24,6 +24,7 @@ void tell(const report::AnalyzedRun& analyzed) {
 
 bool isPoseFile(const fs::path& path) {
   const std::string ending = path.extension().string();
+  if (fs::is_directory(path)) return !report::trexFiles(path).empty();
   return fs::is_regular_file(path) && (ending == ".csv" || ending == ".CSV" || ending == ".tsv");
 }
 
@@ -88,7 +89,8 @@ ExitCode analyze(const AnalyzeOptions& options) {
   const fs::path out = options.out.value_or(beside);
   const report::AnalyzeOptions how{
       .figures = options.figures,
-      .depth = options.bootstrap ? analysis::Depth::kFull : analysis::Depth::kLive};
+      .depth = options.bootstrap ? analysis::Depth::kFull : analysis::Depth::kLive,
+      .stitch = options.stitch};
   if (poses) {
     report::PoseFileOptions columns;
     if (options.scale_cm) columns.scale = *options.scale_cm * units::kCentimetre;

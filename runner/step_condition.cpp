@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/experiment_messages.hpp"
 #include "common/units.hpp"
 
 namespace lab::runner {
@@ -18,10 +17,11 @@ constexpr std::int64_t kPoseLasts_us = 500'000;
 
 StepCondition::StepCondition(const Experiment& experiment, const Until& until,
                              const TumbleCount& tumbles, std::int64_t utime)
-    : until_(until), begin_utime_(utime), tumbles_before_(tumbles.total(until.robot)) {
+    : until_(until),
+      estimate_(experiment, until),
+      begin_utime_(utime),
+      tumbles_before_(tumbles.total(until.robot)) {
   for (const RobotSpec& robot : experiment.robots) robots_.insert(robot.id);
-  const auto program = experiment.programs.find(until.program);
-  if (program != experiment.programs.end()) program_ = toMessage(program->second);
 }
 
 bool StepCondition::concerns(std::int32_t robot) const {
@@ -60,14 +60,7 @@ void StepCondition::take(const tracked_frame_t& frame) {
 
 void StepCondition::take(const analysis_t& analysis) {
   if (until_.estimate.empty() || met_ || analysis.utime < begin_utime_) return;
-  const std::int32_t of = until_.robot == 0 ? analysis_t::POOL : until_.robot;
-  if (analysis.robot_id != of || !sameProgram(analysis.program, program_)) return;
-  const auto estimate = std::ranges::find(analysis.estimates, until_.estimate, &estimate_t::name);
-  if (estimate == analysis.estimates.end()) return;
-  if (!std::isfinite(estimate->value) || !(estimate->sigma > 0)) return;
-  error_ = estimate->sigma / std::abs(estimate->value);
-  // False for what is not determined: nan, and 0 / 0.
-  if (error_ <= until_.relative_error) met_ = analysis.utime;
+  if (estimate_.take(analysis) && estimate_.holds()) met_ = analysis.utime;
 }
 
 void StepCondition::take(const TumbleCount& tumbles) {
@@ -77,13 +70,7 @@ void StepCondition::take(const TumbleCount& tumbles) {
 }
 
 std::string StepCondition::progress() const {
-  if (!until_.estimate.empty()) {
-    if (!std::isfinite(error_)) {
-      return fmt::format("{} was not determined, wanted with a relative error of {:.3g}",
-                         until_.estimate, until_.relative_error);
-    }
-    return fmt::format("relative error {:.3g}, wanted {:.3g}", error_, until_.relative_error);
-  }
+  if (!until_.estimate.empty()) return estimate_.progress();
   if (until_.tumbles != 0) {
     return fmt::format("{} tumbles, wanted {}", tumbles_, until_.tumbles);
   }

@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <lab/analysis_t.hpp>
-#include <lab/program_t.hpp>
 #include <lab/tracked_frame_t.hpp>
 #include <limits>
 #include <map>
@@ -12,6 +11,7 @@
 #include <string>
 
 #include "common/experiment.hpp"
+#include "runner/known_estimate.hpp"
 #include "runner/tumble_count.hpp"
 
 namespace lab::runner {
@@ -41,7 +41,7 @@ class StepCondition {
   [[nodiscard]] bool concerns(std::int32_t robot) const;
 
   Until until_;
-  program_t program_{};
+  KnownEstimate estimate_;
   std::set<std::int32_t> robots_;  ///< all of the experiment
   std::int64_t begin_utime_;
   std::optional<std::int64_t> met_;
@@ -50,7 +50,6 @@ class StepCondition {
   std::size_t most_inside_ = 0;
   double nearest_ = std::numeric_limits<double>::infinity();  ///< [m]
   std::int32_t nearest_robot_ = 0;
-  double error_ = std::numeric_limits<double>::quiet_NaN();  ///< [1] as heard last
   std::int64_t tumbles_before_;
   std::int64_t tumbles_ = 0;
 };

@@ -53,8 +53,9 @@ TEST(AnalyzeRun, WritesEverythingBesideTheLog) {
 
   EXPECT_EQ(dut.report, run.path() / "report.html");
   EXPECT_THAT(namesIn(run.path()),
-              testing::ElementsAre("angular_msd_abp.svg", "light.svg", "log.lcmlog", "msd_abp.svg",
-                                   "report.html", "speed.svg", "summary.json", "trajectories.csv",
+              testing::ElementsAre("angular_msd_abp.svg", "figures", "light.svg", "log.lcmlog",
+                                   "msd_abp.svg",
+                                   "report.html", "segments.csv", "speed.svg", "summary.json", "trajectories.csv",
                                    "trajectory_program.svg", "trajectory_time.svg"));
   ASSERT_FALSE(dut.headline.empty());
   EXPECT_THAT(dut.headline[0], HasSubstr("abp: "));

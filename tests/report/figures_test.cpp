@@ -1,8 +1,15 @@
 #include "report/figures.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <cmath>
+#include <sstream>
+#include <thread>
+
+#include "report/figure_files.hpp"
 #include "report/gnuplot.hpp"
 #include "report/report_error.hpp"
 #include "report/thinning.hpp"
@@ -44,6 +51,65 @@ TEST(Figures, StayModestInSizeForALongRun) {
     EXPECT_LT(figure.svg.size(), 160'000U) << figure.name;
   }
   EXPECT_TRUE(std::filesystem::is_empty(scratch.path()));
+}
+
+TEST(Figures, AreDrawnForPaperToTheSameBytes) {
+  const TemporaryFolder scratch;
+  const RunRecord record = recordOf(syntheticExperiment(1, 30, 20, {paperAbp()}, 30));
+
+  const std::vector<Figure> first = drawFigures(record, scratch.path());
+  std::this_thread::sleep_for(std::chrono::milliseconds(1100));  // another second, another date
+  const std::vector<Figure> again = drawFigures(record, scratch.path());
+
+  ASSERT_EQ(first.size(), again.size());
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    EXPECT_THAT(first[i].pdf, testing::StartsWith("%PDF")) << first[i].name;
+    EXPECT_TRUE(first[i].pdf == again[i].pdf) << first[i].name;
+    EXPECT_EQ(first[i].pdf.find("CreationDate"), std::string::npos) << first[i].name;
+  }
+}
+
+/// Width of a PDF's page [cm].
+double widthOf(const std::string& pdf) {
+  const std::size_t at = pdf.find("/MediaBox [ 0 0 ");
+  return at == std::string::npos ? 0 : std::stod(pdf.substr(at + 16)) / 72 * 2.54;
+}
+
+TEST(Figures, AreAsWideAsAJournalPrintsThem) {
+  const TemporaryFolder scratch;
+  const RunRecord record = recordOf(syntheticExperiment(1, 30, 20, {paperAbp()}, 30));
+
+  for (const Figure& figure : drawFigures(record, scratch.path())) {
+    const bool curve = figure.name.find("msd") != std::string::npos;
+    EXPECT_NEAR(widthOf(figure.pdf), curve ? 8.6 : 17.8, 0.05) << figure.name;
+  }
+}
+
+TEST(Figures, HaveTheirDataWithUnits) {
+  const TemporaryFolder scratch;
+  const RunRecord record = recordOf(syntheticExperiment(1, 60, 20, {paperAbp()}, 60));
+  const auto& points = record.results.at(0).result.curves.msd;
+
+  for (const Figure& figure : drawFigures(record, scratch.path())) {
+    ASSERT_FALSE(figure.csv.empty()) << figure.name;
+    if (figure.name != "msd_abp") continue;
+    std::istringstream csv(figure.csv);
+    std::string line;
+    std::getline(csv, line);
+    EXPECT_EQ(line, "lag_s,value_cm2,standard_error_cm2,noise_cm2,exact_cm2,paper_cm2,z,windows,"
+                    "judged");
+    std::getline(csv, line);
+    EXPECT_THAT(line, testing::StartsWith(fmt::format("{:.7g},{:.7g},", points.at(0).tau,
+                                                      points.at(0).value * 1e4)));
+  }
+}
+
+TEST(Figures, QuoteWordsOfTheirData) {
+  CsvText dut("name,value_cm,judged");
+  dut.row("a \"b\", c", 1.5, true);
+  dut.row("d", std::nan(""), false);
+
+  EXPECT_EQ(dut.text(), "name,value_cm,judged\n\"a \"\"b\"\", c\",1.5,1\nd,,0\n");
 }
 
 TEST(Figures, KeepMarkupInNamesOutOfThePicture) {

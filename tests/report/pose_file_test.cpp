@@ -3,9 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <sstream>
 
 #include "report/report_error.hpp"
+#include "synthetic_lab.hpp"
 
 namespace lab::report {
 namespace {
@@ -111,6 +113,65 @@ TEST(PoseFile, NamesLineColumnFoundAndExpected) {
   EXPECT_THAT(problemOf(head + "1,1,1,1,0\n"), HasSubstr("poses.csv:3: t: found 0 s in frame 1"));
   EXPECT_THAT(problemOf(head + "0,2,1,1,7\n"),
               HasSubstr("poses.csv:3: t: found 7 s, expected 0 s"));
+}
+
+TEST(PoseFile, ReadsWhatTrexExports) {
+  // As TRex writes it: the frame twice, units in brackets, inf for what it does not know.
+  const std::string text =
+      "frame,X#wcentroid (cm),Y#wcentroid (cm),X (cm),Y (cm),ANGLE,time,missing,frame\n"
+      "0,10.5,20,11,20,0.5,0.0,0,0\n"
+      "1,inf,inf,inf,inf,inf,0.04,1,1\n"
+      "2,10.9,20.1,11.4,20.1,0.6,0.08,0,2,,\n"
+      "3,11,20.2,11.5,20.2,0.6,0.12,1,3\n";
+  const PoseFile dut = read(text);
+
+  ASSERT_EQ(dut.frames.size(), 2U);
+  EXPECT_DOUBLE_EQ(dut.frames[0].poses[0].x, 0.105);
+  EXPECT_DOUBLE_EQ(dut.frames[1].poses[0].y, 0.201);
+  EXPECT_DOUBLE_EQ(dut.frames[1].poses[0].theta, 0.6);
+  EXPECT_EQ(dut.without_pose, 2);
+  EXPECT_TRUE(dut.headings);
+  EXPECT_FALSE(dut.in_arena);
+}
+
+TEST(PoseFile, ReadsAFolderOfTrex) {
+  const TemporaryFolder folder;
+  for (const int fish : {0, 1, 10}) {
+    std::ofstream file(folder.path() / ("film_fish" + std::to_string(fish) + ".csv"));
+    file << "frame,X#wcentroid,Y#wcentroid,time\n0," << fish << ",1,0\n1," << fish << ",2,0.1\n";
+  }
+  std::ofstream(folder.path() / "notes.csv") << "nothing\n";
+
+  const PoseFile dut = readPoses(folder.path());
+
+  ASSERT_EQ(dut.frames.size(), 2U);
+  ASSERT_EQ(dut.frames[0].poses.size(), 3U);
+  EXPECT_EQ(dut.frames[0].poses[2].robot, 10);
+  EXPECT_DOUBLE_EQ(dut.frames[1].poses[2].x, 0.1);
+}
+
+TEST(PoseFile, LeavesOutFramesWhoseTimeDoesNotGoOn) {
+  std::string text = "frame,id,x_cm,y_cm,t\n";
+  for (int i = 0; i < 100; ++i) {
+    text += std::to_string(i) + ",1,1,1," + std::to_string(i == 50 ? 4.9 : 0.1 * i) + "\n";
+  }
+  const PoseFile dut = read(text);
+
+  EXPECT_EQ(dut.bad_times, 1);
+  EXPECT_EQ(dut.frames.size(), 99U);
+  EXPECT_EQ(dut.missing_frames, 0);
+  EXPECT_TRUE(dut.clock_steps.empty());
+}
+
+TEST(PoseFile, TellsStepsOfTheClock) {
+  std::string text = "frame,id,x_cm,y_cm,t\n";
+  for (int i = 0; i < 100; ++i) {
+    text += std::to_string(i) + ",1,1,1," + std::to_string(0.1 * i + (i < 60 ? 0 : 5)) + "\n";
+  }
+  const PoseFile dut = read(text);
+
+  ASSERT_EQ(dut.clock_steps.size(), 1U);
+  EXPECT_DOUBLE_EQ(dut.clock_steps[0], 11);
 }
 
 TEST(PoseFile, NamesWhatTheFirstLineLacks) {

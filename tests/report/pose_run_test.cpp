@@ -122,12 +122,97 @@ TEST(PoseRun, ComparesTheMsdAloneWhereThereAreNoHeadings) {
   EXPECT_TRUE(std::isnan(estimateOf(dut, "v").value));
 }
 
-TEST(PoseRun, LeavesTheTumblesOpen) {
+TEST(PoseRun, LeavesTheTumblesOpenWhereThePosesShowNone) {
   const RunRecord dut =
-      poseRun(film(2, 60), "film", {"rtp", {"v_cm_s=3", "gamma_per_s=1", "tau_t_s=0.5"}});
+      poseRun(film(2, 60), "film", {"rtp", {"v_cm_s=3", "gamma_per_s=1", "tau_t_s=0.05"}});
 
   EXPECT_TRUE(std::isnan(estimateOf(dut, "gamma").value));
-  EXPECT_THAT(estimateOf(dut, "gamma").note, HasSubstr("only the robots report"));
+  EXPECT_THAT(estimateOf(dut, "gamma").note, HasSubstr("fewer than three frames in a tumble"));
+}
+
+/// Run-and-tumble particles in an endless arena.
+PoseFile tumblers(int robots, double duration) {
+  constexpr double kTumble = 0.5;  // [s]
+  std::mt19937_64 random(9);
+  std::uniform_real_distribution<double> turn(-std::numbers::pi, std::numbers::pi);
+  std::exponential_distribution<double> run(1);
+  std::normal_distribution<double> noise(0, 3e-4);
+  PoseFile poses;
+  poses.headings = true;
+  poses.frame_period = kPeriod;
+  struct Robot {
+    double x, y, theta, left, omega;
+  };
+  std::vector<Robot> all;
+  for (int i = 0; i < robots; ++i) all.push_back({i * 50.0, 0, i * 1.0, run(random), 0});
+  for (std::int64_t k = 0; static_cast<double>(k) * kPeriod < duration; ++k) {
+    analysis::Frame frame{static_cast<double>(k) * kPeriod, k, {}};
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      Robot& robot = all[i];
+      frame.poses.push_back({static_cast<int>(i) + 1, robot.x + noise(random),
+                             robot.y + noise(random),
+                             std::remainder(robot.theta, 2 * std::numbers::pi)});
+      for (double left = kPeriod; left > 1e-12;) {
+        const double step = std::min(left, robot.left);
+        if (robot.omega == 0) {
+          robot.x += kSpeed * step * std::cos(robot.theta);
+          robot.y += kSpeed * step * std::sin(robot.theta);
+        }
+        robot.theta += robot.omega * step;
+        left -= step;
+        robot.left -= step;
+        if (robot.left <= 1e-12) {
+          robot.omega = robot.omega == 0 ? turn(random) / kTumble : 0;
+          robot.left = robot.omega == 0 ? run(random) : kTumble;
+        }
+      }
+    }
+    poses.frames.push_back(frame);
+  }
+  poses.rows = static_cast<std::int64_t>(poses.frames.size()) * robots;
+  return poses;
+}
+
+TEST(PoseRun, FindsTheTumblesInThePoses) {
+  const RunRecord dut =
+      poseRun(tumblers(3, 300), "film", {"rtp", {"v_cm_s=3", "gamma_per_s=1", "tau_t_s=0.5"}},
+              {.depth = analysis::Depth::kLive});
+
+  for (const char* name : {"gamma", "tau_r", "v", "D", "L_s"}) {
+    const analysis::Estimate& estimate = estimateOf(dut, name);
+    EXPECT_LT(std::abs(estimate.value - estimate.theory), 4 * estimate.sigma) << name;
+  }
+  ASSERT_TRUE(dut.results.front().result.runs);
+  const analysis::RunStatistics& runs = *dut.results.front().result.runs;
+  EXPECT_NEAR(runs.find("tau_t")->value, 0.5, 4 * runs.find("tau_t")->sigma);
+  EXPECT_GT(runs.uniform.p, 1e-3);
+  EXPECT_GT(runs.exponential.p, 1e-3);
+}
+
+TEST(AnalyzePoses, ShowsRunsAndTumbles) {
+  const TemporaryFolder folder;
+  {
+    std::ofstream file(folder.path() / "poses.csv");
+    file << "frame,particle,x,y,theta,t\n";
+    for (const analysis::Frame& frame : tumblers(2, 120).frames) {
+      for (const analysis::FramePose& pose : frame.poses) {
+        file << frame.frame << ',' << pose.robot << ',' << pose.x * 100 << ',' << pose.y * 100
+             << ',' << pose.theta << ',' << frame.time << '\n';
+      }
+    }
+  }
+  const AnalyzedRun dut = analyzePoses(folder.path() / "poses.csv", folder.path() / "out",
+                                       {.scale = 0.01, .fps = {}},
+                                       {"rtp", {"v_cm_s=3", "gamma_per_s=1", "tau_t_s=0.5"}});
+
+  const std::string page = readFile(dut.report);
+  EXPECT_THAT(page, HasSubstr("Runs and tumbles"));
+  EXPECT_THAT(page, HasSubstr("Are run times exponential?"));
+  const std::string summary = readFile(folder.path() / "out" / "summary.json");
+  EXPECT_THAT(summary, HasSubstr("\"run_time_distribution\""));
+  EXPECT_THAT(summary, HasSubstr("\"gamma_truncated_per_s\""));
+  EXPECT_THAT(readFile(folder.path() / "out" / "run_times_rtp.svg"), HasSubstr("<svg"));
+  EXPECT_THAT(readFile(folder.path() / "out" / "tumble_angles_rtp.svg"), HasSubstr("<svg"));
 }
 
 TEST(PoseRun, CutsWhereRobotsTouch) {

@@ -16,6 +16,16 @@ TEST(ProgressText, SaysTimeLeftLightRobotsProgramsAndLosses) {
             "76 s left | light half: ABP | 3 robots seen | 2 abp, 1 bp | 4 lost");
 }
 
+TEST(ProgressText, SaysHowFarTheRulesAreThatEndTheRun) {
+  Progress progress;
+  progress.left = 75.2;
+  progress.at_most = true;
+  progress.stop = "D_r of abp 7.3 %, wanted 5 %: about 12 s";
+  EXPECT_EQ(progressText(progress),
+            "at most 76 s left | D_r of abp 7.3 %, wanted 5 %: about 12 s | light - | 0 robots seen "
+            "| no robot | 0 lost");
+}
+
 TEST(ProgressText, SpeaksOfMinutesAndHoursWhenThereAreMany) {
   Progress progress;
   progress.left = 600;

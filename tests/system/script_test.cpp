@@ -77,13 +77,13 @@ class WaitingScript : public testing::Test {
     experiment_event_t end{};
   };
 
-  Run play(const std::string& script) {
+  Run play(const std::string& script, const std::string& more = "") {
     const fs::path file = folder_.path() / "waiting.toml";
     writeFile(file, kHead + script);
     const fs::path out = folder_.path() / std::to_string(++runs_);
     Run played;
     played.lab = run("lab run " + file.string() + " --virtual-time --no-report --out " +
-                     out.string());
+                     out.string() + " " + more);
     played.directory = onlyRun(out);
     std::map<int, experiment_event_t> steps;
     std::set<std::string> faults;
@@ -157,6 +157,36 @@ TEST_F(WaitingScript, EndsTheRunWhenTheLastStepsEstimateIsKnown) {
   EXPECT_THAT(dut.end.text,
               StartsWith("the script is over: D_r of abp is known to 20 %; sample "));
   EXPECT_LT(static_cast<double>(dut.end.utime - dut.steps.at(0).commanded_utime) * 1e-6, 119);
+}
+
+TEST_F(WaitingScript, StopRulesEndTheRunAsSoonAsTheyHold) {
+  const std::string rules =
+      "[[stop_when]]\nestimate = \"D_r\"\nprogram = \"abp\"\nrelative_error_percent = 20\n"
+      "[[stop_when]]\nestimate = \"v\"\nprogram = \"abp\"\nrelative_error_percent = 5\n"
+      "at_least_s = 15\n";
+  const Run dut = play(step("measure", 0.8, "at_s = 0") + rules);
+  EXPECT_EQ(dut.lab.exit_code, 0) << dut.lab.output;
+  EXPECT_THAT(dut.faults, IsEmpty());
+  EXPECT_THAT(dut.end.text,
+              StartsWith("stop_when: D_r of abp is known to 20 %: relative error 0."));
+  EXPECT_THAT(dut.end.text, HasSubstr("; v of abp is known to 5 %: relative error 0."));
+  const double length = static_cast<double>(dut.end.utime - dut.steps.at(0).commanded_utime) * 1e-6;
+  EXPECT_GE(length, 15);
+  EXPECT_LT(length, 119);
+}
+
+TEST_F(WaitingScript, ARunWhoseStopRulesAreNotReachedIsMarked) {
+  const Run dut = play(step("measure", 0.8, "at_s = 0") +
+                           "[[stop_when]]\nestimate = \"D_r\"\nprogram = \"abp\"\n"
+                           "relative_error_percent = 0.1\n",
+                       "--set duration_s=20");
+  EXPECT_EQ(dut.lab.exit_code, 3) << dut.lab.output;
+  ASSERT_THAT(dut.faults, SizeIs(1));
+  EXPECT_THAT(dut.faults[0],
+              StartsWith("stop_when was not reached; D_r of abp is known to 0.1 %: relative "
+                         "error 0."));
+  EXPECT_EQ(dut.end.text, dut.faults[0]);
+  EXPECT_THAT(dut.lab.output, HasSubstr("marked   stop_when was not reached"));
 }
 
 TEST_F(WaitingScript, GoesOnPastAConditionNeverMetAndSaysHowFarItGot) {

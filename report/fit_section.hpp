@@ -1,0 +1,17 @@
+/// The fit of the exact law, for summary.json and report.html.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "analyzer/law_fit.hpp"
+
+namespace lab::report {
+
+/// Key "fit" of summary.json: a refusal in words, or parameters, intervals and tests.
+[[nodiscard]] nlohmann::ordered_json fitJson(const analysis::LawFit& fit);
+
+/// The table "Fit of the exact law" with its tests.
+[[nodiscard]] std::string fitHtml(const analysis::LawFit& fit);
+
+}  // namespace lab::report
