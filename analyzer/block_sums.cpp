@@ -22,6 +22,12 @@ LagSums& LagSums::operator-=(const LagSums& other) {
   return *this;
 }
 
+LagSums NearSums::of(int lag) const {
+  const auto i = static_cast<std::size_t>(lag) - 1;
+  if (i >= kLags) return {};
+  return {windows, windows, r2[i], a2[i], r4[i], a4[i]};
+}
+
 BlockSums& BlockSums::operator+=(const BlockSums& other) {
   time += other.time;
   forward += other.forward;
@@ -29,6 +35,7 @@ BlockSums& BlockSums::operator+=(const BlockSums& other) {
   sideways2 += other.sideways2;
   steps += other.steps;
   joins += other.joins;
+  segments += other.segments;
   run_time += other.run_time;
   run_span += other.run_span;
   tumbles += other.tumbles;
@@ -48,6 +55,7 @@ BlockSums& BlockSums::operator-=(const BlockSums& other) {
   sideways2 -= other.sideways2;
   steps -= other.steps;
   joins -= other.joins;
+  segments -= other.segments;
   run_time -= other.run_time;
   run_span -= other.run_span;
   tumbles -= other.tumbles;

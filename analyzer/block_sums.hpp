@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -19,6 +21,23 @@ struct LagSums {
   LagSums& operator-=(const LagSums& other);
 };
 
+/// The windows of the lags of 1 to 15 frames that end at the same frames: as LagSums, power by power,
+/// so that they are added side by side. Lags that the grid leaves out are there too.
+struct NearSums {
+  static constexpr std::size_t kLags = 15;
+
+  std::uint32_t windows = 0;  ///< Of each lag, with rotations.
+  // Of the lag of i + 1 frames:
+  std::array<double, kLags> duration{};  ///< s.
+  std::array<double, kLags> r2{};        ///< m^2.
+  std::array<double, kLags> a2{};        ///< rad^2.
+  std::array<double, kLags> r4{};
+  std::array<double, kLags> a4{};
+
+  /// Of one lag in frames; none beyond those that are here.
+  [[nodiscard]] LagSums of(int lag) const;
+};
+
 /// Everything that one block of free time adds to the sums. The statistics of a film are the sums
 /// over its blocks; their scatter gives the error bars.
 struct BlockSums {
@@ -29,6 +48,7 @@ struct BlockSums {
   double sideways2 = 0;  ///< Sum of squares of one-frame displacements across the heading, m^2.
   double steps = 0;      ///< Their number.
   double joins = 0;      ///< Removed reversals.
+  double segments = 0;   ///< Begun in it: no window lies in two of them.
   double run_time = 0;   ///< In runs (RTP), s.
   double run_span = 0;   ///< The time in which runs were counted, s.
   double tumbles = 0;    ///< Begun in it (RTP).

@@ -78,14 +78,16 @@ SimulatedCurves simulateCurves(const BootstrapPlan& plan) {
   return result;
 }
 
-double errorScale(double simulated, double observed, double tracks, double tau) {
-  // Half the film at the least, so that lags near a whole film keep a finite error.
-  const double covered = std::max(observed - tracks * tau, 0.5 * observed);
+double errorScale(double simulated, double observed, double segments, double tau) {
+  // A share of the film at the least, so that lags near a whole segment keep a finite error: half
+  // of one segment; of many, some of which are longer than the mean, less.
+  const double least = (segments > 1 ? 0.1 : 0.5) * observed;
+  const double covered = std::max(observed - segments * tau, least);
   return std::sqrt(std::max(simulated - tau, 0.5 * simulated) / covered);
 }
 
 double relativeError(const SimulatedCurves& curves, bool angular, double tau, double observed,
-                     double tracks) {
+                     double segments) {
   const std::size_t n = curves.lags.size();
   if (n < 2 || tau < curves.lags.front() || tau > curves.lags.back()) return kNan;
   const auto above = std::upper_bound(curves.lags.begin(), curves.lags.end() - 1, tau);
@@ -96,7 +98,7 @@ double relativeError(const SimulatedCurves& curves, bool angular, double tau, do
   const std::size_t column = angular ? n : 0;
   const double error = std::exp((1 - share) * std::log(columnError(curves, column + low)) +
                                 share * std::log(columnError(curves, column + high)));
-  return error * errorScale(curves.duration, observed, tracks, tau);
+  return error * errorScale(curves.duration, observed, segments, tau);
 }
 
 }  // namespace lab::analysis

@@ -40,14 +40,14 @@ struct BootstrapPlan {
 [[nodiscard]] SimulatedCurves simulateCurves(const BootstrapPlan& plan);
 
 /// The factor by which the standard error of a mean over overlapping windows of lag tau shrinks
-/// from one simulated film to `observed` seconds in `tracks` pieces: the windows cover observed -
-/// tracks * tau. The covariance goes as 1/T once the film is long against lag and memory; for
+/// from one simulated film to `observed` seconds in `segments` pieces, which no window leaves: the windows cover
+/// observed - segments * tau. The covariance goes as 1/T once the film is long against lag and memory; for
 /// films as long as the observed ones no scaling is needed and the factor is 1.
-[[nodiscard]] double errorScale(double simulated, double observed, double tracks, double tau);
+[[nodiscard]] double errorScale(double simulated, double observed, double segments, double tau);
 
 /// The standard error of one column relative to the law, interpolated in log lag between the
-/// simulated lags, for `observed` seconds in `tracks` pieces; nan outside them.
+/// simulated lags, for `observed` seconds in `segments` pieces; nan outside them.
 [[nodiscard]] double relativeError(const SimulatedCurves& curves, bool angular, double tau,
-                                   double observed, double tracks);
+                                   double observed, double segments);
 
 }  // namespace lab::analysis

@@ -90,7 +90,7 @@ JoinWatch::JoinWatch(double frame_period, double max_lag)
       within_(blocks_.lags, frame_period) {}
 
 void JoinWatch::add(const Sample& sample) {
-  if (whole_.data().observed() >= block_length_) {
+  if (whole_.observed() >= block_length_) {
     collect(blocks_);
     whole_ = MsdAccumulator(blocks_.lags, blocks_.frame_period);
     within_ = MsdAccumulator(blocks_.lags, blocks_.frame_period);

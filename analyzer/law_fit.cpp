@@ -122,7 +122,7 @@ class Fit {
     deviations.resize(films.films, n);
     for (Eigen::Index j = 0; j < n; ++j) {
       const Column& c = columns_[static_cast<std::size_t>(j)];
-      const double scale = errorScale(films.duration, curves_.observed, curves_.tracks, c.tau) /
+      const double scale = errorScale(films.duration, curves_.observed, curves_.segments, c.tau) /
                            films.law[c.in_films];
       for (int film = 0; film < films.films; ++film) {
         deviations(film, j) = scale * films.value(film, c.in_films);

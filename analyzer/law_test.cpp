@@ -91,6 +91,7 @@ MeasuredCurves measuredCurves(const ProgramLaw& law, const BlockData& data) {
   const Quantities live = Estimator(law, data)(total);
   curves.frame_period = data.frame_period;
   curves.tracks = static_cast<double>(data.tracks.size());
+  curves.segments = std::max(curves.tracks, total.segments);
   curves.offset = finiteOrZero(live[kPositionOffset]);
   curves.angular_offset = finiteOrZero(live[kHeadingOffset]);
   const double joins = total.joins / total.time * data.frame_period;
@@ -168,7 +169,7 @@ LawTest testLaw(TestedLaw tested, const ProgramLaw& law, const MeasuredCurves& c
     const double lag = simulated.lags[c.simulated];
     const double truth = c.angular ? exact.angularMsd(lag) : exact.msd(lag);
     const double simulated_offset = simulated.law[column] - truth;
-    const double scale = errorScale(simulated.duration, curves.observed, curves.tracks, lag);
+    const double scale = errorScale(simulated.duration, curves.observed, curves.segments, lag);
     for (int film = 0; film < simulated.films; ++film) {
       // Scaled to the measured time first, so that the cube root's own shift is that time's.
       const double ratio = (simulated.value(film, column) - simulated_offset) / truth;

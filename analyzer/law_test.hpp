@@ -17,7 +17,8 @@ struct MeasuredCurves {
   std::vector<double> joined;  ///< Share of 4 sigma^2 in each lag: above 1 across joins.
   double frame_period = 0;     ///< s.
   double observed = 0;         ///< Free time, s.
-  double tracks = 1;           ///< In so many tracks.
+  double tracks = 1;           ///< Of so many robots,
+  double segments = 1;         ///< in so many pieces that no window leaves.
   double offset = 0;           ///< 4 sigma^2 as the live estimator has it, m^2.
   double angular_offset = 0;   ///< 2 sigma_theta^2, rad^2.
 };

@@ -13,6 +13,7 @@ constexpr double kFirstBlock = 0.25;  // s
 constexpr double kLongestStep = 0.3;  // s between frames that still counts as observed
 constexpr int kSearch = 8;            // slots
 constexpr double kBracket = 2.2;      // frame periods between which an end is interpolated
+constexpr double kSameTime = 1e-3;    // frame periods: a reversal may last a whole number of them
 constexpr int kFraction = 24;         // bits of a slot behind the point
 
 /// From 64 frames on: 0 up to 127, then one more an octave.
@@ -49,12 +50,14 @@ MsdAccumulator::MsdAccumulator(std::vector<int> lags, double frame_period)
     : lags_(std::move(lags)),
       frame_period_(frame_period),
       lag_times_(lags_.size()),
-      blocks_(lags_.size(), std::max(kFirstBlock, 2 * frame_period)),
+      blocks_(lags_, std::max(kFirstBlock, 2 * frame_period)),
       period_time_(1),
       period_frames_(1 / frame_period),
       period_(frame_period) {
   const auto dense_end = std::lower_bound(lags_.begin(), lags_.end(), kDenseLags);
   dense_lags_ = static_cast<std::size_t>(dense_end - lags_.begin());
+  const auto near_end = std::upper_bound(lags_.begin(), dense_end, static_cast<int>(NearSums::kLags));
+  near_lags_ = static_cast<std::size_t>(near_end - lags_.begin());
   for (std::size_t i = 0; i < dense_lags_; ++i) {
     for (std::size_t step = stepOf(lags_[i]); step < kSteps; ++step) {
       active_[step] = i + 1;
@@ -73,13 +76,26 @@ MsdAccumulator::MsdAccumulator(std::vector<int> lags, double frame_period)
 }
 
 BlockData MsdAccumulator::data() const {
-  return {lags_, frame_period_, lag_times_, {blocks_.blocks()}};
+  std::vector<double> times = lag_times_;
+  for (std::size_t i = 0; i < near_lags_; ++i) times[i] += blocks_.nearDuration(lags_[i]);
+  return {lags_, frame_period_, std::move(times), {blocks_.blocks()}};
 }
 
 std::size_t MsdAccumulator::memoryBytes() const {
   return sizeof(*this) + lags_.capacity() * sizeof(int) + lag_times_.capacity() * sizeof(double) +
          blocks_.memoryBytes() - sizeof(blocks_) + levels_.capacity() * sizeof(Level) +
          cursors_.capacity() * sizeof(Cursor) + following_.capacity() * sizeof(std::uint16_t);
+}
+
+void MsdAccumulator::Recent::push(const Fix& fix) {
+  newest = (newest + kLength - 1) % kLength;
+  for (const std::size_t at : {newest, newest + kLength}) {
+    time[at] = fix.time;
+    x[at] = fix.x;
+    y[at] = fix.y;
+    theta[at] = fix.theta;
+  }
+  ++unbroken;
 }
 
 const MsdAccumulator::Fix* MsdAccumulator::find(std::int64_t slot) const {
@@ -95,6 +111,8 @@ void MsdAccumulator::beginSegment() {
   in_segment_ = 0;
   in_piece_ = 0;
   in_angular_ = 0;
+  recent_.unbroken = 0;
+  blocks_.open().segments += 1;
   for (Cursor& cursor : cursors_) {
     cursor.start = levels_[cursor.level].head;  // no window begins before the segment
   }
@@ -120,6 +138,7 @@ void MsdAccumulator::add(const Sample& sample) {
       piece_first_ = slot_;
       in_piece_ = 0;
     }
+    if (join || frames > 1) recent_.unbroken = 0;
     if (join || frames >= static_cast<double>(kWheel)) {
       scheduleAll();  // what was expected at a slot has to be looked at again
       first_due = slot_;
@@ -128,6 +147,7 @@ void MsdAccumulator::add(const Sample& sample) {
     if (sample.angular_segment != last_.angular_segment) {
       angular_first_ = slot_;
       in_angular_ = 0;
+      recent_.unbroken = 0;
     }
     BlockSums& block = blocks_.open();
     block.run_time += sample.run_time - last_.run_time;
@@ -138,6 +158,7 @@ void MsdAccumulator::add(const Sample& sample) {
   last_ = sample;
   fix.slot = slot_;
   dense_[static_cast<std::size_t>(slot_) % kDenseFixes] = fix;
+  recent_.push(fix);
   addDenseWindows(fix);
   turnWheel(first_due, fix);
   previous_ = fix;
@@ -180,6 +201,31 @@ inline void MsdAccumulator::addWindow(std::size_t i, const Fix& start, const Fix
   addTo(blocks_.open().lags[i], end.x - start.x, end.y - start.y, end.theta - start.theta, angular);
 }
 
+bool MsdAccumulator::addNearWindows(const Fix& end) {
+  if (recent_.unbroken <= NearSums::kLags) return false;
+  NearSums& sums = blocks_.near();
+  const std::size_t first = recent_.newest + 1;
+  const double* time = recent_.time.data() + first;
+  const double* x = recent_.x.data() + first;
+  const double* y = recent_.y.data() + first;
+  const double* theta = recent_.theta.data() + first;
+  const Fix fix = end;
+  for (std::size_t i = 0; i < NearSums::kLags; ++i) {
+    const double dx = fix.x - x[i];
+    const double dy = fix.y - y[i];
+    const double turn = fix.theta - theta[i];
+    const double r2 = dx * dx + dy * dy;
+    const double a2 = turn * turn;
+    sums.duration[i] += fix.time - time[i];
+    sums.r2[i] += r2;
+    sums.a2[i] += a2;
+    sums.r4[i] += r2 * r2;
+    sums.a4[i] += a2 * a2;
+  }
+  ++sums.windows;
+  return true;
+}
+
 void MsdAccumulator::addDenseWindows(const Fix& end) {
   const auto extend = [&](std::size_t& count, std::int64_t first) {
     while (count < dense_lags_ && lags_[count] <= slot_ - first) {
@@ -200,7 +246,7 @@ void MsdAccumulator::addDenseWindows(const Fix& end) {
   const int* lags = lags_.data();
   LagSums* sums = blocks_.open().lags.data();
   double* times = lag_times_.data();
-  for (std::size_t i = 0; i < direct; ++i) {
+  for (std::size_t i = addNearWindows(end) ? near_lags_ : 0; i < direct; ++i) {
     const int at = here - lags[i];
     const int wrapped = at < 0 ? at + static_cast<int>(kDenseFixes) : at;
     const Fix& start = dense_[static_cast<std::size_t>(wrapped)];
@@ -318,7 +364,7 @@ inline std::int64_t MsdAccumulator::endWindows(std::size_t c, const Fix& end) {
       continue;
     }
     const double ahead = (start.time - end.time) / period_ + cursor.lag;
-    if (ahead > 0) {
+    if (ahead > kSameTime) {
       return slot_ + std::max<std::int64_t>(1, static_cast<std::int64_t>(ahead));
     }
     addEndedAcrossJoin(dense_lags_ + c, start, end);
@@ -331,7 +377,7 @@ void MsdAccumulator::addEndedAcrossJoin(std::size_t i, const Fix& start, const F
   const double lag = lags_[i] * period_;
   const double step = end.time - previous_.time;
   const double w = (start.time + lag - previous_.time) / step;
-  if (!(w > 0) || step > kBracket * period_ || previous_.slot < segment_first_) {
+  if (!(w > -kSameTime) || step > kBracket * period_ || previous_.slot < segment_first_) {
     return;  // frames were lost there
   }
   const Fix between{slot_, start.time + lag, previous_.x + w * (end.x - previous_.x),

@@ -35,6 +35,9 @@ class MsdAccumulator {
   /// What has been measured so far: one track.
   [[nodiscard]] BlockData data() const;
 
+  /// Free time so far, s.
+  [[nodiscard]] double observed() const { return blocks_.time(); }
+
   /// Of this object and all that it holds.
   [[nodiscard]] std::size_t memoryBytes() const;
 
@@ -61,6 +64,19 @@ class MsdAccumulator {
     std::uint16_t head = 0;    ///< Where it goes.
     std::array<Fix, kFixes> fixes;
   };
+  /// The newest frames, newest first from `newest`, twice over so that no row of them wraps.
+  struct Recent {
+    static constexpr std::size_t kLength = NearSums::kLags + 1;
+
+    void push(const Fix& fix);
+
+    std::array<double, 2 * kLength> time{};
+    std::array<double, 2 * kLength> x{};
+    std::array<double, 2 * kLength> y{};
+    std::array<double, 2 * kLength> theta{};
+    std::size_t newest = 0;
+    std::size_t unbroken = 0;  ///< So many frames of one piece without a gap, the newest included.
+  };
   /// Of a lag above the dense ones.
   struct Cursor {
     int lag = 0;
@@ -73,6 +89,8 @@ class MsdAccumulator {
   void beginSegment();
   void addStep(const Fix& from, const Fix& to, double frames, bool join);
   void addWindow(std::size_t i, const Fix& start, const Fix& end, double duration, bool angular);
+  /// @return whether all near lags had a window that ended here; then they were added
+  bool addNearWindows(const Fix& end);
   void addDenseWindows(const Fix& end);
   void addJoinWindow(std::size_t i, const Fix& end);
 
@@ -88,7 +106,9 @@ class MsdAccumulator {
   std::vector<double> lag_times_;
   BlockStore blocks_;
 
+  Recent recent_;
   std::array<Fix, kDenseFixes> dense_;
+  std::size_t near_lags_ = 0;   ///< Lags of at most NearSums::kLags frames.
   std::size_t dense_lags_ = 0;  ///< Lags below kDenseLags.
   std::array<std::size_t, kSteps> active_{};  ///< By step: how many of them a frame may end.
   std::vector<Level> levels_;

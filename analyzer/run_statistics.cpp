@@ -89,7 +89,7 @@ Estimate rateEstimate(const char* name, double rate, double count, double relati
           "1/s",
           rate,
           rate * std::hypot(1 / std::sqrt(count), relative),
-          rate * (1 - low),
+          rate * std::max(0.0, 1 - low),
           rate * (1 + high),
           theory,
           count,
@@ -118,6 +118,7 @@ std::vector<DensityBar> runTimeBars(const std::vector<const FoundRuns*>& robots,
       }
     }
     at_risk -= 0.5 * cut_off;
+    // Behind the first bar with too few, survival is no longer known well enough to go on.
     if (bar.count < kFewestPerBar || !(at_risk > 0)) {
       break;
     }

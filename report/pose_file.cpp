@@ -127,11 +127,18 @@ class Reader {
     separator_ = separatorOf(header);
     split(header, separator_, fields_);
     columns_ = fields_.size();
-    // "X#wcentroid (cm)" of TRex: the unit is always this one.
+    // "X#wcentroid (cm)" of TRex.
     for (std::string_view& field : fields_) {
-      if (field.find('(') != std::string_view::npos && !field.starts_with('(')) {
-        field = trimmed(field.substr(0, field.find('(')));
+      const std::size_t bracket = field.find('(');
+      if (bracket == std::string_view::npos || bracket == 0) continue;
+      const std::string_view unit = field.substr(bracket);
+      const bool place = field.starts_with('X') || field.starts_with('Y');
+      if (place && unit != "(cm)" && !options_.scale) {
+        fail(1, fmt::format("{}: found a place that is not in cm; expected --scale-cm with the length "
+                            "of its unit in cm",
+                            field));
       }
+      field = trimmed(field.substr(0, bracket));
     }
     frame_ = find({"frame"});
     id_ = find({"id", "particle"});

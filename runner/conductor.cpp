@@ -311,13 +311,16 @@ void Conductor::take(const robot_stop_t& stop) {
 }
 
 void Conductor::take(const analysis_t& analysis) {
-  light_.take(analysis);
-  if (phase_ != Phase::kScript) return;
-  stop_rules_.take(analysis);
-  const auto why = stop_rules_.met();
-  if (!why || stop_reached_) return;
-  stop_reached_ = true;
-  over_(Ending::kDone, *why);
+  if (phase_ == Phase::kScript) {
+    stop_rules_.take(analysis);
+    const auto why = stop_rules_.met();
+    if (why && !stop_reached_) {
+      stop_reached_ = true;
+      over_(Ending::kDone, *why);
+    }
+  }
+  // A script that the same message ends has nothing to say any more.
+  if (!stop_reached_) light_.take(analysis);
 }
 
 void Conductor::take(const service_status_t& status) {

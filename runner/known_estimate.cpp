@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "common/experiment_messages.hpp"
 
@@ -20,7 +21,10 @@ bool KnownEstimate::take(const analysis_t& analysis) {
   const auto estimate = std::ranges::find(analysis.estimates, until_.estimate, &estimate_t::name);
   if (estimate == analysis.estimates.end()) return false;
   // What is not determined (nan, 0 / 0) is not known.
-  if (!std::isfinite(estimate->value) || !(estimate->sigma > 0)) return false;
+  if (!std::isfinite(estimate->value) || !(estimate->sigma > 0)) {
+    error_ = std::numeric_limits<double>::quiet_NaN();
+    return false;
+  }
   error_ = estimate->sigma / std::abs(estimate->value);
   return true;
 }

@@ -8,6 +8,8 @@
 namespace lab::runner {
 
 std::string leftText(double seconds) {
+  constexpr double kLongest = 1e9;  // beyond which nobody waits, nor an integer reaches
+  if (!(seconds < kLongest)) return "very long";
   const auto whole = static_cast<std::int64_t>(std::ceil(seconds));
   if (whole < 120) return fmt::format("{} s", whole);
   if (whole < 7200) return fmt::format("{} min {:02} s", whole / 60, whole % 60);

@@ -47,15 +47,25 @@ std::vector<Task> tasksOf(const std::vector<report::PaperSet>& sets,
 }
 
 /// Makes the folder, or says why not. Nothing that is there is touched without --force.
+constexpr const char* kFilms = "films";
+constexpr const char* kPage = "reproduction.html";
+
 void requireFolder(const ReproduceOptions& options) {
   std::error_code error;
   if (fs::exists(options.out, error) && !fs::is_directory(options.out, error)) {
     throw UserError(options.out.string() + " is a file; choose another folder with --out");
   }
-  if (!options.force && fs::is_directory(options.out, error) && !fs::is_empty(options.out, error)) {
-    throw UserError(options.out.string() +
-                    " is not empty; choose another folder with --out, or replace what is in it by "
-                    "--force");
+  if (fs::is_directory(options.out, error) && !fs::is_empty(options.out, error)) {
+    if (!fs::exists(options.out / kPage)) {
+      throw UserError(options.out.string() +
+                      " is not empty, and what is in it is no reproduction; choose another folder "
+                      "with --out");
+    }
+    if (!options.force) {
+      throw UserError(options.out.string() +
+                      " is not empty; choose another folder with --out, or replace the reproduction "
+                      "in it by --force");
+    }
   }
   fs::create_directories(options.out, error);
   if (error) {
@@ -135,7 +145,7 @@ class Studio {
   }
 
   report::FilmData filmOne(const Task& task) {
-    const fs::path runs = options_.out / "runs";
+    const fs::path runs = options_.out / kFilms;
     const PreparedRun run = prepareRun(task.experiment, {}, runs, 0);
     std::int64_t shown_ms = 0;
     const auto show = [&](const Progress& progress) {
@@ -184,7 +194,7 @@ ExitCode reproduce(const ReproduceOptions& options) {
                                               : std::max(1U, std::thread::hardware_concurrency());
   const std::size_t jobs = std::min(wanted, tasks.size());
   requireRoom(tasks, options, jobs);
-  const fs::path runs = options.out / "runs";
+  const fs::path runs = options.out / kFilms;
   std::error_code ignored;
   fs::remove_all(runs, ignored);
 

@@ -24,7 +24,9 @@ void tell(const report::AnalyzedRun& analyzed) {
 
 bool isPoseFile(const fs::path& path) {
   const std::string ending = path.extension().string();
-  if (fs::is_directory(path)) return !report::trexFiles(path).empty();
+  if (fs::is_directory(path)) {
+    return !fs::exists(path / files::kLog) && !report::trexFiles(path).empty();
+  }
   return fs::is_regular_file(path) && (ending == ".csv" || ending == ".CSV" || ending == ".tsv");
 }
 

@@ -318,6 +318,29 @@ TEST(MsdAccumulator, GivesWindowsOfLongLagsTheirExactLengthAcrossLostFramesAndJo
   }
 }
 
+/// A reversal may last a whole number of frames: then windows across it end exactly at a frame.
+TEST(MsdAccumulator, LosesNoWindowOfLongLagsWhereJoinsKeepTheFramesInStep) {
+  const std::vector<int> lags{1, 70, 100, 150, 316, 500};
+  const auto windows = [&](double gap) {
+    Track track;
+    for (int i = 0; i < 60; ++i) {
+      track.walk(611 + i);
+      track.join(gap);
+    }
+    MsdAccumulator dut(lags, kPeriod);
+    for (const Sample& sample : track.samples()) dut.add(sample);
+    return dut.data().total();
+  };
+  const BlockSums in_step = windows(0);
+  const BlockSums between = windows(0.37);
+
+  for (std::size_t i = 1; i < lags.size(); ++i) {
+    // Of some 38 000 frames every (lag/16 to lag/8)-th begins a window.
+    EXPECT_GT(in_step.lags[i].windows, 8 * 37000 / lags[i]);
+    EXPECT_NEAR(in_step.lags[i].windows, between.lags[i].windows, 60) << lags[i];
+  }
+}
+
 TEST(MsdAccumulator, KeepsAnHourAtHundredFramesASecondInLessThan50kB) {
   ProgramLaw law;
   law.kind = ProgramKind::kAbp;

@@ -138,7 +138,7 @@ TEST(Html, EscapesEverythingThatComesFromTheLog) {
   record.log.decode_errors[hostile] = 1;
   record.listeners.push_back({hostile, hostile, hostile, 1, 1});
 
-  const std::string dut = reportHtml(record, {{"x", hostile, hostile, hostile, ""}});
+  const std::string dut = reportHtml(record, {{"x", hostile, hostile, hostile, "", "", ""}});
 
   EXPECT_THAT(dut, Not(HasSubstr("<script")));
   EXPECT_THAT(dut, HasSubstr("&lt;script&gt;alert(&#39;x&#39;)&lt;/script&gt;&amp;&quot;"));

@@ -177,6 +177,8 @@ TEST(PoseFile, TellsStepsOfTheClock) {
 TEST(PoseFile, NamesWhatTheFirstLineLacks) {
   EXPECT_THAT(problemOf("frame,id,x_cm\n0,1,1\n"), HasSubstr("poses.csv:1: found the columns"));
   EXPECT_THAT(problemOf("frame,particle,x,y,t\n0,1,1,1,0\n"), HasSubstr("--scale-cm"));
+  EXPECT_THAT(problemOf("frame,X (px),Y (px),time\n0,1,1,0\n"),
+              HasSubstr("X (px): found a place that is not in cm"));
   EXPECT_THAT(problemOf("frame,particle,x,y\n0,1,1,1\n", {.scale = 0.01, .fps = {}}),
               HasSubstr("--fps"));
   EXPECT_THAT(problemOf(""), HasSubstr("poses.csv:1"));

@@ -95,8 +95,8 @@ TEST_F(CalibrateCamera, RefusesRobotsThatStand) {
 }
 
 TEST_F(CalibrateCamera, SaysThatALabWithoutACameraHasNone) {
-  const Finished finished = run(std::string("lab calibrate camera ") + LAB_EXPERIMENTS +
-                                "/swarm.toml --virtual-time --out " + out().string());
+  const Finished finished = run("lab calibrate camera " + experiment("swarm").string() +
+                                " --virtual-time --out " + out().string());
   EXPECT_EQ(finished.exit_code, 2) << finished.output;
   EXPECT_THAT(finished.output, HasSubstr("camera.tracker"));
 }

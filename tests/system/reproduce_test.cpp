@@ -35,8 +35,8 @@ TEST(Reproduce, MakesPageAndPanelsOfAShortFilm) {
                            "paper_cm2,z,judged\ncurve,"));
   }
   EXPECT_THAT(readFile(out / "estimates.csv"), HasSubstr("rtp_gamma2_taut0.5,gamma,per_s,"));
-  EXPECT_TRUE(fs::exists(out / "runs" / "abp_eps0.5_eta3" / "experiment.toml"));
-  EXPECT_FALSE(fs::exists(out / "runs" / "abp_eps0.5_eta3" / "log.lcmlog"));
+  EXPECT_TRUE(fs::exists(out / "films" / "abp_eps0.5_eta3" / "experiment.toml"));
+  EXPECT_FALSE(fs::exists(out / "films" / "abp_eps0.5_eta3" / "log.lcmlog"));
 }
 
 TEST(Reproduce, IsTheSameToTheByteHoweverManyFilmsAtATime) {
@@ -68,7 +68,8 @@ TEST(Reproduce, RefusesBeforeItStarts) {
 
   const Finished full = run("lab reproduce" + out);
   EXPECT_EQ(full.exit_code, 2);
-  EXPECT_THAT(full.output, HasSubstr("is not empty; choose another folder with --out"));
+  EXPECT_THAT(full.output, HasSubstr("is no reproduction; choose another folder with --out"));
+  EXPECT_EQ(run("lab reproduce --force" + out).exit_code, 2) << "what is not its own stays";
 
   const Finished unknown = run("lab reproduce --panels 4a" + out + "/new");
   EXPECT_EQ(unknown.exit_code, 2);
@@ -81,7 +82,7 @@ TEST(Reproduce, EndsCleanlyAtCtrlC) {
   const TemporaryFolder folder;
   const fs::path out = folder.path() / "out";
   Background lab("exec lab reproduce --hours 20 --panels 2b --out " + out.string());
-  ASSERT_TRUE(waitFor([&] { return fs::exists(out / "runs"); }, std::chrono::seconds(20)));
+  ASSERT_TRUE(waitFor([&] { return fs::exists(out / "films"); }, std::chrono::seconds(20)));
   lab.signal(SIGINT);
   const Finished dut = lab.wait(std::chrono::seconds(20));
   EXPECT_EQ(dut.exit_code, 1) << dut.output;
