@@ -321,14 +321,15 @@ TEST(MsdAccumulator, GivesWindowsOfLongLagsTheirExactLengthAcrossLostFramesAndJo
 /// A reversal may last a whole number of frames: then windows across it end exactly at a frame.
 TEST(MsdAccumulator, LosesNoWindowOfLongLagsWhereJoinsKeepTheFramesInStep) {
   const std::vector<int> lags{1, 70, 100, 150, 316, 500};
+  constexpr double kTenth = 0.1;  // s
   const auto windows = [&](double gap) {
-    Track track;
-    for (int i = 0; i < 60; ++i) {
-      track.walk(611 + i);
-      track.join(gap);
+    MsdAccumulator dut(lags, kTenth);
+    Sample sample;
+    for (int i = 0; i < 38000; ++i) {
+      sample.piece = i / 641;
+      sample.free_time = kTenth * (i + gap * sample.piece);
+      dut.add(sample);
     }
-    MsdAccumulator dut(lags, kPeriod);
-    for (const Sample& sample : track.samples()) dut.add(sample);
     return dut.data().total();
   };
   const BlockSums in_step = windows(0);
