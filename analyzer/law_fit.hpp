@@ -7,26 +7,17 @@
 
 #include "analyzer/curve_covariance.hpp"
 #include "analyzer/estimates.hpp"
+#include "analyzer/fit_plan.hpp"
 #include "analyzer/law_test.hpp"
 
 namespace lab::analysis {
-
-struct FitOptions {
-  /// Share of the MSD that calibration and the wheels' steps may be off at each lag.
-  double systematic_floor = 0.002;
-  int films = 500;         ///< Simulated for the covariance.
-  std::uint64_t seed = 1;  ///< Of the first of them.
-  /// RTP: fit the tumble time too. It is identified by the bend of the angular MSD at tau_t alone;
-  /// programmed and kept by a clock, it is better taken as given.
-  bool free_tumble_time = false;
-  double longest_lag = 0;  ///< s: longer ones are selected by the outcome; 0: none is.
-};
 
 /// The iterated generalised least squares fit of the exact law to MSD and angular MSD together.
 ///
 /// Free are the logarithms of the speed (v, or va; not the BP's) and of the noise (eta, V, gamma
 /// and perhaps tau_t), and the tracker's offsets 4 sigma^2 and 2 sigma_theta^2. Given are epsilon,
-/// wheel base and, usually, tau_t, in camera time. Lags: some ten from max(a frame, epsilon/5) to 8
+/// wheel base and, usually, tau_t, as programmed: an error of the robot's clock is not in the
+/// intervals. Lags: some ten from max(a frame, epsilon/5) to 8
 /// epsilon (RTP: of the shorter and the longer of 1/gamma and tau_t). The covariance is that of
 /// films simulated at the fitted point: once at the least-squares fit, once more at the first
 /// generalised one; the systematic floor is added to the MSD's diagonal.
@@ -57,21 +48,6 @@ struct LawFit {
 
   [[nodiscard]] bool fitted() const { return refusal.empty(); }
 };
-
-/// The lags of `curves` that a fit uses (indices), and the films that give their covariance.
-struct FitPlan {
-  std::vector<std::size_t> lags;
-  double period = 0;    ///< Of the films' frames, s.
-  double duration = 0;  ///< Of each film, s.
-};
-[[nodiscard]] FitPlan planFit(const ProgramLaw& law, const MeasuredCurves& curves,
-                              const FitOptions& options);
-
-/// The films behind a fit, at the parameters of `law` and the tracker's noise (offsets 4 sigma^2
-/// and 2 sigma_theta^2; negative ones count as none).
-[[nodiscard]] SimulatedCurves simulateForFit(const ProgramLaw& law, double offset,
-                                             double angular_offset, const MeasuredCurves& curves,
-                                             const FitPlan& plan, const FitOptions& options);
 
 /// Fits. With `given` (films of the same program on the same lag grid) nothing is simulated; films
 /// that were simulated are left in `used`, if asked for.

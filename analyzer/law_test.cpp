@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "analyzer/estimates.hpp"
+#include "analyzer/fit_plan.hpp"
 #include "analyzer/statistics.hpp"
 
 namespace lab::analysis {
@@ -18,17 +19,11 @@ constexpr double kSimulatedLags = 12;  // the simulated film is so many of its l
 constexpr double kLeastEvents = 400;   // in a simulated film
 constexpr double kMostEvents = 5e6;    // in all of them
 constexpr int kFramesPerHold = 4;
-constexpr double kDrift = 1.0037;      // no frame rate locks to the holds: the phase sweeps
 constexpr double kOffsetError = 0.05;  // of the tracker's noise, taken from the live estimate
 constexpr double kMatch = 0.1;         // a measured lag that far from a simulated one is another
 constexpr int kFewestLags = 4;
 
 double finiteOrZero(double x) { return std::isfinite(x) ? x : 0; }
-
-/// The program's time between changes, s: what its short lags are short against.
-double holdTime(const ProgramLaw& law) {
-  return isHeldNoise(law.kind) ? law.epsilon : std::min(1 / law.gamma, law.tau_t);
-}
 
 bool hasSpeed(const ProgramLaw& law) {
   return (law.kind == ProgramKind::kNoisyAbp && law.va != 0) ||
@@ -108,7 +103,7 @@ MeasuredCurves measuredCurves(const ProgramLaw& law, const BlockData& data) {
 
 SimulatedCurves simulateForTest(const ProgramLaw& law, const MeasuredCurves& curves, int films,
                                 std::uint64_t seed) {
-  const double hold = holdTime(law);
+  const double hold = changeTime(law);
   const double track = curves.observed / curves.tracks;
   double longest = std::min(curves.lags.back(), track / kFilmsPerTrack);
   const auto duration = [&] {

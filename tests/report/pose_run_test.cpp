@@ -124,7 +124,7 @@ TEST(PoseRun, ComparesTheMsdAloneWhereThereAreNoHeadings) {
 
 TEST(PoseRun, LeavesTheTumblesOpenWhereThePosesShowNone) {
   const RunRecord dut =
-      poseRun(film(2, 60), "film", {"rtp", {"v_cm_s=3", "gamma_per_s=1", "tau_t_s=0.05"}});
+      poseRun(film(2, 60), "film", {"rtp", {"v_cm_s=3", "gamma_per_s=1", "tau_t_s=0.05", "robot.max_wheel_speed_cm_s=300"}});
 
   EXPECT_TRUE(std::isnan(estimateOf(dut, "gamma").value));
   EXPECT_THAT(estimateOf(dut, "gamma").note, HasSubstr("fewer than three frames in a tumble"));
