@@ -5,11 +5,10 @@
 #include <vector>
 
 #include "analyzer/geometric_sums.hpp"
+#include "analyzer/numerics.hpp"
 
 namespace lab::analysis {
 namespace {
-
-double sinc(double x) { return std::abs(x) < 1e-4 ? 1 - x * x / 6 : std::sin(x) / x; }
 
 }  // namespace
 

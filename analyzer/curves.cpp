@@ -5,6 +5,7 @@
 #include <limits>
 #include <map>
 
+#include "analyzer/numerics.hpp"
 #include "analyzer/statistics.hpp"
 
 namespace lab::analysis {
@@ -49,8 +50,6 @@ class LagFunctions {
     const double frames = lags_[i];
     return 1 + joins_per_second * period_ * (frames - 2);
   }
-
-  static double finiteOrZero(double x) { return std::isfinite(x) ? x : 0; }
 
  private:
   const Estimator& estimator_;

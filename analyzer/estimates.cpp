@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "analyzer/lags.hpp"
+#include "analyzer/numerics.hpp"
 #include "analyzer/statistics.hpp"
 
 namespace lab::analysis {
@@ -61,8 +62,6 @@ double modelError(const ProgramLaw& law, Quantity quantity, double observed) {
   }
   return 0;
 }
-
-double finiteOrZero(double x) { return std::isfinite(x) ? x : 0; }
 
 /// The 95 % interval: Student's t unless sigma does not come from the blocks' scatter
 /// (known_error). Positive quantities that are mean squares (scale) have relative errors: a film

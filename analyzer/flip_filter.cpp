@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "analyzer/numerics.hpp"
 #include "analyzer/track_stitcher.hpp"
 
 namespace lab::analysis {
@@ -13,8 +14,6 @@ constexpr double kSigmas = 7;
 constexpr double kSlack = 0.2;            // rad beyond what wheels and noise explain
 constexpr double kLogOdds = 20.7;         // ln 1e9
 constexpr double kLeastDistance = 0.005;  // m: far beyond the noise of any tracker in use
-
-double wrapped(double angle) { return std::remainder(angle, 2 * std::numbers::pi); }
 
 }  // namespace
 

@@ -6,11 +6,10 @@
 #include <map>
 
 #include "analyzer/geometric_sums.hpp"
+#include "analyzer/numerics.hpp"
 
 namespace lab::analysis {
 namespace {
-
-double sinc(double x) { return std::abs(x) < 1e-4 ? 1 - x * x / 6 : std::sin(x) / x; }
 
 /// The Gauss rule for half a symmetric integral that `count` points resolve; kept, since laws are
 /// built many times.

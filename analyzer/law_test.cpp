@@ -7,6 +7,7 @@
 
 #include "analyzer/estimates.hpp"
 #include "analyzer/fit_plan.hpp"
+#include "analyzer/numerics.hpp"
 #include "analyzer/statistics.hpp"
 
 namespace lab::analysis {
@@ -22,8 +23,6 @@ constexpr int kFramesPerHold = 4;
 constexpr double kOffsetError = 0.05;  // of the tracker's noise, taken from the live estimate
 constexpr double kMatch = 0.1;         // a measured lag that far from a simulated one is another
 constexpr int kFewestLags = 4;
-
-double finiteOrZero(double x) { return std::isfinite(x) ? x : 0; }
 
 bool hasSpeed(const ProgramLaw& law) {
   return (law.kind == ProgramKind::kNoisyAbp && law.va != 0) ||

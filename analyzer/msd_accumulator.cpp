@@ -78,7 +78,9 @@ MsdAccumulator::MsdAccumulator(std::vector<int> lags, double frame_period)
 BlockData MsdAccumulator::data() const {
   std::vector<double> times = lag_times_;
   for (std::size_t i = 0; i < near_lags_; ++i) times[i] += blocks_.nearDuration(lags_[i]);
-  return {lags_, frame_period_, std::move(times), {blocks_.blocks()}};
+  BlockData data{lags_, frame_period_, std::move(times), {}};
+  data.tracks.push_back(blocks_.blocks());
+  return data;
 }
 
 std::size_t MsdAccumulator::memoryBytes() const {

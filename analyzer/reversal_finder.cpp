@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "analyzer/flip_filter.hpp"
+#include "analyzer/numerics.hpp"
 
 namespace lab::analysis {
 namespace {
@@ -23,8 +24,6 @@ constexpr double kFalseFinds = 0.01;      // an hour, of draws that happen to be
 constexpr double kDistanceMargin = 1.1;   // timers and wheels are not exact
 constexpr double kHeldEdge = 0.04;        // s: what is held may be another speed sooner or later
 constexpr double kMadToSigma = 1.4826;
-
-double wrapped(double angle) { return std::remainder(angle, 2 * std::numbers::pi); }
 
 double median(std::vector<double> values) {
   if (values.empty()) return 0;

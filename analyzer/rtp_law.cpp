@@ -4,12 +4,12 @@
 #include <cmath>
 #include <limits>
 
+#include "analyzer/numerics.hpp"
+
 namespace lab::analysis {
 namespace {
 
 constexpr double kNothing = 1e-18;  // of a sum of positive terms
-
-double sinc(double x) { return std::abs(x) < 1e-4 ? 1 - x * x / 6 : std::sin(x) / x; }
 
 /// exp(-x) x^k / k!.
 double poisson(double k, double x) {

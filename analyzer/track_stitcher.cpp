@@ -5,6 +5,8 @@
 #include <limits>
 #include <numbers>
 
+#include "analyzer/numerics.hpp"
+
 namespace lab::analysis {
 namespace {
 
@@ -16,8 +18,6 @@ constexpr double kPositionSlack = 0.002;   // m beyond what wheels and noise exp
 constexpr double kHeadingSlack = 0.2;      // rad, the same
 constexpr double kSigmas = 7;
 constexpr int kBridgeSteps = 8;
-
-double wrapped(double angle) { return std::remainder(angle, 2 * std::numbers::pi); }
 
 bool isFinite(const RobotTelemetry& t) {
   return std::isfinite(t.time) && std::isfinite(t.program_start) && std::isfinite(t.v_l) &&

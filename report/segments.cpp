@@ -11,6 +11,7 @@
 #include "common/units.hpp"
 #include "report/findings.hpp"
 #include "report/html_sections.hpp"
+#include "report/json_numbers.hpp"
 #include "report/people.hpp"
 #include "report/trajectories.hpp"
 
@@ -24,12 +25,6 @@ using Json = nlohmann::ordered_json;
 
 constexpr double kDefect = 4;  // standard errors, as for the curves
 constexpr std::size_t kReasons = static_cast<std::size_t>(PieceEnd::kEnd) + 1;
-
-/// Six figures; null where it is no number.
-Json number(double value) {
-  if (!std::isfinite(value)) return nullptr;
-  return std::strtod(fmt::format("{:.6g}", value).c_str(), nullptr);
-}
 
 std::string cell(double value, int decimals) {
   return std::isfinite(value) ? fmt::format("{:.{}f}", value, decimals) : std::string();

@@ -5,40 +5,14 @@
 #include <cmath>
 #include <random>
 
+#include "programs.hpp"
 #include "window_moments.hpp"
 
 namespace lab::analysis {
 namespace {
 
-ProgramLaw abp(double v, double eta, double epsilon) {
-  ProgramLaw law;
-  law.kind = ProgramKind::kAbp;
-  law.v = v;
-  law.eta = eta;
-  law.epsilon = epsilon;
-  return law;
-}
-
-ProgramLaw noisy(double va, double amplitude, double epsilon) {
-  ProgramLaw law;
-  law.kind = ProgramKind::kNoisyAbp;
-  law.va = va;
-  law.V = amplitude;
-  law.epsilon = epsilon;
-  return law;
-}
-
-ProgramLaw rtp(double v, double gamma, double tau_t) {
-  ProgramLaw law;
-  law.kind = ProgramKind::kRtp;
-  law.v = v;
-  law.gamma = gamma;
-  law.tau_t = tau_t;
-  return law;
-}
-
 TEST(Observation, NoiseIsAddedAndAnInstantChangesNothing) {
-  const ExactLaw law(abp(0.03, 3, 0.5));
+  const ExactLaw law(abpLaw(3, 0.5, 0.03));
   EXPECT_EQ(observedMsd(law, {}, 0.7), law.msd(0.7));
   EXPECT_NEAR(observedMsd(law, {0, 0.001, 0.02}, 0.7), law.msd(0.7) + 4e-6, 1e-18);
   EXPECT_NEAR(observedAngularMsd(law, {0, 0.001, 0.02}, 0.7), law.angularMsd(0.7) + 8e-4, 1e-15);
@@ -55,7 +29,7 @@ TEST(Observation, IsTheDoubleIntegralOverBothExposures) {
     return sum / (static_cast<double>(kSteps) * kSteps);
   };
   for (const ProgramLaw& program :
-       {abp(0.03, 6, 0.25), noisy(0.01, 0.1, 0.1), noisy(0, 0.07, 0.2), rtp(0.05, 3, 0.5)}) {
+       {abpLaw(6, 0.25, 0.03), noisyLaw(0.01, 0.1, 0.1), noisyLaw(0, 0.07, 0.2), rtpLaw(3, 0.5, 0.05)}) {
     const ExactLaw law(program);
     for (const double exposure : {0.01, 0.1, 0.37, 1.2}) {
       for (const double tau : {0.02, 0.1, 0.3, 1.0, 10.0}) {
@@ -70,7 +44,7 @@ TEST(Observation, IsTheDoubleIntegralOverBothExposures) {
 }
 
 TEST(Observation, HasAClosedFormForAnExponentialCorrelation) {
-  const ProgramLaw program = rtp(0.05, 3, 0.5);
+  const ProgramLaw program = rtpLaw(3, 0.5, 0.05);
   const ExactLaw law(program);
   const double rate = program.gamma;
   const double c = program.v * program.v / (1 + program.gamma * program.tau_t);
@@ -90,15 +64,15 @@ TEST(Observation, MotionBlurIsWhatItWasFoundToBe) {
     const ExactLaw law(program);
     return 100 * (observedMsd(law, {exposure, 0, 0}, frame) / law.msd(frame) - 1);
   };
-  EXPECT_NEAR(loss(abp(0.03, 3, 0.5), 0.1, 0.1), -0.23, 0.01);
-  EXPECT_NEAR(loss(noisy(0.01, 0.1, 0.1), 0.02, 0.02), -2.7, 0.1);
-  EXPECT_NEAR(loss(noisy(0.01, 0.1, 0.1), 0.1, 0.1), -16, 0.5);
+  EXPECT_NEAR(loss(abpLaw(3, 0.5, 0.03), 0.1, 0.1), -0.23, 0.01);
+  EXPECT_NEAR(loss(noisyLaw(0.01, 0.1, 0.1), 0.02, 0.02), -2.7, 0.1);
+  EXPECT_NEAR(loss(noisyLaw(0.01, 0.1, 0.1), 0.1, 0.1), -16, 0.5);
 }
 
 TEST(Observation, AgreesWithSimulatedExposures) {
   // The position is averaged over 40 instants, which stands for an exposure of 40/39 of their span
   // to third order in the step.
-  const ProgramLaw program = noisy(0.01, 0.1, 0.1);
+  const ProgramLaw program = noisyLaw(0.01, 0.1, 0.1);
   const double exposure = 0.08;
   const double tau = 0.1;
   constexpr int kInstants = 40;
