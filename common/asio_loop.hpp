@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 
+#include "common/descriptors.hpp"
 #include "common/loop.hpp"
 
 namespace asio {
@@ -14,7 +15,7 @@ namespace lab {
 
 /// Steady clocks pace, the wall clock stamps: now() is the wall clock read once at construction
 /// plus the steady time since, so that a step of the wall clock during a run moves nothing.
-class AsioLoop final : public Loop {
+class AsioLoop final : public Loop, public Descriptors {
  public:
   AsioLoop();
   ~AsioLoop() override;
@@ -29,18 +30,7 @@ class AsioLoop final : public Loop {
   /// life. The descriptor stays its owner's.
   void onReadable(int descriptor, Callback callback);
 
-  /// Ends what watch() began, when it is destroyed. The loop must outlive it.
-  class Watch {
-   public:
-    Watch() = default;
-    Watch(const Watch&) = delete;
-    Watch& operator=(const Watch&) = delete;
-    virtual ~Watch() = default;
-  };
-
-  /// The same until the returned object is destroyed, which must be before the descriptor is
-  /// closed. The callback may destroy it.
-  [[nodiscard]] std::unique_ptr<Watch> watch(int descriptor, Callback callback);
+  [[nodiscard]] std::unique_ptr<Watch> watch(int descriptor, Callback callback) override;
 
   /// Calls `callback(signal)` instead of the default action.
   void onSignals(std::initializer_list<int> signals, std::function<void(int)> callback);

@@ -19,6 +19,7 @@ inline constexpr std::string_view kLightCommand = "LIGHT_COMMAND";
 inline constexpr std::string_view kLightStatus = "LIGHT_STATUS";
 inline constexpr std::string_view kLightSeen = "LIGHT_SEEN";
 inline constexpr std::string_view kLightDelivery = "LIGHT_DELIVERY";
+inline constexpr std::string_view kLinkStatus = "LINK_STATUS";
 inline constexpr std::string_view kAnalysis = "ANALYSIS";
 inline constexpr std::string_view kServiceStatus = "SERVICE_STATUS";
 inline constexpr std::string_view kExperimentEvent = "EXPERIMENT_EVENT";
@@ -28,8 +29,8 @@ inline constexpr std::string_view kSimTruth = "SIM_TRUTH";
 inline constexpr std::array kAll{
     kRobotCommand,      kRobotStop,    kRobotStatus,  kRobotSteps,  kRobotCalibration,
     kCalibrationStatus, kTrackedFrame, kTrackedDetails, kTrackerStatus, kLightCommand,
-    kLightStatus,       kLightSeen,    kLightDelivery, kAnalysis,     kServiceStatus,
-    kExperimentEvent,   kClock,        kSimTruth};
+    kLightStatus,       kLightSeen,    kLightDelivery, kLinkStatus,   kAnalysis,
+    kServiceStatus,     kExperimentEvent, kClock,     kSimTruth};
 
 /// LCM's own probe, sent whenever a subscriber starts: not lab traffic.
 inline constexpr std::string_view kLcmSelfTest = "LCM_SELF_TEST";

@@ -308,6 +308,60 @@ struct Network {
   bool operator==(const Network&) const = default;
 };
 
+/// dds_gateway towards ROS 2 (docs/ros2.md).
+struct Gateway {
+  bool ros = false;                   ///< whether ROS 2 sees the lab
+  int domain = 0;                     ///< ROS_DOMAIN_ID
+  std::string name = "lab";           ///< first part of every topic
+  std::string mapping;                ///< file as written, empty: the built-in mapping
+  std::string address;                ///< of the interface to use, empty: this machine only
+  std::vector<std::string> peers;     ///< addresses of hosts that multicast does not reach
+  std::string configuration;          ///< Cyclone's own XML file instead of ours, as written
+  std::string security;               ///< folder of certificates, as written; empty: none
+  bool commands = false;              ///< whether ROS 2 may drive robots and light
+  bool unsecured_commands = false;    ///< also from other hosts without DDS Security
+  std::vector<std::int32_t> command_robots;  ///< which it may drive, empty: all
+  double command_timeout = 0.4;       ///< [s] a driven robot stands after this long without a command
+
+  bool operator==(const Gateway&) const = default;
+};
+
+/// How the buses of several hosts are joined (docs/hosts.md).
+enum class JoinBy : std::int8_t {
+  kDds,        ///< a gateway on each host, over reliable DDS
+  kMulticast,  ///< LCM itself reaches all hosts (network.ttl)
+};
+
+struct Link {
+  JoinBy join = JoinBy::kDds;
+  int domain = 77;                  ///< of DDS, apart from ROS 2's
+  std::string address;              ///< of this host on the way to the others, empty: as ssh goes
+  std::string security;             ///< folder of certificates, as written; empty: none
+  bool unsecured = false;           ///< commands may pass without DDS Security
+  double max_clock_offset = 0.005;  ///< [s] between two hosts, a larger one is refused
+  double patience = 60;             ///< [s] a silent host is waited for during a run
+
+  bool operator==(const Link&) const = default;
+};
+
+/// Another computer.
+struct HostSpec {
+  std::string name;      ///< as services name it
+  std::string ssh;       ///< as ssh takes it, empty: the name
+  std::string address;   ///< on the way to this host, empty: as ssh goes
+  std::string programs;  ///< folder of its lab programs, empty: its PATH
+
+  bool operator==(const HostSpec&) const = default;
+};
+
+/// Where a service runs.
+struct ServicePlace {
+  std::string service;
+  std::string host;  ///< a HostSpec's name or what ssh takes, empty: this machine
+
+  bool operator==(const ServicePlace&) const = default;
+};
+
 /// For practising with what a network does.
 struct Faults {
   double message_loss = 0;  ///< [1] each message to each listener, in virtual time
@@ -324,6 +378,10 @@ struct Experiment {
   double arena_width = 1.20;   ///< [m] along x
   double arena_height = 0.90;  ///< [m] along y
   Network network;
+  Gateway gateway;
+  Link link;
+  std::map<std::string, HostSpec> hosts;
+  std::map<std::string, ServicePlace> services;  ///< those that are placed
   RobotHardware hardware;
   SerialLines serial;
   std::vector<RobotSpec> robots;  ///< in order of id

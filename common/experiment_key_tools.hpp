@@ -92,5 +92,6 @@ void visitLight(KeyVisitor& v, ExperimentForm& form);
 void visitStopOn(KeyVisitor& v, StopOn& on);
 void visitStopRule(KeyVisitor& v, StopRule& rule);
 void visitProjector(KeyVisitor& v, Projector& projector);
+void visitNetworks(KeyVisitor& v, Experiment& e);
 
 }  // namespace lab::keys

@@ -28,15 +28,6 @@ const std::array<Choice, 3> kReverseOn = {{choiceOf("never", ReverseOn::kNever),
                                            choiceOf("any", ReverseOn::kAny)}};
 const std::array<Choice, 2> kTrackers = {
     {choiceOf("sim", Tracker::kSimPoses), choiceOf("camera", Tracker::kCamera)}};
-void visitNetwork(KeyVisitor& v, Network& network) {
-  std::int64_t port = network.port;
-  std::int64_t ttl = network.ttl;
-  v.integer({"port", "UDP port of the LCM bus, 0: a free one"}, 0, 65535, port);
-  v.integer({"ttl", "how many routers a message may pass, 0: it stays on this machine"}, 0, 255,
-            ttl);
-  network.port = static_cast<int>(port);
-  network.ttl = static_cast<int>(ttl);
-}
 
 void visitHardware(KeyVisitor& v, RobotHardware& robot) {
   v.number({"diameter_cm", "diameter, which is also the distance d between the wheels"}, {1, 50},
@@ -271,7 +262,7 @@ void visitTop(KeyVisitor& v, ExperimentForm& form) {
 void visitKeys(KeyVisitor& v, ExperimentForm& form) {
   Experiment& e = form.common;
   visitTop(v, form);
-  v.table({"network", "The message bus"}, [&] { visitNetwork(v, e.network); });
+  visitNetworks(v, e);
   v.table({"arena",
            "The arena: its corner is the origin, x runs along the width, y along the "
            "height"},

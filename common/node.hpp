@@ -62,6 +62,14 @@ class Node {
     });
   }
 
+  /// Sends what another node stamped, unchanged: messages that come by another way than the bus.
+  /// They are not counted as sent, being nobody's on this bus.
+  void forward(std::string_view channel, Bytes data) { bus_.publish(channel, data); }
+
+  /// Calls `handler` with every message of the lab on any channel, as it is: neither decoded nor
+  /// counted.
+  void overhear(PacketHandler handler) { bus_.subscribeAll(std::move(handler)); }
+
   /// Says that the service does its job, at once.
   void ready();
 

@@ -35,7 +35,7 @@ void run(const ServiceDescription& description, const Options& options) {
   Node node(bus, loop, {description.name, description.origin, loop.now()});
   const std::unique_ptr<Service> service = description.make(
       {node, loop, experiment, fs::path(options.experiment).parent_path(), ports,
-       fs::canonical("/proc/self/exe").parent_path(), cameras});
+       fs::canonical("/proc/self/exe").parent_path(), cameras, loop});
   loop.onReadable(bus.fileDescriptor(), [&bus] { bus.drain(); });
   loop.onSignals({SIGINT, SIGTERM}, [&loop](int) { loop.stop(); });
   node.start();

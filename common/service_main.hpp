@@ -8,6 +8,7 @@
 #include <string>
 
 #include "common/cameras.hpp"
+#include "common/descriptors.hpp"
 #include "common/experiment.hpp"
 #include "common/loop.hpp"
 #include "common/node.hpp"
@@ -37,6 +38,7 @@ struct ServiceContext {
   SerialPorts& ports = noSerialPorts();
   std::filesystem::path programs = {};  ///< folder of the lab's executables
   Cameras& cameras = noCameras();
+  Descriptors& descriptors = noDescriptors();
 };
 
 using ServiceFactory = std::function<std::unique_ptr<Service>(const ServiceContext&)>;

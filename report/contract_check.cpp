@@ -10,6 +10,7 @@
 #include <lab/light_delivery_t.hpp>
 #include <lab/light_seen_t.hpp>
 #include <lab/light_status_t.hpp>
+#include <lab/link_status_t.hpp>
 #include <lab/robot_calibration_t.hpp>
 #include <lab/robot_command_t.hpp>
 #include <lab/robot_status_t.hpp>
@@ -50,6 +51,7 @@ const auto& channelTypes() {
       ChannelType{channels::kLightStatus, light_status_t::getHash()},
       ChannelType{channels::kLightSeen, light_seen_t::getHash()},
       ChannelType{channels::kLightDelivery, light_delivery_t::getHash()},
+      ChannelType{channels::kLinkStatus, link_status_t::getHash()},
       ChannelType{channels::kAnalysis, analysis_t::getHash()},
       ChannelType{channels::kServiceStatus, service_status_t::getHash()},
       ChannelType{channels::kExperimentEvent, experiment_event_t::getHash()},

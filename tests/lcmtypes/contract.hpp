@@ -13,6 +13,7 @@
 #include <lab/light_delivery_t.hpp>
 #include <lab/light_seen_t.hpp>
 #include <lab/light_status_t.hpp>
+#include <lab/link_status_t.hpp>
 #include <lab/robot_calibration_t.hpp>
 #include <lab/robot_command_t.hpp>
 #include <lab/robot_status_t.hpp>
@@ -35,7 +36,7 @@ struct TypeList {};
 
 /// What travels on a channel.
 using ChannelTypes = TypeList<analysis_t, clock_t, experiment_event_t, light_command_t,
-                              light_delivery_t, light_seen_t, light_status_t,
+                              light_delivery_t, light_seen_t, light_status_t, link_status_t,
                               robot_calibration_t, robot_command_t,
                               robot_status_t, robot_steps_t, robot_stop_t, service_status_t,
                               sim_truth_t, tracked_details_t, tracked_frame_t,
@@ -44,7 +45,7 @@ using ChannelTypes = TypeList<analysis_t, clock_t, experiment_event_t, light_com
 /// What travels inside those.
 using PartTypes =
     TypeList<cap_detail_t, channel_count_t, curve_t, estimate_t, light_band_t,
-             light_delay_t, light_drive_t, light_layer_t,
+             light_delay_t, light_drive_t, light_layer_t, link_peer_t,
              motor_calibration_t, program_t, robot_order_t, robot_state_t, robot_step_t,
              stream_count_t, tracked_pose_t, true_pose_t>;
 
@@ -96,6 +97,15 @@ inline auto fields(robot_state_t& m) {
                   m.command_instance, m.stop_seq, m.reversal_count, m.reversal_start_utime,
                   m.reversal_end_utime, m.tumble_count, m.run_time, m.battery, m.link_sent,
                   m.link_received, m.link_errors);
+}
+inline auto fields(link_peer_t& m) {
+  return std::tie(m.host, m.instance, m.state, m.heard_utime, m.clock_offset, m.clock_error,
+                  m.round_trip, m.sent, m.received, m.lost, m.repeated, m.stale, m.clashing,
+                  m.trouble);
+}
+inline auto fields(link_status_t& m) {
+  return std::tie(m.utime, m.sender, m.instance, m.seq, m.host, m.allowed_clock_offset, m.foreign,
+                  m.timeouts, m.num_peers, m.peers);
 }
 inline auto fields(motor_calibration_t& m) {
   return std::tie(m.robot_id, m.gain_left, m.gain_right, m.dead_band_left, m.dead_band_right,

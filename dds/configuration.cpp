@@ -1,0 +1,90 @@
+#include "dds/configuration.hpp"
+
+#include <arpa/inet.h>
+
+#include <array>
+#include <filesystem>
+
+#include "dds/error.hpp"
+
+namespace lab::dds {
+namespace fs = std::filesystem;
+namespace {
+
+/// Of each participant of the machine: Cyclone's default of 9 refuses the tenth.
+constexpr const char* kIndices =
+    "<ParticipantIndex>auto</ParticipantIndex>"
+    "<MaxAutoParticipantIndex>100</MaxAutoParticipantIndex>";
+
+void requireAddress(const std::string& text) {
+  std::array<unsigned char, sizeof(in6_addr)> bytes{};
+  if (inet_pton(AF_INET, text.c_str(), bytes.data()) == 1) return;
+  throw DdsError("found the address \"" + text +
+                 "\", expected an IPv4 address as 192.168.1.20 (see ip -brief address)");
+}
+
+std::string peer(const std::string& address) { return R"(<Peer Address=")" + address + R"("/>)"; }
+
+std::string wrapped(const std::string& inside) {
+  return R"(<CycloneDDS xmlns="https://cdds.io/config"><Domain Id="any">)" + inside +
+         "</Domain></CycloneDDS>";
+}
+
+/// Debian keeps the plugins off the loader's path.
+std::string plugin(const std::string& element, const std::string& file, const std::string& functions) {
+  return "<" + element + R"( path="/usr/lib/)" LAB_LIBRARY_ARCHITECTURE R"(/libddsc0debian/libdds_security_)" +
+         file + R"(.so" initFunction="init_)" + functions + R"(" finalizeFunction="finalize_)" +
+         functions + R"("/>)";
+}
+
+std::string securityElement(const fs::path& folder) {
+  const auto uri = [&folder](const char* file) {
+    const fs::path path = folder / file;
+    if (!fs::exists(path)) {
+      throw DdsError(path.string() +
+                     ": not found, expected a certificate folder as docs/security.md makes it");
+    }
+    return "file:" + fs::absolute(path).string();
+  };
+  return "<Security><Authentication>" + plugin("Library", "auth", "authentication") +
+         "<IdentityCA>" + uri("identity_ca.pem") + "</IdentityCA><IdentityCertificate>" +
+         uri("cert.pem") + "</IdentityCertificate><PrivateKey>" + uri("key.pem") +
+         "</PrivateKey></Authentication><AccessControl>" + plugin("Library", "ac", "access_control") +
+         "<PermissionsCA>" + uri("permissions_ca.pem") + "</PermissionsCA><Governance>" +
+         uri("governance.p7s") + "</Governance><Permissions>" + uri("permissions.p7s") +
+         "</Permissions></AccessControl><Cryptographic>" + plugin("Library", "crypto", "crypto") +
+         "</Cryptographic></Security>";
+}
+
+}  // namespace
+
+std::string localConfiguration() {
+  // The address, not "lo", and multicast as an attribute: the other forms miss ROS 2 nodes of one
+  // or another localhost setting.
+  return wrapped(
+      "<General><Interfaces>"
+      R"(<NetworkInterface address="127.0.0.1" multicast="true"/></Interfaces></General>)"
+      "<Discovery>" +
+      std::string(kIndices) + "<Peers>" + peer("127.0.0.1") + "</Peers></Discovery>");
+}
+
+std::string networkConfiguration(const NetworkOptions& options) {
+  requireAddress(options.address);
+  std::string peers;
+  for (const std::string& address : options.peers) {
+    requireAddress(address);
+    peers += peer(address);
+  }
+  // Fragments of IP that lose one of them fill the kernel's reassembly queue for 30 s: no message
+  // is larger than a frame. Nacks wait for what is only late.
+  return wrapped(R"(<General><Interfaces><NetworkInterface address=")" + options.address +
+                 R"("/></Interfaces><AllowMulticast>)" + (options.multicast ? "spdp" : "false") +
+                 "</AllowMulticast><MaxMessageSize>1400B</MaxMessageSize>"
+                 "<FragmentSize>1300B</FragmentSize></General><Discovery>" +
+                 kIndices + "<SPDPInterval>1s</SPDPInterval>" +
+                 (peers.empty() ? "" : "<Peers>" + peers + "</Peers>") +
+                 "</Discovery><Internal><NackDelay>10ms</NackDelay></Internal>" +
+                 (options.security.empty() ? "" : securityElement(options.security)));
+}
+
+}  // namespace lab::dds
