@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <vector>
 
 #include "optics/camera_model.hpp"
 
@@ -45,6 +46,34 @@ class ProjectorTone {
   double width_ = 1;
   double height_ = 1;
   double weakest_ = 1;
+};
+
+/// How bright a projector is, beside how bright it is believed to be.
+struct ProjectorTones {
+  ProjectorTone believed;
+  ProjectorTone real;
+
+  /// Whether what is wanted is what falls on the arena.
+  [[nodiscard]] bool arePlain() const { return believed.isPlain() && real.isPlain(); }
+
+  /// What falls on `place` where `intensity` was wanted at `source`.
+  [[nodiscard]] double light(double intensity, Place source, Place place) const {
+    if (arePlain()) return intensity;
+    return real.light(believed.value(intensity, source), place);
+  }
+};
+
+/// ProjectorTones::light() for whole pictures: the power is read from a table, to 1e-6.
+class ToneTable {
+ public:
+  explicit ToneTable(const ProjectorTones& tones);
+
+  [[nodiscard]] double light(double intensity, Place source, Place place) const;
+
+ private:
+  ProjectorTones tones_;
+  double exponent_;             ///< of the share of white
+  std::vector<double> powers_;  ///< of 0 to 1 in even steps
 };
 
 }  // namespace lab::optics

@@ -8,12 +8,10 @@
 #include "calibration/projector_fit.hpp"
 #include "calibration/projector_patterns.hpp"
 #include "calibration/projector_report.hpp"
-#include "common/camera_file.hpp"
 #include "common/experiment_file.hpp"
 #include "common/projector_file.hpp"
 #include "common/units.hpp"
 #include "light/image.hpp"
-#include "optics/simulated_camera.hpp"
 #include "optics/simulated_projector.hpp"
 #include "runner/calibration_lab.hpp"
 #include "runner/commands.hpp"
@@ -26,32 +24,14 @@ namespace {
 
 using units::kCentimetre;
 
-constexpr double kStart = 60;         // [s] until the patterns begin
-constexpr double kPerPattern = 12;    // [s] at most, without the frames
-constexpr double kSimulatedFps = 20;  // more pictures are painted for nothing
 constexpr double kAtSensors = 1e-3;   // [m]
 
-/// The lab without robots but one: an experiment has one, and a simulated one is in nobody's way.
 Experiment labFor(Experiment experiment, const CalibrateProjectorOptions& options) {
-  Camera& camera = experiment.camera;
-  camera.handshake = false;
-  camera.calibration.clear();
-  if (camera.source == kSimulatedCamera) {
-    camera.tracker = Tracker::kCamera;  // else nobody paints
-    camera.fps = std::min(camera.fps, kSimulatedFps);
-  } else {
-    camera.tracker = Tracker::kSimPoses;  // a camera has one reader
-  }
-  RobotSpec robot;
-  robot.id = experiment.robots.front().id;
-  experiment.robots = {robot};
   experiment.projector.calibration.clear();
-  experiment.projector.sync_patch = 0;
-  const double frames = static_cast<double>(options.frames) / camera.fps;
-  const double patterns = static_cast<double>(
-      calibration::projectorPatterns(experiment.arena_width, experiment.arena_height).size());
-  return labUnderSteadyLight(std::move(experiment), "-projector",
-                             kStart + patterns * (kPerPattern + frames), 0);
+  return filmedLab(
+      std::move(experiment), "-projector",
+      calibration::projectorPatterns(experiment.arena_width, experiment.arena_height).size(),
+      options.frames);
 }
 
 std::optional<std::array<double, 3>> projectorPlace(const std::string& text) {
@@ -105,30 +85,6 @@ void setResolution(const Experiment& experiment, const CalibrateProjectorOptions
       fmt::format("--resolution: found \"{}\", expected the pixels of the display \"{}\" as "
                   "1920x1080 (projector_ctl --list-displays)",
                   options.resolution, experiment.projector.display));
-}
-
-struct KnownCamera {
-  CameraCalibration calibration;
-  double error = 0;  ///< [m] rms, 0: not known or none
-};
-
-KnownCamera cameraOf(const Experiment& experiment, const fs::path& directory) {
-  const Camera& camera = experiment.camera;
-  KnownCamera out;
-  if (camera.calibration.empty()) {
-    if (camera.source != kSimulatedCamera) {
-      throw UserError(
-          "camera.calibration: found none, expected the camera.json of this camera; run lab "
-          "calibrate camera first");
-    }
-    out.calibration.camera = optics::simulatedCamera(
-        camera.width, camera.height, experiment.arena_width, experiment.arena_height);
-    return out;
-  }
-  static_cast<void>(cameraInForce(experiment, directory));  // or say why not
-  out.calibration = readCameraFile(directory / camera.calibration);
-  out.error = out.calibration.residual.value_or(0);
-  return out;
 }
 
 calibration::PatternReader readerFor(const Experiment& experiment, const fs::path& directory,

@@ -141,6 +141,7 @@ struct CalibrateLightOptions {
   std::filesystem::path programs;       ///< folder of the services' programs
   std::vector<std::string> set;         ///< key=value
   int rounds = 6;                       ///< staircases, at different places
+  std::optional<bool> camera;           ///< looks too; not given: where it is the tracker
   bool virtual_time = false;
   bool force = false;
 };

@@ -11,6 +11,7 @@
 #include "optics/camera_model.hpp"
 #include "optics/cap.hpp"
 #include "optics/imaging.hpp"
+#include "optics/projector_tone.hpp"
 #include "optics/simulated_projector.hpp"
 
 namespace lab::sim {
@@ -62,6 +63,7 @@ struct PainterSettings {
   std::array<double, 3> projector = {0.60, 1.18, 2.10};
   /// What becomes of the light on its way to cap height.
   optics::Bending bending;
+  optics::ProjectorTones tones;  ///< and of its brightness
   double sheet = 0;              ///< [m] above the floor: a white sheet hides everything, 0: none
   double edge_softness = 0.001;  ///< [m] no edge in the light is sharper than the projector
   double ambient = 0.03;         ///< [1] room light, of full projector light

@@ -59,6 +59,7 @@ Projection::Projection(const std::vector<light::Layer>& layers, const PainterSet
   std::vector<light::Layer> soft = layers;
   for (light::Layer& layer : soft) layer.softness = std::max(layer.softness, softest);
   layers_ = light::CompiledLayers(soft);
+  tones_ = settings.tones.arePlain() ? nullptr : std::make_shared<const optics::ToneTable>(settings.tones);
 }
 
 /// How far a place lies inside the projector's picture [m].
@@ -131,10 +132,28 @@ void Projection::light(const Lattice& lattice, const LitPlaces& places, const Bo
       }
     }
   }
+  if (tones_) tone(lattice, places, cells, out);
   if (places.lit == nullptr) return;
   for (int j = cells.y0; j < cells.y1; ++j) {
     const std::size_t at = lattice.at(cells.x0, j);
     dimBy(&places.lit[at], &out[at], cells.width());
+  }
+}
+
+/// From the light that is wanted to what the projector gives.
+void Projection::tone(const Lattice& lattice, const LitPlaces& places, const Box& cells,
+                      std::vector<float>& out) const {
+  const PlaneShift& shift = places.shift;
+  for (int j = cells.y0; j < cells.y1; ++j) {
+    for (int i = cells.x0; i < cells.x1; ++i) {
+      const std::size_t at = lattice.at(i, j);
+      if (out[at] <= 0) continue;
+      // Where geometry is bent the white of the source stands for that of the place, a few
+      // millimetres beside it.
+      const optics::Place source{shift.scale * static_cast<double>(places.x[at]) + shift.x0,
+                                 shift.scale * static_cast<double>(places.y[at]) + shift.y0};
+      out[at] = static_cast<float>(tones_->light(static_cast<double>(out[at]), source, source));
+    }
   }
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <vector>
 
 #include "light/field.hpp"
@@ -69,9 +70,13 @@ class Projection {
   void paint(const light::CompiledLayers& layers, const Tile& tile, const Lattice& lattice,
              const LitPlaces& places, std::vector<float>& out) const;
 
+  void tone(const Lattice& lattice, const LitPlaces& places, const Box& cells,
+            std::vector<float>& out) const;
+
   light::CompiledLayers layers_;
   double width_ = 0;
   double height_ = 0;
+  std::shared_ptr<const optics::ToneTable> tones_;  ///< null: light is as wanted
 };
 
 }  // namespace lab::sim::painter

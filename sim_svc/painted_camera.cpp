@@ -23,7 +23,8 @@ CameraFormat formatOf(const Camera& camera) {
 
 }  // namespace
 
-PainterSettings painterSettings(const Experiment& experiment, const optics::Bending& bending) {
+PainterSettings painterSettings(const Experiment& experiment, const optics::Bending& bending,
+                                const optics::ProjectorTones& tones) {
   PainterSettings settings;
   settings.camera = optics::simulatedCamera(experiment.camera.width, experiment.camera.height,
                                             experiment.arena_width, experiment.arena_height);
@@ -33,6 +34,7 @@ PainterSettings painterSettings(const Experiment& experiment, const optics::Bend
   settings.projector = {experiment.arena_width / 2, experiment.arena_height + kBehindTheWall,
                         kProjectorHeight};
   settings.bending = bending;
+  settings.tones = tones;
   settings.sheet = experiment.projector.sheet;
   settings.ambient = experiment.camera.ambient;
   settings.exposure = experiment.camera.exposure;
@@ -42,11 +44,11 @@ PainterSettings painterSettings(const Experiment& experiment, const optics::Bend
 }
 
 PaintedCamera::PaintedCamera(const Experiment& experiment, Cameras& cameras, Loop& loop,
-                             const optics::Bending& bending)
+                             const optics::Bending& bending, const optics::ProjectorTones& tones)
     : loop_(loop),
       delay_us_(units::microseconds(experiment.camera.delay)),
       sink_(cameras.offer(formatOf(experiment.camera))),
-      painter_(painterSettings(experiment, bending)) {}
+      painter_(painterSettings(experiment, bending, tones)) {}
 
 void PaintedCamera::show(light::Field field) {
   light_ = std::make_shared<const light::Field>(std::move(field));

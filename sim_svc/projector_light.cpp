@@ -14,7 +14,7 @@ optics::Bending bendingOf(const Experiment& experiment, const std::filesystem::p
   return {projectorInForce(experiment, directory, projector.width, projector.height).model, real};
 }
 
-ProjectorTones tonesOf(const Experiment& experiment, const std::filesystem::path& directory) {
+optics::ProjectorTones tonesOf(const Experiment& experiment, const std::filesystem::path& directory) {
   const Projector& projector = experiment.projector;
   if (projector.display != kHeadless) return {};
   const std::optional<LightCalibration> calibration = lightInForce(experiment, directory);

@@ -16,20 +16,8 @@ namespace lab::sim {
 [[nodiscard]] optics::Bending bendingOf(const Experiment& experiment,
                                         const std::filesystem::path& directory);
 
-/// How bright a simulated projector is, beside how bright it is believed to be.
-struct ProjectorTones {
-  optics::ProjectorTone believed;
-  optics::ProjectorTone real;
-
-  /// What falls on `place` where `intensity` was wanted at `source`.
-  [[nodiscard]] double light(double intensity, optics::Place source, optics::Place place) const {
-    if (believed.isPlain() && real.isPlain()) return intensity;
-    return real.light(believed.value(intensity, source), place);
-  }
-};
-
 /// As bendingOf(): the calibration of light, and what the experiment says.
-[[nodiscard]] ProjectorTones tonesOf(const Experiment& experiment,
+[[nodiscard]] optics::ProjectorTones tonesOf(const Experiment& experiment,
                                      const std::filesystem::path& directory);
 
 }  // namespace lab::sim

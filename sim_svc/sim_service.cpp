@@ -115,7 +115,8 @@ SimService::SimService(const ServiceContext& context)
                   context.experiment.hardware.sensor_period),
       outer_robots_(world_, context.ports, [this] { follow(loop_.now()); }),
       camera_(isPainted(experiment_.camera)
-                  ? std::make_unique<PaintedCamera>(experiment_, context.cameras, loop_, bending_)
+                  ? std::make_unique<PaintedCamera>(experiment_, context.cameras, loop_, bending_,
+                                                    tonesOf(experiment_, context.directory))
                   : nullptr),
       start_utime_(context.loop.now()),
       // The robots were switched on a little earlier, each at an instant of its own.

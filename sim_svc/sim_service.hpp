@@ -40,7 +40,7 @@ class SimService final : public Service {
   /// The field shown, as the sensors see it.
   class ShownLight final : public LightSampler {
    public:
-    ShownLight(const optics::Bending& bending, const ProjectorTones& tones)
+    ShownLight(const optics::Bending& bending, const optics::ProjectorTones& tones)
         : bending_(bending), tones_(tones) {}
     void show(light::CompiledField field) { field_ = std::move(field); }
     [[nodiscard]] double at(double x, double y) const override {
@@ -51,7 +51,7 @@ class SimService final : public Service {
 
    private:
     optics::Bending bending_;
-    ProjectorTones tones_;
+    optics::ProjectorTones tones_;
     light::CompiledField field_;
   };
 

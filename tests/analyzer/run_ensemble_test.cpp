@@ -16,10 +16,47 @@ struct Case {
   double fps;
 };
 
-class RunEnsemble : public testing::TestWithParam<Case> {};
+constexpr int kFilms = 125;  // of each case
+constexpr int kCases = 8;
+
+/// Rates of all films, of whatever program, beside the truth and its bound.
+struct Rates {
+  Scatter relative;  ///< to the truth
+  Scatter z;         ///< deviation from the truth, in Fisher's bounds of its film
+  int covered = 0;
+
+  void add(double rate, double low, double high, double truth, double bound) {
+    relative.add(rate / truth);
+    z.add((rate - truth) / bound);
+    covered += low <= truth && truth <= high ? 1 : 0;
+  }
+
+  /// As the project promises: bias, scatter, 95 % intervals.
+  void judge(const char* what, double most_bias) const {
+    std::printf("%s, %g films: bias %+.3f +- %.3f %%, sd %.3f of the bound, covered %.1f %%\n", what,
+                relative.n, 100 * (relative.mean() - 1),
+                100 * relative.deviation() / std::sqrt(relative.n), z.deviation(),
+                100 * covered / relative.n);
+    EXPECT_NEAR(relative.mean(), 1, most_bias) << what;
+    EXPECT_NEAR(z.deviation(), 1, 0.10) << what;
+    EXPECT_GE(covered, 0.93 * relative.n) << what;
+    EXPECT_LE(covered, 0.97 * relative.n) << what;
+  }
+};
+
+class RunEnsemble : public testing::TestWithParam<Case> {
+ protected:
+  static void TearDownTestSuite() {
+    if (telemetry_.relative.n < kFilms * kCases) return;  // some were left out
+    telemetry_.judge("gamma from telemetry", 0.002);
+    poses_.judge("gamma from poses", 0.006);
+  }
+
+  static inline Rates telemetry_;
+  static inline Rates poses_;
+};
 
 TEST_P(RunEnsemble, RateFromTelemetryAndFromPoses) {
-  constexpr int kFilms = 125;
   const double gamma = GetParam().gamma;
   Scatter telemetry;
   Scatter poses;
@@ -61,6 +98,9 @@ TEST_P(RunEnsemble, RateFromTelemetryAndFromPoses) {
     truncated.add(rest.value);
     bound.add(gamma / std::sqrt(tumbles));
     tumble.add(dut.find("tau_t")->value);
+    const double fisher = gamma / std::sqrt(gamma * run_time);
+    telemetry_.add(tumbles / run_time, count.low / run_time, count.high / run_time, gamma, fisher);
+    poses_.add(rate.value, rate.low95, rate.high95, gamma, fisher);
     covered += rate.low95 <= gamma && gamma <= rate.high95 ? 1 : 0;
     covered_truncated += rest.low95 <= gamma && gamma <= rest.high95 ? 1 : 0;
     rejected += dut.exponential.p < 0.05 ? 1 : 0;

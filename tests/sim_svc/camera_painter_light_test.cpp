@@ -236,5 +236,28 @@ TEST(CameraPainterLight, NoLayerIsTakenForSimplerThanItIs) {
   }
 }
 
+TEST(PainterLight, FollowsTheProjectorsGammaAndVignetting) {
+  const optics::ProjectorTone real(2.2, {0, 0, -0.125, 0, -0.125}, 1.20, 0.90);
+  PainterSettings settings = plain();
+  const optics::CameraModel camera(settings.camera);
+  CameraPainter straight(settings);
+  settings.tones.real = real;
+  CameraPainter dim(settings);
+  for (const double intensity : {0.25, 0.5, 0.9}) {
+    straight.setLight(lit(1));
+    const std::vector<float> white = straight.expose({});
+    straight.setLight(lit(0));
+    const std::vector<float> dark = straight.expose({});
+    dim.setLight(lit(intensity));
+    const std::vector<float> seen = dim.expose({});
+    for (const optics::Place place : {optics::Place{0.6, 0.45}, {0.1, 0.1}, {1.1, 0.6}}) {
+      const optics::Pixel at = camera.project(place.x, place.y, 0);
+      const double share = (greyAt(seen, at) - greyAt(dark, at)) / (greyAt(white, at) - greyAt(dark, at));
+      // A floor point gets the light that is meant for a place a little farther from the projector.
+      EXPECT_NEAR(share, real.light(intensity, place), 0.004) << place.x << " " << intensity;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace lab::sim

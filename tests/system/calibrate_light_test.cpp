@@ -135,6 +135,16 @@ TEST_F(CalibrateLight, PredictsTheSensorsWithinTwoPercentOfFullScale) {
   EXPECT_LT(worst, 0.02) << "of full scale";
 }
 
+TEST_F(CalibrateLight, LooksThroughTheCameraToo) {
+  const Finished finished = calibrate("--camera --rounds 2");
+  ASSERT_EQ(finished.exit_code, 0) << finished.output;
+  EXPECT_THAT(finished.output, HasSubstr("agrees with the robots' 2."));
+  EXPECT_THAT(finished.output, testing::Not(HasSubstr("a shadow, a stain")));
+  const auto at = finished.output.find("camera   gamma ");
+  ASSERT_NE(at, std::string::npos) << finished.output;
+  EXPECT_NEAR(std::stod(finished.output.substr(at + 15)), kGamma, 0.02);
+}
+
 TEST_F(CalibrateLight, MakesTheLightSelectTheProgramThatIsMeant) {
   ASSERT_EQ(calibrate().exit_code, 0);
   EXPECT_GT(wrongShare(""), 0.5);
