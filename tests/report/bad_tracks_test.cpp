@@ -53,11 +53,20 @@ std::vector<TrackPoint> filmed(double duration, unsigned seed) {
   return points;
 }
 
-RunRecord analysed(const std::string& csv) {
+RunRecord analysed(const std::string& csv, analysis::Depth depth = analysis::Depth::kLive) {
   std::istringstream text(csv);
   return poseRun(readPoses(text, "poses.csv", {.scale = 0.01, .fps = {}}), "poses",
                  {"abp", {"v_cm_s=3", "epsilon_s=0.5", "eta_rad_s=3", "analysis.max_lag_s=20"}},
-                 {analysis::Depth::kLive});
+                 {depth});
+}
+
+const analysis::Estimate& numberOf(const RunRecord& record, const std::string& name) {
+  const analysis::Estimate* found = nullptr;
+  for (const analysis::Estimate& estimate : record.results.front().result.estimates) {
+    if (estimate.name == name) found = &estimate;
+  }
+  if (found == nullptr) throw std::logic_error("no estimate of " + name);
+  return *found;
 }
 
 std::string refusal(const std::string& csv) {
@@ -73,12 +82,17 @@ std::string refusal(const std::string& csv) {
 void expectUnbiased(const Damage& damage) {
   constexpr int kFilms = 16;
   std::map<double, std::pair<analysis::Scatter, double>> lags[2];
+  std::map<std::string, analysis::Scatter> numbers;
   for (unsigned seed = 0; seed < kFilms; ++seed) {
     std::vector<TrackPoint> points = filmed(300, 600 + seed);
     std::mt19937_64 random(seed);
     damage(points, random);
     const RunRecord record = analysed(csvOf(points));
     ASSERT_FALSE(record.results.empty());
+    for (const char* name : {"v", "D_r"}) {
+      const analysis::Estimate& estimate = numberOf(record, name);
+      numbers[name].add(estimate.value / estimate.theory);
+    }
     const analysis::Curves& curves = record.results.front().result.curves;
     for (const bool angular : {false, true}) {
       for (const analysis::CurvePoint& point : angular ? curves.angular_msd : curves.msd) {
@@ -93,6 +107,10 @@ void expectUnbiased(const Damage& damage) {
       }
     }
   }
+  for (const auto& [name, scatter] : numbers) {
+    EXPECT_EQ(scatter.n, kFilms) << name;
+    EXPECT_LT(std::abs(scatter.z(1)), 4) << name << ": " << scatter.mean() << " of the truth";
+  }
   for (const bool angular : {false, true}) {
     int judged = 0;
     for (const auto& [tau, lag] : lags[angular]) {
@@ -106,19 +124,37 @@ void expectUnbiased(const Damage& damage) {
   }
 }
 
+/// The fit of the exact law to one damaged film of ten minutes: its own error bars hold the truth.
+void expectFit(const Damage& damage) {
+  std::vector<TrackPoint> points = filmed(600, 77);
+  std::mt19937_64 random(5);
+  damage(points, random);
+  const RunRecord record = analysed(csvOf(points), analysis::Depth::kFull);
+  for (const char* name : {"v", "D_r"}) {
+    const analysis::Estimate& estimate = numberOf(record, name);
+    ASSERT_GT(estimate.sigma, 0) << name;
+    EXPECT_LT(std::abs(estimate.value - estimate.theory) / estimate.sigma, 4) << name;
+    EXPECT_LT(estimate.sigma, 0.12 * estimate.theory) << name << ": an error bar that says nothing";
+  }
+  EXPECT_NE(record.results.front().result.verdict.kind, analysis::VerdictKind::kDisagrees);
+}
+
 TEST(BadTrack, NothingWrong) {
   expectUnbiased([](auto&, auto&) {});
+  expectFit([](auto&, auto&) {});
 }
 
 TEST(BadTrack, OneInAHundredFramesMissing) {
-  expectUnbiased([](std::vector<TrackPoint>& points, std::mt19937_64& random) {
+  const Damage damage = [](std::vector<TrackPoint>& points, std::mt19937_64& random) {
     std::bernoulli_distribution lost(0.01);
     std::erase_if(points, [&](const TrackPoint&) { return lost(random); });
-  });
+  };
+  expectUnbiased(damage);
+  expectFit(damage);
 }
 
 TEST(BadTrack, OneInTwentyPosesOutOfPlace) {
-  expectUnbiased([](std::vector<TrackPoint>& points, std::mt19937_64& random) {
+  const Damage damage = [](std::vector<TrackPoint>& points, std::mt19937_64& random) {
     std::bernoulli_distribution bad(0.05);
     std::uniform_real_distribution<double> away(-0.5, 0.5);
     std::uniform_real_distribution<double> turn(-std::numbers::pi, std::numbers::pi);
@@ -128,38 +164,46 @@ TEST(BadTrack, OneInTwentyPosesOutOfPlace) {
       point.y += away(random);
       point.theta = turn(random);
     }
-  });
+  };
+  expectUnbiased(damage);
+  expectFit(damage);
 }
 
 TEST(BadTrack, HeadTakenForTail) {
-  expectUnbiased([](std::vector<TrackPoint>& points, std::mt19937_64& random) {
+  const Damage damage = [](std::vector<TrackPoint>& points, std::mt19937_64& random) {
     std::bernoulli_distribution single(0.01);
     for (TrackPoint& point : points) {
       const bool stretch = point.time > 50 && point.time < 90;
       if (single(random) == stretch) continue;
       point.theta = std::remainder(point.theta + std::numbers::pi, 2 * std::numbers::pi);
     }
-  });
+  };
+  expectUnbiased(damage);
+  expectFit(damage);
 }
 
 TEST(BadTrack, NumbersThatAreNone) {
-  expectUnbiased([](std::vector<TrackPoint>& points, std::mt19937_64& random) {
+  const Damage damage = [](std::vector<TrackPoint>& points, std::mt19937_64& random) {
     std::bernoulli_distribution bad(0.02);
     for (TrackPoint& point : points) {
       if (bad(random)) point.x = std::numeric_limits<double>::quiet_NaN();
       if (bad(random)) point.theta = std::numeric_limits<double>::infinity();
     }
-  });
+  };
+  expectUnbiased(damage);
+  expectFit(damage);
 }
 
 TEST(BadTrack, TimeStampsRepeatedAndReordered) {
-  expectUnbiased([](std::vector<TrackPoint>& points, std::mt19937_64& random) {
+  const Damage damage = [](std::vector<TrackPoint>& points, std::mt19937_64& random) {
     std::bernoulli_distribution bad(0.005);
     for (std::size_t i = 2; i < points.size(); ++i) {
       if (bad(random)) points[i].time = points[i - 1].time;
       if (bad(random)) points[i].time = points[i - 2].time;
     }
-  });
+  };
+  expectUnbiased(damage);
+  expectFit(damage);
 }
 
 TEST(BadTrack, RowsInAnyOrder) {
@@ -197,6 +241,15 @@ TEST(BadTrack, TwoMinutesOnly) {
   for (const analysis::CurvePoint& point : record.results.front().result.curves.msd) {
     EXPECT_TRUE(point.windows > 0 ? point.value > 0 && point.sigma > 0
                                   : std::isnan(point.value));
+  }
+}
+
+TEST(BadTrack, TwoMinutesStillHaveHonestErrors) {
+  const RunRecord record = analysed(csvOf(filmed(120, 4)), analysis::Depth::kFull);
+  for (const char* name : {"v", "D_r"}) {
+    const analysis::Estimate& estimate = numberOf(record, name);
+    EXPECT_LE(estimate.low95, estimate.theory) << name;
+    EXPECT_GE(estimate.high95, estimate.theory) << name;
   }
 }
 
