@@ -33,6 +33,17 @@ FramePose toPose(const tracked_pose_t& pose) {
 
 }  // namespace
 
+namespace {
+
+/// What is driven by hand (cmd_vel, the handshake) follows no law, and each speed would be a program
+/// of its own.
+program_t lawful(const robot_state_t& state) {
+  const bool by_hand = state.band < 0 && state.program.kind == program_t::WHEELS;
+  return by_hand ? program_t{} : state.program;
+}
+
+}  // namespace
+
 ProgramLaw toLaw(const program_t& program, double wheel_base) {
   ProgramLaw law;
   law.kind = static_cast<ProgramKind>(program.kind);
@@ -85,7 +96,7 @@ void AnalysisFeed::take(const robot_status_t& status) {
     if (ghosts_.contains(state.robot_id)) continue;
     anchor(state.utime);
     const std::int64_t boot = bootOf(status, state);
-    analysis_.addTelemetry(state.robot_id, toLaw(state.program, wheel_base_),
+    analysis_.addTelemetry(state.robot_id, toLaw(lawful(state), wheel_base_),
                            telemetry(state, boot));
   }
 }
@@ -108,7 +119,7 @@ std::int64_t AnalysisFeed::bootOf(const robot_status_t& status, const robot_stat
   }
   boots.last_utime = std::max(boots.last_utime, state.utime);
   boots.last_epoch = std::max(boots.last_epoch, state.program_epoch);
-  book_.key(state.program);
+  book_.key(lawful(state));
   return boots.number;
 }
 

@@ -142,4 +142,9 @@ void AsioLoop::run() {
   implementation_->io.run();
 }
 
+void AsioLoop::poll() {
+  implementation_->io.restart();
+  implementation_->io.poll();
+}
+
 }  // namespace lab

@@ -38,6 +38,9 @@ class AsioLoop final : public Loop, public Descriptors {
   /// Runs until stop(). An exception of a callback ends it and comes out here.
   void run();
 
+  /// Does what is due now, without waiting: for those who wait in another way.
+  void poll();
+
  private:
   struct Implementation;
   std::unique_ptr<Implementation> implementation_;

@@ -40,4 +40,8 @@ void checkLayers(const ExperimentForm& form, const std::optional<std::filesystem
 void checkLight(const ExperimentForm& form, const std::optional<std::filesystem::path>& directory,
                 Problems& problems);
 
+/// Services are placed on hosts that are named, hosts are joined in a way that works, and nobody
+/// opens the lab to a network without saying so.
+void checkNetworks(const ExperimentForm& form, Problems& problems);
+
 }  // namespace lab::keys

@@ -9,6 +9,7 @@
 #include "common/experiment_cores.hpp"
 #include "common/experiment_file.hpp"
 #include "common/experiment_log_size.hpp"
+#include "common/experiment_places.hpp"
 #include "common/file_values.hpp"
 #include "common/script_plan.hpp"
 #include "light/field.hpp"
@@ -299,6 +300,26 @@ std::string describeStop(const Experiment& e) {
   return text;
 }
 
+/// "bench: sim_svc, robot_bridge (ssh pi@robot-bench)"
+std::string describeHosts(const Experiment& e) {
+  const std::vector<std::string> hosts = otherHosts(e);
+  std::string text;
+  for (const std::string& host : hosts) {
+    std::string services;
+    for (const std::string_view service : kServiceNames) {
+      if (hostOf(e, service) == host) services += (services.empty() ? "" : ", ") + std::string(service);
+    }
+    text += line(text.empty() ? "hosts" : "",
+                 host + ": " + services + " (ssh " + hostSpec(e, host).ssh + ")");
+  }
+  if (hosts.empty()) return text;
+  if (e.link.join == JoinBy::kMulticast) {
+    return text + line("", "joined by LCM multicast, ttl " + std::to_string(e.network.ttl));
+  }
+  return text + line("", std::string("joined by DDS, domain ") + std::to_string(e.link.domain) +
+                             (e.link.security.empty() ? ", unsecured" : ", secured"));
+}
+
 }  // namespace
 
 std::string describeExperiment(const Experiment& e) {
@@ -314,6 +335,7 @@ std::string describeExperiment(const Experiment& e) {
   text += describeLight(e);
   text += describeReversal(e.reversal);
   text += describeCamera(e);
+  text += describeHosts(e);
   text += line("log", at_most + "about " + describeSize(expectedLogBytes(e)));
   return text;
 }

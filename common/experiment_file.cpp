@@ -90,6 +90,7 @@ Experiment parseExperiment(std::string_view text, const std::string& name,
   keys::checkCamera(form, problems);
   keys::checkLight(form, directory, problems);
   keys::checkStopRules(form, problems);
+  keys::checkNetworks(form, problems);
   if (!problems.empty()) throw ExperimentError(problems.lines(kMostProblems));
   return keys::toExperiment(form);
 }

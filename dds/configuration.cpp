@@ -11,10 +11,12 @@ namespace lab::dds {
 namespace fs = std::filesystem;
 namespace {
 
-/// Of each participant of the machine: Cyclone's default of 9 refuses the tenth.
-constexpr const char* kIndices =
-    "<ParticipantIndex>auto</ParticipantIndex>"
-    "<MaxAutoParticipantIndex>100</MaxAutoParticipantIndex>";
+/// How many participants a machine may have: Cyclone's default of 9 refuses the tenth.
+/// Announcements go to each of these ports of each peer.
+std::string indices(int most) {
+  return "<ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>" +
+         std::to_string(most) + "</MaxAutoParticipantIndex>";
+}
 
 void requireAddress(const std::string& text) {
   std::array<unsigned char, sizeof(in6_addr)> bytes{};
@@ -31,29 +33,32 @@ std::string wrapped(const std::string& inside) {
 }
 
 /// Debian keeps the plugins off the loader's path.
-std::string plugin(const std::string& element, const std::string& file, const std::string& functions) {
-  return "<" + element + R"( path="/usr/lib/)" LAB_LIBRARY_ARCHITECTURE R"(/libddsc0debian/libdds_security_)" +
+std::string plugin(const std::string& element, const std::string& file,
+                   const std::string& functions) {
+  return "<" + element +
+         R"( path="/usr/lib/)" LAB_LIBRARY_ARCHITECTURE R"(/libddsc0debian/libdds_security_)" +
          file + R"(.so" initFunction="init_)" + functions + R"(" finalizeFunction="finalize_)" +
          functions + R"("/>)";
 }
 
 std::string securityElement(const fs::path& folder) {
+  for (const char* file : {"identity_ca.pem", "cert.pem", "key.pem", "permissions_ca.pem",
+                           "governance.p7s", "permissions.p7s"}) {
+    if (fs::exists(folder / file)) continue;
+    throw DdsError((folder / file).string() +
+                   ": not found, expected a certificate folder as docs/security.md makes it");
+  }
   const auto uri = [&folder](const char* file) {
-    const fs::path path = folder / file;
-    if (!fs::exists(path)) {
-      throw DdsError(path.string() +
-                     ": not found, expected a certificate folder as docs/security.md makes it");
-    }
-    return "file:" + fs::absolute(path).string();
+    return "file:" + fs::absolute(folder / file).string();
   };
   return "<Security><Authentication>" + plugin("Library", "auth", "authentication") +
          "<IdentityCA>" + uri("identity_ca.pem") + "</IdentityCA><IdentityCertificate>" +
          uri("cert.pem") + "</IdentityCertificate><PrivateKey>" + uri("key.pem") +
-         "</PrivateKey></Authentication><AccessControl>" + plugin("Library", "ac", "access_control") +
-         "<PermissionsCA>" + uri("permissions_ca.pem") + "</PermissionsCA><Governance>" +
-         uri("governance.p7s") + "</Governance><Permissions>" + uri("permissions.p7s") +
-         "</Permissions></AccessControl><Cryptographic>" + plugin("Library", "crypto", "crypto") +
-         "</Cryptographic></Security>";
+         "</PrivateKey></Authentication><AccessControl>" +
+         plugin("Library", "ac", "access_control") + "<PermissionsCA>" + uri("permissions_ca.pem") +
+         "</PermissionsCA><Governance>" + uri("governance.p7s") + "</Governance><Permissions>" +
+         uri("permissions.p7s") + "</Permissions></AccessControl><Cryptographic>" +
+         plugin("Library", "crypto", "crypto") + "</Cryptographic></Security>";
 }
 
 }  // namespace
@@ -65,7 +70,7 @@ std::string localConfiguration() {
       "<General><Interfaces>"
       R"(<NetworkInterface address="127.0.0.1" multicast="true"/></Interfaces></General>)"
       "<Discovery>" +
-      std::string(kIndices) + "<Peers>" + peer("127.0.0.1") + "</Peers></Discovery>");
+      indices(100) + "<Peers>" + peer("127.0.0.1") + "</Peers></Discovery>");
 }
 
 std::string networkConfiguration(const NetworkOptions& options) {
@@ -75,16 +80,22 @@ std::string networkConfiguration(const NetworkOptions& options) {
     requireAddress(address);
     peers += peer(address);
   }
+  // With the cable out the kernel keeps 208 kB for each neighbour that does not answer its ARP, and a
+  // socket whose buffer that fills makes a write wait a second.
   // Fragments of IP that lose one of them fill the kernel's reassembly queue for 30 s: no message
   // is larger than a frame. Nacks wait for what is only late.
-  return wrapped(R"(<General><Interfaces><NetworkInterface address=")" + options.address +
-                 R"("/></Interfaces><AllowMulticast>)" + (options.multicast ? "spdp" : "false") +
-                 "</AllowMulticast><MaxMessageSize>1400B</MaxMessageSize>"
-                 "<FragmentSize>1300B</FragmentSize></General><Discovery>" +
-                 kIndices + "<SPDPInterval>1s</SPDPInterval>" +
-                 (peers.empty() ? "" : "<Peers>" + peers + "</Peers>") +
-                 "</Discovery><Internal><NackDelay>10ms</NackDelay></Internal>" +
-                 (options.security.empty() ? "" : securityElement(options.security)));
+  return wrapped(
+      R"(<General><Interfaces><NetworkInterface address=")" + options.address +
+      R"("/></Interfaces><AllowMulticast>)" + (options.multicast ? "spdp" : "false") +
+      "</AllowMulticast><MaxMessageSize>1400B</MaxMessageSize>"
+      "<FragmentSize>1300B</FragmentSize></General><Discovery>" +
+      indices(32) + "<SPDPInterval>1s</SPDPInterval>" +
+      (peers.empty() ? "" : "<Peers>" + peers + "</Peers>") +
+      "</Discovery><Internal><NackDelay>10ms</NackDelay>" +
+      (options.patient_writers ? "<Watermarks><WhcHigh>1GB</WhcHigh></Watermarks>"
+                                 "<SocketSendBufferSize max=\"4MB\"/>"
+                               : "") +
+      "</Internal>" + (options.security.empty() ? "" : securityElement(options.security)));
 }
 
 }  // namespace lab::dds

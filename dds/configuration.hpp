@@ -10,10 +10,13 @@ namespace lab::dds {
 [[nodiscard]] std::string localConfiguration();
 
 struct NetworkOptions {
-  std::string address;             ///< of the interface to use
-  std::vector<std::string> peers;  ///< addresses of hosts that multicast does not reach
-  bool multicast = true;           ///< hosts on the same network are found by multicast
-  std::string security;            ///< folder of certificates (docs/security.md), empty: none
+  std::string address = {};             ///< of the interface to use
+  std::vector<std::string> peers = {};  ///< addresses of hosts that multicast does not reach
+  bool multicast = true;                ///< hosts on the same network are found by multicast
+  std::string security = {};            ///< folder of certificates (docs/security.md), empty: none
+  /// Writers go on while a reader takes nothing, as far as their depth goes. Otherwise 500 kB that
+  /// are not acknowledged make each write wait its most_blocking.
+  bool patient_writers = false;
 };
 
 /// One named interface: multicast for discovery at most, data unicast, no message above one

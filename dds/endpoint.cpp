@@ -46,9 +46,26 @@ Entity checked(dds_entity_t handle, const std::string& topic, const char* what) 
 }
 
 Entity topicOf(const Domain& domain, const dds_topic_descriptor_t& type, const std::string& name) {
-  return checked(dds_create_topic(domain.participant(), &type, name.c_str(), nullptr, nullptr), name,
-                 "no topic could be made");
+  return checked(dds_create_topic(domain.participant(), &type, name.c_str(), nullptr, nullptr),
+                 name, "no topic could be made");
 }
+
+/// Samples that are Cyclone's, given back even when a handler throws.
+class Loan {
+ public:
+  Loan(dds_entity_t reader, void** samples, int count)
+      : reader_(reader), samples_(samples), count_(count) {}
+  ~Loan() {
+    if (count_ > 0) dds_return_loan(reader_, samples_, count_);
+  }
+  Loan(const Loan&) = delete;
+  Loan& operator=(const Loan&) = delete;
+
+ private:
+  dds_entity_t reader_;
+  void** samples_;
+  int count_;
+};
 
 /// DDSI-RTPS names of the policies that can keep two endpoints apart.
 std::string policyName(std::uint32_t id) {
@@ -116,9 +133,9 @@ Reader::Reader(const Domain& domain, const dds_topic_descriptor_t& type, const s
   dds_lset_data_available(listener.get(), [](dds_entity_t /*reader*/, void* argument) {
     static_cast<const Waker*>(argument)->ring();
   });
-  reader_ = checked(
-      dds_create_reader(domain.participant(), topic_.get(), handle.get(), listener.get()), topic,
-      "no reader could be made");
+  reader_ =
+      checked(dds_create_reader(domain.participant(), topic_.get(), handle.get(), listener.get()),
+              topic, "no reader could be made");
 }
 
 int Reader::take(int most,
@@ -128,17 +145,17 @@ int Reader::take(int most,
     std::array<void*, kAtOnce> samples{};
     std::array<dds_sample_info_t, kAtOnce> infos{};
     const int room = std::min(kAtOnce, most - taken);
-    const dds_return_t count = dds_take(reader_.get(), samples.data(), infos.data(),
-                                        static_cast<std::size_t>(room),
-                                        static_cast<std::uint32_t>(room));
+    const dds_return_t count =
+        dds_take(reader_.get(), samples.data(), infos.data(), static_cast<std::size_t>(room),
+                 static_cast<std::uint32_t>(room));
     if (count < 0) throw DdsError(name_ + ": could not be read: " + dds_strretcode(-count));
+    const Loan loan(reader_.get(), samples.data(), count);
     for (int i = 0; i < count; ++i) {
       const auto at = static_cast<std::size_t>(i);
       if (!infos[at].valid_data) continue;
       ++received_;
       handler(samples[at], infos[at].publication_handle);
     }
-    if (count > 0) dds_return_loan(reader_.get(), samples.data(), count);
     taken += count;
     if (count < room) break;
   }

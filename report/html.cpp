@@ -56,6 +56,7 @@ std::string reportHtml(const RunRecord& record, const std::vector<Figure>& figur
   page += html::lightBands(record);
   page += html::robots(record);
   page += html::losses(record);
+  page += html::links(record);
   page += html::provenance(record);
   return page + "</body>\n</html>\n";
 }

@@ -20,6 +20,8 @@ namespace lab::report::html {
 [[nodiscard]] std::string lightSteps(const RunRecord& record);
 [[nodiscard]] std::string robots(const RunRecord& record);
 [[nodiscard]] std::string losses(const RunRecord& record);
+/// Empty where all services ran on one host.
+[[nodiscard]] std::string links(const RunRecord& record);
 [[nodiscard]] std::string provenance(const RunRecord& record);
 /// In place of the last two, of a run that has no log.
 [[nodiscard]] std::string poseSource(const RunRecord& record);

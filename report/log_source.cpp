@@ -110,6 +110,9 @@ class Reading {
         sinks_.service(status);
       });
     }
+    if (packet.channel == channels::kLinkStatus) {
+      return deliver<link_status_t>(packet.data, sinks_.link);
+    }
     if (packet.channel == channels::kClock) facts_.virtual_time = true;
     return true;
   }

@@ -6,6 +6,7 @@
 #include <functional>
 #include <lab/experiment_event_t.hpp>
 #include <lab/light_status_t.hpp>
+#include <lab/link_status_t.hpp>
 #include <lab/robot_status_t.hpp>
 #include <lab/service_status_t.hpp>
 #include <lab/tracked_frame_t.hpp>
@@ -25,6 +26,7 @@ struct MessageSinks {
   std::function<void(const light_status_t&)> light;
   std::function<void(const experiment_event_t&)> event;
   std::function<void(const service_status_t&)> service;
+  std::function<void(const link_status_t&)> link;
 };
 
 /// What reading the log came to.

@@ -163,6 +163,7 @@ RunRecord readRun(const std::vector<std::filesystem::path>& files, const ReadOpt
   RobotTimelines robots([&book](const program_t& program) { return book.key(program); });
   EventRecord events;
   ServiceRecords services;
+  LinkRecords links;
 
   MessageSinks sinks;
   sinks.frame = [&](const tracked_frame_t& frame) {
@@ -179,6 +180,7 @@ RunRecord readRun(const std::vector<std::filesystem::path>& files, const ReadOpt
   };
   sinks.event = [&](const experiment_event_t& event) { events.take(event); };
   sinks.service = [&](const service_status_t& status) { services.take(status); };
+  sinks.link = [&](const link_status_t& status) { links.take(status); };
   record.log = readMessages(files, sinks);
   feed.flush();
 
@@ -195,6 +197,7 @@ RunRecord readRun(const std::vector<std::filesystem::path>& files, const ReadOpt
   events.finish(record);
   fillStitching(feed, record);
   services.finish(record);
+  record.links = links.records();
   return record;
 }
 

@@ -11,6 +11,7 @@
 #include "analyzer/analysis_feed.hpp"
 #include "common/experiment.hpp"
 #include "common/light_file.hpp"
+#include "report/links.hpp"
 #include "report/log_source.hpp"
 #include "report/timelines.hpp"
 
@@ -137,6 +138,7 @@ struct RunRecord {
   std::map<std::int32_t, RobotRecord> robots;
   std::vector<ServiceRecord> services;
   std::vector<ListenerLoss> listeners;
+  std::vector<LinkRecord> links;
 
   Tracks tracks;
   std::int64_t missing_frames = 0;   ///< numbers that the camera counted and the log has not

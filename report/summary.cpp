@@ -137,6 +137,26 @@ Json losses(const RunRecord& record) {
   return json;
 }
 
+Json links(const RunRecord& record) {
+  Json all = Json::array();
+  for (const LinkRecord& link : record.links) {
+    all.push_back({{"host", link.host},
+                   {"other_host", link.peer},
+                   {"received", link.received},
+                   {"lost", link.lost},
+                   {"repeated", link.repeated},
+                   {"stale", link.stale},
+                   {"clashing", link.clashing},
+                   {"timeouts", link.timeouts},
+                   {"interruptions", link.interruptions},
+                   {"lowest_clock_offset_ms", number(link.lowest_offset * 1e3)},
+                   {"highest_clock_offset_ms", number(link.highest_offset * 1e3)},
+                   {"round_trip_ms", number(link.round_trip * 1e3)},
+                   {"trouble", link.trouble}});
+  }
+  return all;
+}
+
 Json steps(const RunRecord& record) {
   Json all = Json::array();
   for (const StepRecord& step : record.steps) {
@@ -229,6 +249,7 @@ std::string summaryJson(const RunRecord& record) {
   json["steps"] = steps(record);
   json["light_bands"] = lightBandsJson(record);
   json["losses"] = losses(record);
+  if (!record.links.empty()) json["links"] = links(record);
   return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

@@ -16,7 +16,8 @@ namespace lab::runner {
 namespace {
 
 /// Runs in the child, between fork and exec: nothing but system calls.
-[[noreturn]] void becomeProgram(char* const* arguments, int output, pid_t parent) {
+[[noreturn]] void becomeProgram(char* const* arguments, int output, ChildProcess::Streams streams,
+                                pid_t parent) {
   setpgid(0, 0);
   prctl(PR_SET_PDEATHSIG, SIGTERM);
   if (getppid() != parent) _exit(1);  // the runner died before the line above
@@ -24,9 +25,8 @@ namespace {
   sigset_t none;
   sigemptyset(&none);
   sigprocmask(SIG_SETMASK, &none, nullptr);
-  const int input = open("/dev/null", O_RDONLY);
-  dup2(input, STDIN_FILENO);
-  dup2(output, STDOUT_FILENO);
+  dup2(streams.input >= 0 ? streams.input : open("/dev/null", O_RDONLY), STDIN_FILENO);
+  dup2(streams.output >= 0 ? streams.output : output, STDOUT_FILENO);
   dup2(output, STDERR_FILENO);
   execv(arguments[0], arguments);
   _exit(127);
@@ -35,7 +35,7 @@ namespace {
 }  // namespace
 
 ChildProcess::ChildProcess(std::string name, const std::vector<std::string>& arguments,
-                           const std::filesystem::path& output)
+                           const std::filesystem::path& output, Streams streams)
     : name_(std::move(name)) {
   std::vector<char*> raw;
   // exec takes char* and does not write through it.
@@ -47,7 +47,7 @@ ChildProcess::ChildProcess(std::string name, const std::vector<std::string>& arg
   }
   const pid_t parent = getpid();
   pid_ = fork();
-  if (pid_ == 0) becomeProgram(raw.data(), file, parent);
+  if (pid_ == 0) becomeProgram(raw.data(), file, streams, parent);
   close(file);
   if (pid_ < 0) {
     throw std::system_error(errno, std::generic_category(), "cannot start " + arguments.front());

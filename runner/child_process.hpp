@@ -7,35 +7,41 @@
 #include <string>
 #include <vector>
 
+#include "runner/service_process.hpp"
+
 namespace lab::runner {
 
 /// Starts a program in a process group of its own (a Ctrl-C in the terminal reaches the runner
 /// alone, which ends its children in the right order), with SIGTERM sent by the kernel should the
 /// runner die, and its output appended to a file.
-class ChildProcess {
+class ChildProcess final : public ServiceProcess {
  public:
+  /// Descriptors to talk through, which stay their owner's; -1: input is empty, output a file.
+  struct Streams {
+    int input = -1;
+    int output = -1;
+  };
+
   /// @param arguments the program's path first.
+  /// @param output the file for what it prints, beyond what goes to a stream.
   /// @throws std::runtime_error when it cannot be started.
   ChildProcess(std::string name, const std::vector<std::string>& arguments,
-               const std::filesystem::path& output);
-  ~ChildProcess();
-  ChildProcess(const ChildProcess&) = delete;
-  ChildProcess& operator=(const ChildProcess&) = delete;
+               const std::filesystem::path& output, Streams streams);
+  ChildProcess(std::string name, const std::vector<std::string>& arguments,
+               const std::filesystem::path& output)
+      : ChildProcess(std::move(name), arguments, output, Streams{}) {}
+  ~ChildProcess() override;
 
   [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] pid_t pid() const { return pid_; }
 
-  /// Whether it still runs; takes note of its end.
-  [[nodiscard]] bool running();
+  [[nodiscard]] bool running() override;
+  [[nodiscard]] int localPid() const override { return pid_; }
+  [[nodiscard]] const std::string& ending() const override { return ending_; }
+  void terminate() override;
 
-  /// "killed by signal 9", "exit code 1" once it has ended.
-  [[nodiscard]] const std::string& ending() const { return ending_; }
-
-  /// Asks it to end (SIGTERM), without waiting.
-  void terminate();
-
-  /// Waits this long for its end, then SIGKILL. Never the first choice for lcm-logger.
-  void waitOrKill(int patience_ms);
+  /// SIGKILL is never the first choice for lcm-logger.
+  void waitOrKill(int patience_ms) override;
 
  private:
   std::string name_;

@@ -6,9 +6,13 @@
 #include <functional>
 #include <iostream>
 
+#include "common/experiment_file.hpp"
 #include "common/version.hpp"
 #include "runner/commands.hpp"
 #include "runner/doctor.hpp"
+#include "runner/doctor_dds.hpp"
+#include "runner/doctor_hosts.hpp"
+#include "runner/host_agent.hpp"
 #include "runner/lab_registry.hpp"
 
 namespace lab::runner {
@@ -147,6 +151,8 @@ void addCalibrateLight(CLI::App& calibrate, Chosen& chosen, const fs::path& prog
   command->add_option("--rounds", options->rounds, "Staircases, at different places")
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
+  command->add_flag("--camera,!--no-camera", options->camera,
+                    "The camera looks at the staircase too (default: where it is the tracker)");
   command->add_flag("--virtual-time", options->virtual_time,
                     "One process, as fast as the machine allows, the same to the bit");
   command->add_option("--runs", options->runs, "Where run folders are made")->capture_default_str();
@@ -351,15 +357,30 @@ void addDoctor(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<DoctorOptions>();
   CLI::App* command =
       app.add_subcommand("doctor", "What is wrong with this machine, and the line that fixes it");
+  auto file = std::make_shared<std::string>();
   command->add_option("--out", options->runs, "Where run folders are made")->capture_default_str();
-  command->callback([&chosen, options] {
-    chosen = [options] {
+  command->add_option("FILE", *file, "Experiment file (TOML): its hosts are visited too");
+  command->callback([&chosen, options, file] {
+    chosen = [options, file] {
+      constexpr int kListen_ms = 1200;  // whoever is there says so every second
+      const Experiment experiment = file->empty() ? Experiment{} : loadExperiment(*file);
       options->registrations = registryDirectory();
-      const std::vector<Finding> findings = examine(*options);
+      std::vector<Finding> findings = examine(*options);
+      const Gateway& gateway = experiment.gateway;
+      for (Finding& finding : judgeDds(surveyDds(gateway.domain, gateway.address, kListen_ms))) {
+        findings.push_back(std::move(finding));
+      }
+      for (Finding& finding : examineHosts(experiment)) findings.push_back(std::move(finding));
       print(std::cout, findings);
       return exitCode(findings);
     };
   });
+}
+
+/// What ssh starts on other hosts: for programs, so no help speaks of it.
+void addHostAgent(CLI::App& app, Chosen& chosen, const fs::path& programs) {
+  CLI::App* command = app.add_subcommand("host-agent", "")->group("");
+  command->callback([&chosen, programs] { chosen = [programs] { return hostAgent(programs); }; });
 }
 
 }  // namespace
@@ -383,6 +404,7 @@ int runCommandLine(int argc, char** argv) {
   addFlash(app, chosen, fs::canonical("/proc/self/exe").parent_path());
   addSpy(app, chosen);
   addDoctor(app, chosen);
+  addHostAgent(app, chosen, fs::canonical("/proc/self/exe").parent_path());
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

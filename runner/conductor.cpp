@@ -75,6 +75,8 @@ Conductor::Conductor(const ServiceContext& context, std::string effective,
                                     [this](const service_status_t& status) { take(status); });
   node_.subscribe<robot_stop_t>(channels::kRobotStop,
                                 [this](const robot_stop_t& stop) { take(stop); });
+  node_.subscribe<robot_command_t>(channels::kRobotCommand,
+                                   [this](const robot_command_t& command) { take(command); });
   if (waitsForEstimates(experiment_)) {
     node_.subscribe<analysis_t>(channels::kAnalysis,
                                 [this](const analysis_t& analysis) { take(analysis); });
@@ -184,12 +186,20 @@ void Conductor::fault(const std::string& what) {
   record(std::move(event));
 }
 
+void Conductor::mark(const std::string& what) {
+  experiment_event_t event{};
+  event.kind = experiment_event_t::MARK;
+  event.text = what;
+  record(std::move(event));
+}
+
 void Conductor::sendRobots() {
   if (phase_ == Phase::kIdle) return;
   // A robot that has just booted hears of a stop before it hears of anything else.
   repeatStops();
-  robots_.utime = 0;
-  node_.publishCommand(channels::kRobotCommand, robots_);
+  robot_command_t command = yielded_.without(robots_, loop_.now());
+  command.utime = 0;
+  node_.publishCommand(channels::kRobotCommand, command);
 }
 
 void Conductor::command(robot_command_t command) {
@@ -245,7 +255,11 @@ void Conductor::take(const robot_status_t& status) {
 }
 
 bool Conductor::hasEchoed(const RobotSpec& robot) const {
-  return robot.body == Body::kReplay || isObeyedBy(robot.id);  // a recorded one takes no orders
+  const bool takes_none = robot.body == Body::kReplay;  // a recorded one takes no orders
+  const bool table = !robots_.orders.empty() &&
+                     robots_.orders.front().mode == robot_order_t::TABLE;
+  return takes_none || isObeyedBy(robot.id) ||
+         (table && yielded_.contains(robot.id, loop_.now()));
 }
 
 bool Conductor::isObeyedBy(std::int32_t robot_id) const {
@@ -303,11 +317,12 @@ void Conductor::take(const robot_stop_t& stop) {
   const bool own = stop.sender == node_.identity().name;
   if (own || phase_ == Phase::kIdle || !stops_heard_.insert(stop.seq).second) return;
   latch(stop);
-  experiment_event_t event{};
-  event.kind = experiment_event_t::MARK;
-  event.text = std::string(stop.clear != 0 ? "stop released by " : "robots stopped by ") +
-               stop.sender + (stop.reason.empty() ? "" : ": " + stop.reason);
-  record(std::move(event));
+  mark(std::string(stop.clear != 0 ? "stop released by " : "robots stopped by ") + stop.sender +
+       (stop.reason.empty() ? "" : ": " + stop.reason));
+}
+
+void Conductor::take(const robot_command_t& command) {
+  if (command.sender != node_.identity().name) yielded_.take(command, loop_.now());
 }
 
 void Conductor::take(const analysis_t& analysis) {

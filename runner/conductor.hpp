@@ -18,6 +18,7 @@
 #include "runner/handshake.hpp"
 #include "runner/light_part.hpp"
 #include "runner/stop_rules.hpp"
+#include "runner/yielded_robots.hpp"
 
 namespace lab::runner {
 
@@ -64,6 +65,9 @@ class Conductor final : public Service {
   /// Marks the run: what broke, while the rest goes on.
   void fault(const std::string& what);
 
+  /// Writes something into the record that is no fault.
+  void mark(const std::string& what);
+
   /// Ends the experiment: robots stand, the record says why.
   void conclude(const std::string& why);
 
@@ -80,6 +84,7 @@ class Conductor final : public Service {
   void take(const robot_status_t& status);
   void take(const tracked_frame_t& frame);
   void take(const robot_stop_t& stop);
+  void take(const robot_command_t& command);
   void take(const analysis_t& analysis);
   void take(const service_status_t& status);
   void latch(const robot_stop_t& stop);
@@ -119,6 +124,7 @@ class Conductor final : public Service {
   LightPart light_;
   StopRules stop_rules_;
   bool stop_reached_ = false;
+  YieldedRobots yielded_;
   std::map<std::int32_t, std::int64_t> latched_;  ///< seq of the stop in force, by robot
   std::set<std::int64_t> stops_heard_;
   std::set<std::string> complaints_;  ///< of services, already recorded

@@ -84,6 +84,41 @@ Finding ports(const MachineFacts& facts) {
   return {Level::kOk, "an LCM bus is in use; UDP ports that are taken:" + list, ""};
 }
 
+/// A message of several fragments that lost one holds its place in the kernel's queue, until that is
+/// full and nothing long arrives any more.
+Finding fragments(const MachineFacts& facts) {
+  constexpr int kEnough = 3;  // [s]
+  if (!facts.fragment_time) return {Level::kOk, "the system does not say ipfrag_time", ""};
+  const std::string what = "a message that lost a fragment is given up after " +
+                           std::to_string(*facts.fragment_time) + " s (ipfrag_time)";
+  if (*facts.fragment_time <= kEnough) return {Level::kOk, what, ""};
+  return {Level::kWarning,
+          what + ": where LCM or DDS crosses a network that loses frames, long messages stall",
+          "echo net.ipv4.ipfrag_time=1 | sudo tee /etc/sysctl.d/61-active-lab.conf && "
+          "sudo sysctl -p /etc/sysctl.d/61-active-lab.conf"};
+}
+
+Finding deviceRights(int count, const std::vector<std::string>& closed, const std::string& what,
+                     const std::string& group) {
+  if (count == 0) return {Level::kOk, "no " + what + " is plugged in", ""};
+  if (closed.empty()) {
+    return {Level::kOk, std::to_string(count) + " " + what + (count == 1 ? "" : "s") +
+                            ", open to this user", ""};
+  }
+  std::string list;
+  for (const std::string& path : closed) list += (list.empty() ? "" : ", ") + path;
+  return {Level::kWarning, "this user may not use " + list,
+          "sudo usermod -aG " + group + " $USER  # then log out and in again"};
+}
+
+Finding display(const MachineFacts& facts) {
+  if (facts.has_display) return {Level::kOk, "a display is there", ""};
+  return {Level::kWarning,
+          "no display in this session: the projector stays in memory (projector.display = "
+          "\"headless\")",
+          "export DISPLAY=:0  # where somebody is logged in at the projector's desktop"};
+}
+
 const char* labelOf(Level level) {
   switch (level) {
     case Level::kOk:
@@ -110,6 +145,12 @@ std::vector<Finding> judge(const MachineFacts& facts, const DoctorOptions& optio
       program(facts.has_gnuplot, "gnuplot", "gnuplot-nox", Level::kError, "no figures are drawn"),
       clockState(facts),
       processors(facts),
+      fragments(facts),
+      deviceRights(facts.serial_lines, facts.closed_serial_lines, "serial line", "dialout"),
+      deviceRights(facts.cameras, facts.closed_cameras, "camera", "video"),
+      display(facts),
+      program(facts.has_ssh, "ssh", "openssh-client", Level::kWarning,
+              "no service can be placed on another host"),
   };
   for (const std::filesystem::path& file : facts.stale_registrations) {
     findings.push_back({Level::kWarning, "a lab ended without taking back " + file.string(),

@@ -17,7 +17,9 @@
 #include "runner/exit_code.hpp"
 #include "runner/lab_registry.hpp"
 #include "runner/network.hpp"
+#include "runner/remote_hosts.hpp"
 #include "runner/run_live.hpp"
+#include "runner/services.hpp"
 
 namespace lab::runner {
 namespace fs = std::filesystem;
@@ -42,11 +44,24 @@ void requireDisk(const Experiment& experiment, const fs::path& folder) {
                   folder.string(), need / 1'000'000, have / 1'000'000));
 }
 
+/// With ttl 0 the kernel holds messages back only while the interface stays as it was.
+void warnUnpinned() {
+  if (const std::string warning = unpinnedWarning(); !warning.empty()) {
+    fmt::print(stderr, "warn     {}\n", warning);
+  }
+}
+
 RunOutcome execute(const LaunchOptions& options, const PreparedRun& run, const std::string& url,
-                   const fs::path& logger, const ShowProgress& show, const PilotFactory& pilot) {
+                   const fs::path& logger, RemoteHosts* hosts, const ShowProgress& show,
+                   const PilotFactory& pilot) {
   if (!options.virtual_time) {
-    return runLive(run, {.url = url, .programs = options.programs, .lcm_logger = logger}, show,
-                   pilot);
+    return runLive(run,
+                   {.url = url,
+                    .programs = options.programs,
+                    .lcm_logger = logger,
+                    .hosts = hosts,
+                    .port = run.experiment.network.port},
+                   show, pilot);
   }
   std::signal(SIGINT, [](int) { interrupted = 1; });
   std::signal(SIGTERM, [](int) { interrupted = 1; });
@@ -85,6 +100,7 @@ Launched launch(const LaunchOptions& options, Experiment experiment, const ShowP
   fs::path logger;
   std::string url;
   std::optional<PortLock> port_lock;
+  std::optional<RemoteHosts> hosts;
   const Camera& camera = experiment.camera;
   if (options.virtual_time && camera.tracker == Tracker::kCamera && !isPainted(camera)) {
     throw UserError(fmt::format(
@@ -102,6 +118,9 @@ Launched launch(const LaunchOptions& options, Experiment experiment, const ShowP
     url = lcmUrl(experiment.network.port, experiment.network.ttl);
     // A heartbeat comes once a second; a port that nobody had bound cannot have a speaker for long.
     refuseForeignTraffic(url, wanted ? 1300 : 300);
+    if (experiment.network.ttl == 0) warnUnpinned();
+    const std::vector<std::string> others = hostsInUse(experiment);
+    if (!others.empty()) hosts.emplace(experiment, others);
   }
 
   const std::int64_t start = wallClock();
@@ -111,11 +130,12 @@ Launched launch(const LaunchOptions& options, Experiment experiment, const ShowP
   std::optional<Registration> registration;
   if (!options.virtual_time) {
     fmt::print("bus      {}\n", url);
+    if (hosts) fmt::print("{}", hosts->describe());
     registration.emplace(RunningLab{prepared.directory.filename().string(), url, getpid(),
                                     fs::absolute(prepared.directory).string()});
   }
   std::fflush(stdout);
-  RunOutcome outcome = execute(options, prepared, url, logger, show, pilot);
+  RunOutcome outcome = execute(options, prepared, url, logger, hosts ? &*hosts : nullptr, show, pilot);
   registration.reset();
   // The run is kept whatever happens; a report takes seconds and is not left half-written.
   std::signal(SIGINT, SIG_IGN);

@@ -1,6 +1,7 @@
 #include "runner/machine.hpp"
 
 #include <arpa/inet.h>
+#include <glob.h>
 #include <net/if.h>
 #include <netinet/in.h>
 #include <poll.h>
@@ -149,6 +150,14 @@ std::optional<std::string> multicastInterface() {
   return interfaceOfRoute({answer.data(), size});
 }
 
+std::string unpinnedWarning() {
+  const std::string by = multicastInterface().value_or("lo");
+  if (by == "lo") return {};
+  return "multicast is routed over " + by +
+         ": should that connection change during the run, messages leave this machine; sudo ip "
+         "route add 224.0.0.0/4 dev lo prevents it (lab doctor)";
+}
+
 std::int64_t freeBytes(const fs::path& path) {
   std::error_code error;
   for (fs::path place = fs::absolute(path, error); !place.empty(); place = place.parent_path()) {
@@ -199,6 +208,22 @@ std::vector<int> listeningPorts(std::string_view proc_net_udp) {
   return ports;
 }
 
+Devices devices(const std::vector<std::string>& patterns) {
+  Devices found;
+  for (const std::string& pattern : patterns) {
+    glob_t matches{};
+    if (glob(pattern.c_str(), 0, nullptr, &matches) == 0) {
+      for (std::size_t i = 0; i < matches.gl_pathc; ++i) {
+        ++found.count;
+        const char* path = matches.gl_pathv[i];
+        if (access(path, R_OK | W_OK) != 0) found.closed.emplace_back(path);
+      }
+    }
+    globfree(&matches);
+  }
+  return found;
+}
+
 MachineFacts survey(const fs::path& runs, const fs::path& registrations) {
   MachineFacts facts;
   facts.loopback_up = loopbackUp();
@@ -212,6 +237,22 @@ MachineFacts survey(const fs::path& runs, const fs::path& registrations) {
   if (groupHasListener()) facts.busy_ports = listeningPorts(textOf("/proc/net/udp"));
   facts.clock_disciplined = clockDisciplined();
   facts.cpus = std::thread::hardware_concurrency();
+  facts.has_ssh = findProgram("ssh").has_value();
+  int seconds = 0;
+  if (std::istringstream(textOf("/proc/sys/net/ipv4/ipfrag_time")) >> seconds) {
+    facts.fragment_time = seconds;
+  }
+  const Devices lines = devices({"/dev/ttyUSB*", "/dev/ttyACM*"});
+  facts.serial_lines = lines.count;
+  facts.closed_serial_lines = lines.closed;
+  const Devices cameras = devices({"/dev/video*"});
+  facts.cameras = cameras.count;
+  facts.closed_cameras = cameras.closed;
+  const auto given = [](const char* name) {
+    const char* value = std::getenv(name);
+    return value != nullptr && *value != '\0';
+  };
+  facts.has_display = given("DISPLAY") || given("WAYLAND_DISPLAY");
   return facts;
 }
 

@@ -28,6 +28,10 @@ struct Problem {
 /// program `ip`.
 [[nodiscard]] std::optional<std::string> multicastInterface();
 
+/// Why messages with ttl 0 might leave this machine all the same, and what prevents it; empty: they
+/// cannot.
+[[nodiscard]] std::string unpinnedWarning();
+
 /// The device in the answer of `ip route get`.
 [[nodiscard]] std::optional<std::string> interfaceOfRoute(std::string_view answer);
 
@@ -59,7 +63,22 @@ struct MachineFacts {
   std::vector<int> busy_ports;            ///< as listeningPorts(), where LCM's group has a listener
   std::optional<bool> clock_disciplined;  ///< by NTP or the like; nothing: the system does not say
   unsigned cpus = 0;
+  bool has_ssh = false;
+  std::optional<int> fragment_time;  ///< [s] a message that lacks a fragment keeps its place
+  int serial_lines = 0;              ///< plugged in
+  std::vector<std::string> closed_serial_lines;  ///< of these, those we may not use
+  int cameras = 0;
+  std::vector<std::string> closed_cameras;
+  bool has_display = false;          ///< X11 or Wayland, in this session
 };
+
+/// Device files of these patterns (as /dev/video*), and those of them that we may not read and
+/// write.
+struct Devices {
+  int count = 0;
+  std::vector<std::string> closed;
+};
+[[nodiscard]] Devices devices(const std::vector<std::string>& patterns);
 
 /// Reads the facts. @param runs where runs are written @param registrations as
 /// registryDirectory()

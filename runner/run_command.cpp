@@ -37,6 +37,9 @@ ExitCode run(const RunOptions& options) {
   if (options.seed) set.push_back("seed=" + std::to_string(*options.seed));
   Experiment experiment = loadExperiment(options.file, set);
   if (options.report) requireProgram("gnuplot", "gnuplot-nox");
+  if (options.virtual_time && experiment.gateway.ros) {
+    fmt::print(stderr, "lab: ROS 2 sees nothing of a run in virtual time (docs/ros2.md)\n");
+  }
   std::optional<ProgressLine> line(std::in_place, experiment.duration);
   const Launched launched =
       launch({.file = options.file,

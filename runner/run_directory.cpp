@@ -80,6 +80,24 @@ void adoptLight(Experiment& experiment, const fs::path& calibration, const fs::p
   experiment.projector.light_calibration = name.string();
 }
 
+/// The files of ROS 2's side are copied; certificates, being secret, stay where they are.
+void adoptNetwork(Experiment& experiment, const fs::path& source, const fs::path& run) {
+  const auto adopt = [&](std::string& path, const char* name) {
+    if (path.empty()) return;
+    const fs::path from = source / path;
+    if (!fs::is_regular_file(from)) return;  // dds_gateway says what it misses
+    const fs::path to = fs::path("gateway") / name;
+    fs::create_directories(run / to.parent_path());
+    fs::copy_file(from, run / to);
+    path = to.string();
+  };
+  adopt(experiment.gateway.mapping, "mapping.toml");
+  adopt(experiment.gateway.configuration, "cyclonedds.xml");
+  for (std::string* folder : {&experiment.gateway.security, &experiment.link.security}) {
+    if (!folder->empty()) *folder = fs::absolute(source / *folder).string();
+  }
+}
+
 /// Recordings stay where they are, as they are large: the run's file names them from its own folder.
 void adoptRecordings(Experiment& experiment, const std::vector<fs::path>& recordings,
                      const fs::path& run) {
@@ -186,6 +204,7 @@ PreparedRun prepareRun(Experiment experiment, const fs::path& source, const fs::
   if (!light.empty()) adoptLight(experiment, source / light, run.directory);
   adoptRecordings(experiment, recordings, run.directory);
   adoptImages(experiment, source, run.directory);
+  adoptNetwork(experiment, source, run.directory);
   run.effective = writeExperiment(experiment);
   run.experiment = std::move(experiment);
   writeNewFile(run.directory / files::kExperiment, run.effective);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <csignal>
+#include <lab/link_status_t.hpp>
 #include <lab/service_status_t.hpp>
 #include <thread>
 
@@ -13,6 +14,7 @@
 #include "common/experiment_file.hpp"
 #include "common/lcm_bus.hpp"
 #include "runner/exit_code.hpp"
+#include "runner/remote_hosts.hpp"
 #include "runner/resume.hpp"
 #include "runner/supervisor.hpp"
 
@@ -24,6 +26,8 @@ constexpr std::int64_t kLookAfter_us = 100'000;
 constexpr std::int64_t kShowEvery_us = 500'000;
 constexpr std::int64_t kDiskEvery_us = 1'000'000;
 constexpr std::int64_t kReadyPatience_us = 10'000'000;
+constexpr std::int64_t kAttend_us = 50'000;
+constexpr std::int64_t kJoinPatience_us = 20'000'000;
 constexpr int kTick_ms = 20;
 constexpr int kRobotsStandPatience_ms = 500;
 constexpr int kBusSettles_ms = 500;
@@ -46,12 +50,18 @@ class LiveRun {
                     [this] { finish(kPilotDone); });
     }
     node_.subscribe<service_status_t>(channels::kServiceStatus, [this](const auto& status) {
-      if (status.state == service_status_t::READY) supervisor_.noteReady(status.pid);
+      if (status.state == service_status_t::READY) {
+        supervisor_.noteReady(status.sender, status.pid);
+      }
     });
+    if (hosts() != nullptr) {
+      node_.subscribe<link_status_t>(channels::kLinkStatus,
+                                     [this](const auto& status) { hosts()->take(status); });
+    }
     loop_.onReadable(bus_.fileDescriptor(), [this] { bus_.drain(); });
     loop_.onSignals({SIGINT, SIGTERM, SIGHUP}, [this](int) {
       outcome_.interrupted = true;
-      finish("ended by the user");
+      if (started_) finish("ended by the user");
     });
   }
 
@@ -59,8 +69,7 @@ class LiveRun {
     start();
     guarded([this] { conduct(); });
     guarded([this] { end(); });
-    supervisor_.endServices();
-    supervisor_.endLogger();
+    endProcesses();
     for (const std::string& fault : conductor_.faults()) outcome_.faults.push_back(fault);
     return outcome_;
   }
@@ -71,6 +80,7 @@ class LiveRun {
     loop_.every(kLookAfter_us, loop_.now(), [this] { lookAfter(); });
     loop_.every(kShowEvery_us, loop_.now(), [this] { show_(conductor_.progress()); });
     loop_.every(kDiskEvery_us, loop_.now(), [this] { watchDisk(); });
+    if (hosts() != nullptr) loop_.every(kAttend_us, loop_.now(), [this] { watchHosts(); });
     loop_.run();
   }
 
@@ -85,11 +95,15 @@ class LiveRun {
     }
   }
 
+  [[nodiscard]] RemoteHosts* hosts() const { return options_.hosts; }
+
   void start() {
+    if (hosts() != nullptr) hosts()->begin(run_, supervisor_.logFolder(), options_.port);
     supervisor_.startLogger();
     // The heartbeat is what the logger's first words are made of.
     waitUntil([this] { return supervisor_.loggerWrites(); }, [this] { node_.ready(); },
               [this] { return "lcm-logger writes nothing" + lookInto(); });
+    if (hosts() != nullptr) joinBuses();
     supervisor_.startServices();
     waitUntil([this] { return supervisor_.missing().empty(); }, [] {},
               [this] {
@@ -98,6 +112,23 @@ class LiveRun {
               });
     node_.start();
     if (seat_) seat_->begin();
+    started_ = true;
+  }
+
+  /// Nobody speaks before everybody can hear it.
+  void joinBuses() {
+    supervisor_.startGateways();
+    waitUntil(
+        [this] { return supervisor_.missing().empty() && hosts()->notJoined().empty(); }, [] {},
+        [this] {
+          const std::string ended = supervisor_.endedWith();
+          const std::string missing = supervisor_.missing();
+          return (!ended.empty()     ? ended
+                  : !missing.empty() ? "not ready: " + missing
+                                     : hosts()->notJoined()) +
+                 lookInto();
+        },
+        kJoinPatience_us);
   }
 
   [[nodiscard]] std::string lookInto() const {
@@ -106,19 +137,39 @@ class LiveRun {
 
   /// Calls `meanwhile` at kTick_ms until `done`; ends everything and throws when it takes too long.
   void waitUntil(const std::function<bool()>& done, const std::function<void()>& meanwhile,
-                 const std::function<std::string()>& complaint) {
-    const std::int64_t deadline = loop_.now() + kReadyPatience_us;
+                 const std::function<std::string()>& complaint,
+                 std::int64_t patience_us = kReadyPatience_us) {
+    const std::int64_t deadline = loop_.now() + patience_us;
     while (!done()) {
-      if (loop_.now() > deadline || supervisor_.anyEnded()) {
-        const std::string text = complaint();
-        supervisor_.endServices();
-        supervisor_.endLogger();
+      std::string trouble = hosts() == nullptr ? "" : hosts()->trouble();
+      if (outcome_.interrupted) trouble = "ended by the user before it had begun";
+      if (loop_.now() > deadline || supervisor_.anyEnded() || !trouble.empty()) {
+        const std::string text = trouble.empty() ? complaint() : trouble;
+        endProcesses();
         throw UserError(text);
       }
       meanwhile();
-      bus_.drain();
+      if (hosts() != nullptr) hosts()->attend();
+      loop_.poll();
       std::this_thread::sleep_for(std::chrono::milliseconds(kTick_ms));
     }
+  }
+
+  void endProcesses() {
+    supervisor_.endServices();
+    supervisor_.endLogger();
+    if (hosts() != nullptr) hosts()->leave();
+  }
+
+  void watchHosts() {
+    if (finishing_) {
+      hosts()->attend();
+      return;
+    }
+    const std::string over =
+        hosts()->watch({.fault = [this](const std::string& what) { conductor_.fault(what); },
+                        .mark = [this](const std::string& what) { conductor_.mark(what); }});
+    if (!over.empty()) closeEarly(over);
   }
 
   void lookAfter() {
@@ -194,6 +245,7 @@ class LiveRun {
   std::optional<PilotSeat> seat_;
   Supervisor supervisor_;
   RunOutcome outcome_;
+  bool started_ = false;
   bool finishing_ = false;
   int restarts_ = 0;
 };

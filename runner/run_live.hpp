@@ -5,10 +5,14 @@
 
 namespace lab::runner {
 
+class RemoteHosts;
+
 struct LiveOptions {
   std::string url;                         ///< of the bus
   std::filesystem::path programs;          ///< folder of the services' programs
   std::filesystem::path lcm_logger;        ///< stock lcm-logger
+  RemoteHosts* hosts = nullptr;            ///< other hosts, met already; nullptr: none
+  int port = 0;                            ///< of the bus
   std::int64_t disk_reserve = 50'000'000;  ///< [bytes] a run is closed when less is left
 };
 

@@ -44,6 +44,8 @@ RunOutcome runVirtual(const PreparedRun& run, const ShowProgress& show,
   RunOutcome outcome;
   std::list<Member> members;
   for (const ServiceDescription& description : labServices(run.experiment)) {
+    // What is outside does not live in virtual time (docs/ros2.md).
+    if (description.real_time_only) continue;
     members.emplace_back(bus, loop, ports, cameras, description, run);
   }
   Node node(bus, loop, {"lab", 0, 1});

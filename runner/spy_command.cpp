@@ -1,11 +1,15 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <array>
 #include <csignal>
 #include <cstdio>
+#include <lab/link_status_t.hpp>
 #include <map>
 
 #include "common/asio_loop.hpp"
+#include "common/channels.hpp"
+#include "common/codec.hpp"
 #include "common/fingerprints.hpp"
 #include "common/header.hpp"
 #include "common/lcm_bus.hpp"
@@ -55,6 +59,10 @@ class Spy {
     counter_.count(packet.channel, header->sender, header->instance, header->seq, header->utime);
     Heard& heard =
         heard_[{std::string(packet.channel), std::string(header->sender), header->instance}];
+    if (link_status_t status{}; packet.channel == channels::kLinkStatus &&
+                                decode(packet.data, status)) {
+      links_[status.host] = status;
+    }
     heard.type = type;
     heard.bytes = static_cast<std::int64_t>(packet.data.size());
     heard.last_received_utime = packet.received_utime;
@@ -82,8 +90,21 @@ class Spy {
       fmt::print("{:<17} NOT UNDERSTOOD {:>8} messages: another contract, or a foreign program\n",
                  channel, errors);
     }
+    showLinks();
     fmt::print("\n");
     std::fflush(stdout);
+  }
+
+  void showLinks() const {
+    static constexpr std::array kStates{"?", "joined", "SILENT", "REFUSED"};
+    for (const auto& [host, status] : links_) {
+      for (const link_peer_t& peer : status.peers) {
+        const auto state = static_cast<std::size_t>(peer.state);
+        fmt::print("link {} - {}: {}, clock {:+.2f} ms, lost {}, received {} {}\n", host, peer.host,
+                   state < kStates.size() ? kStates[state] : kStates[0], peer.clock_offset * 1e3,
+                   peer.lost, peer.received, peer.trouble);
+      }
+    }
   }
 
   std::string name_;
@@ -91,6 +112,7 @@ class Spy {
   LcmBus bus_;
   StreamCounter counter_;
   std::map<StreamKey, Heard> heard_;
+  std::map<std::string, link_status_t> links_;  ///< by the host that says so
   std::int64_t last_show_utime_ = 0;
 };
 

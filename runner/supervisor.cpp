@@ -3,8 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <fstream>
+#include <thread>
 
+#include "common/experiment_file.hpp"
+#include "common/experiment_places.hpp"
+#include "runner/host_files.hpp"
+#include "runner/remote_hosts.hpp"
 #include "runner/services.hpp"
 
 namespace lab::runner {
@@ -12,7 +18,9 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr int kMostRestarts = 5;
+constexpr const char* kGatewayService = "dds_gateway";
 constexpr int kServicePatience_ms = 3000;
+constexpr int kLinkSettles_ms = 300;  // the last messages of other hosts are on their way
 constexpr int kLoggerPatience_ms = 10000;  // it writes what it holds before it ends
 
 }  // namespace
@@ -42,23 +50,68 @@ bool Supervisor::loggerWrites() const {
   return !error && size > 0;
 }
 
+void Supervisor::add(const std::string& name, const std::string& host, bool uses_ports) {
+  Entry& entry = services_.emplace_back(Entry{.name = name, .uses_ports = uses_ports, .host = host});
+  entry.process = startService(entry, run_.directory / files::kExperiment);
+}
+
+bool Supervisor::joinsBuses() const {
+  return options_.hosts != nullptr && joinsByGateways(run_.experiment, options_.hosts->names());
+}
+
+void Supervisor::startGateways() {
+  if (!joinsBuses()) return;
+  // On this machine the local one is READY before anybody else can be heard through it.
+  add(kGatewayService, "", false);
+  for (const std::string& host : options_.hosts->names()) add(kGatewayService, host, false);
+}
+
 void Supervisor::startServices() {
   for (const ServiceDescription& description : labServices(run_.experiment)) {
-    services_.push_back({description.name,
-                         startService(description.name, description.uses_ports,
-                                      run_.directory / files::kExperiment),
-                         0, description.uses_ports});
+    if (joinsBuses() && description.name == kGatewayService) continue;
+    const std::string host =
+        options_.hosts == nullptr ? "" : hostOf(run_.experiment, description.name);
+    add(description.name, host, description.uses_ports);
   }
 }
 
-std::unique_ptr<ChildProcess> Supervisor::startService(const std::string& name, bool uses_ports,
-                                                       const fs::path& file) const {
-  std::vector<std::string> arguments{(options_.programs / name).string(), "--experiment",
+std::vector<std::string> Supervisor::argumentsOf(const Entry& entry) const {
+  if (entry.name != kGatewayService || !joinsBuses()) return {};
+  return options_.hosts->linkArguments(entry.host);
+}
+
+std::unique_ptr<ServiceProcess> Supervisor::startService(const Entry& entry,
+                                                         const fs::path& file) const {
+  if (!entry.host.empty()) return startThere(entry, file);
+  std::vector<std::string> arguments{(options_.programs / entry.name).string(), "--experiment",
                                      file.string(), "--lcm-url", options_.url};
-  if (uses_ports) {
+  if (entry.uses_ports) {
     arguments.insert(arguments.end(), {"--ports", (run_.directory / files::kPorts).string()});
   }
-  return std::make_unique<ChildProcess>(name, arguments, logFolder() / (name + ".txt"));
+  for (const std::string& argument : argumentsOf(entry)) arguments.push_back(argument);
+  return std::make_unique<ChildProcess>(entry.name, arguments, logOf(entry));
+}
+
+std::unique_ptr<ServiceProcess> Supervisor::startThere(const Entry& entry,
+                                                       const fs::path& file) const {
+  RemoteHost& host = options_.hosts->at(entry.host);
+  const std::string name = file.filename().string();
+  if (name != files::kExperiment) {
+    host.send({name, {}, writeExperiment(experimentElsewhere(loadExperiment(file)))});
+  }
+  return host.start({.service = entry.name,
+                     .experiment = name,
+                     .uses_ports = entry.uses_ports,
+                     .arguments = argumentsOf(entry)});
+}
+
+fs::path Supervisor::logOf(const Entry& entry) const {
+  return logFolder() / entry.host / (entry.name + ".txt");
+}
+
+/// "sim_svc", "sim_svc on bench"
+static std::string titleOf(const std::string& name, const std::string& host) {
+  return host.empty() ? name : name + " on " + host;
 }
 
 /// What a program said last, without the time and level that its log begins a line with.
@@ -76,8 +129,8 @@ static std::string lastLine(const fs::path& log) {
 std::string Supervisor::endedWith() const {
   for (const Entry& entry : services_) {
     if (entry.process->running()) continue;
-    const std::string said = lastLine(logFolder() / (entry.name + ".txt"));
-    return entry.name + ": " + (said.empty() ? entry.process->ending() : said);
+    const std::string said = lastLine(logOf(entry));
+    return titleOf(entry.name, entry.host) + ": " + (said.empty() ? entry.process->ending() : said);
   }
   return {};
 }
@@ -85,8 +138,9 @@ std::string Supervisor::endedWith() const {
 std::string Supervisor::missing() const {
   std::string names;
   for (const Entry& entry : services_) {
-    if (ready_.contains(entry.process->pid())) continue;
-    names += (names.empty() ? "" : ", ") + entry.name;
+    const bool here = ready_.contains({entry.name, entry.process->localPid()});
+    if (entry.host.empty() ? here : entry.process->ready()) continue;
+    names += (names.empty() ? "" : ", ") + titleOf(entry.name, entry.host);
     if (!entry.process->running()) names += " (" + entry.process->ending() + ")";
   }
   return names;
@@ -102,7 +156,8 @@ bool Supervisor::revive(const std::function<void(const std::string&)>& report,
   const auto died = [&report](Entry& entry) {
     if (entry.process->running()) return false;
     const bool again = ++entry.restarts <= kMostRestarts;
-    report(fmt::format("{} died ({}) and {}", entry.name, entry.process->ending(),
+    report(fmt::format("{} died ({}) and {}", titleOf(entry.name, entry.host),
+                       entry.process->ending(),
                        again ? "was restarted" : "is given up"));
     return true;
   };
@@ -114,16 +169,24 @@ bool Supervisor::revive(const std::function<void(const std::string&)>& report,
     if (!died(entry)) continue;
     if (entry.restarts > kMostRestarts) return false;
     const fs::path file = entry.name == "sim_svc" ? resume() : run_.directory / files::kExperiment;
-    entry.process = startService(entry.name, entry.uses_ports, file);
+    entry.process = startService(entry, file);
   }
   return true;
 }
 
 void Supervisor::endServices() {
-  // One after the other: their closing messages together would overflow the logger's queue.
-  for (Entry& entry : services_) {
+  const auto end = [](Entry& entry) {
     entry.process->terminate();
     entry.process->waitOrKill(kServicePatience_ms);
+  };
+  // One after the other: their closing messages together would overflow the logger's queue. Last
+  // who brings the messages of other hosts.
+  for (Entry& entry : services_) {
+    if (entry.name != kGatewayService) end(entry);
+  }
+  if (joinsBuses()) std::this_thread::sleep_for(std::chrono::milliseconds(kLinkSettles_ms));
+  for (auto entry = services_.rbegin(); entry != services_.rend(); ++entry) {
+    if (entry->name == kGatewayService) end(*entry);
   }
 }
 

@@ -5,6 +5,7 @@
 #include <memory>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "runner/child_process.hpp"
@@ -12,21 +13,25 @@
 
 namespace lab::runner {
 
-/// Starts, watches, restarts and ends lcm-logger and the services of one run.
+/// Starts, watches, restarts and ends lcm-logger and the services of one run, those on other hosts
+/// too.
 class Supervisor {
  public:
   Supervisor(const PreparedRun& run, const LiveOptions& options);
 
   void startLogger();
+
+  /// Those that join the buses of all hosts; none where all services are here.
+  void startGateways();
   void startServices();
 
   /// Whether lcm-logger has written something: it says nothing itself.
   [[nodiscard]] bool loggerWrites() const;
 
-  /// Takes note that the process says it is READY.
-  void noteReady(pid_t pid) { ready_.insert(pid); }
+  /// Takes note that a process of this machine says it is READY. Two hosts may have the same pid.
+  void noteReady(const std::string& sender, pid_t pid) { ready_.emplace(sender, pid); }
 
-  /// Names of the services that have not said READY.
+  /// Names of the services that were started and have not said READY.
   [[nodiscard]] std::string missing() const;
 
   /// The service that ended by itself, and what it said last; empty: none.
@@ -50,19 +55,26 @@ class Supervisor {
  private:
   struct Entry {
     std::string name;
-    std::unique_ptr<ChildProcess> process;
+    std::unique_ptr<ServiceProcess> process{};
     int restarts = 0;
     bool uses_ports = false;
+    std::string host{};  ///< "": this machine
   };
 
-  [[nodiscard]] std::unique_ptr<ChildProcess> startService(const std::string& name, bool uses_ports,
+  void add(const std::string& name, const std::string& host, bool uses_ports);
+  [[nodiscard]] std::unique_ptr<ServiceProcess> startService(const Entry& entry,
+                                                             const std::filesystem::path& file) const;
+  [[nodiscard]] std::unique_ptr<ServiceProcess> startThere(const Entry& entry,
                                                            const std::filesystem::path& file) const;
+  [[nodiscard]] std::vector<std::string> argumentsOf(const Entry& entry) const;
+  [[nodiscard]] bool joinsBuses() const;
+  [[nodiscard]] std::filesystem::path logOf(const Entry& entry) const;
 
   const PreparedRun& run_;
   const LiveOptions& options_;
-  Entry logger_{"lcm-logger", nullptr};
+  Entry logger_{"lcm-logger"};
   std::vector<Entry> services_;
-  std::set<pid_t> ready_;
+  std::set<std::pair<std::string, pid_t>> ready_;
 };
 
 }  // namespace lab::runner

@@ -44,7 +44,8 @@ class StraightRobot {
       robot_state_t& robot = status.robots[0];
       robot.utime = utime;
       robot.robot_id = 4;
-      robot.program = abp();
+      robot.program = program;
+      robot.band = band;
       robot.program_epoch = epoch;
       robot.program_start_utime = program_start;
       robot.program_left = robot.program_right = 0.03;
@@ -53,6 +54,8 @@ class StraightRobot {
     }
   }
 
+  program_t program = abp();
+  std::int8_t band = 0;
   std::int32_t epoch = 1;
   std::int64_t program_start = kStart;
   std::int32_t flags = 0;
@@ -85,6 +88,22 @@ TEST(AnalysisFeed, MapsMessagesToTheAnalysis) {
   EXPECT_NEAR(result.curves.msd[0].value, 0.0006 * 0.0006, 1e-12);
   EXPECT_EQ(dut.lastFrameUtime(), kStart + 500 * kPeriod);
   EXPECT_EQ(dut.results().front().program.kind, program_t::ABP);
+}
+
+// A joystick has a new speed with every message: as programs, they would fill the memory.
+TEST(AnalysisFeed, MakesNoProgramOfWhatIsDrivenByHand) {
+  AnalysisFeed dut{Experiment{}};
+  StraightRobot robot(dut);
+  robot.band = -1;
+  robot.program = {};
+  robot.program.kind = program_t::WHEELS;
+  for (int i = 0; i < 20; ++i) {
+    robot.program.wheel_left = 0.001 * i;
+    ++robot.epoch;
+    robot.run(100);
+  }
+  dut.flush();
+  EXPECT_TRUE(dut.results().empty());
 }
 
 TEST(AnalysisFeed, CutsWhereTheSenderStartedAnew) {

@@ -35,6 +35,13 @@ TEST(Description, DerivesTheNumbersOfThePaper) {
               HasSubstr("mean run = 1.667 cm, D = 1.667 cm^2/s; fastest wheel 23.56 of"));
 }
 
+TEST(Description, SaysWhichServiceStartsOnWhichHost) {
+  EXPECT_THAT(describeExperiment(shipped("two_hosts")),
+              HasSubstr("hosts         bench: sim_svc (ssh pi@robot-bench)\n"
+                        "              joined by DDS, domain 77, unsecured\n"));
+  EXPECT_THAT(describeExperiment(shipped("abp")), ::testing::Not(HasSubstr("hosts")));
+}
+
 TEST(Description, SaysWhoGetsWhichPartOfTheArena) {
   EXPECT_THAT(describeExperiment(shipped("half_dark_arena")),
               HasSubstr("light 0.1 to 0.8, abp 50 %, rtp 50 %\n"));

@@ -23,6 +23,9 @@ MachineFacts healthyMachine() {
   facts.has_gnuplot = true;
   facts.clock_disciplined = true;
   facts.cpus = 4;
+  facts.has_ssh = true;
+  facts.fragment_time = 1;
+  facts.has_display = true;
   return facts;
 }
 
@@ -41,7 +44,7 @@ Finding onlyComplaint(const MachineFacts& facts) {
 TEST(Doctor, HasNoComplaintAboutAHealthyMachine) {
   const std::vector<Finding> findings = judge(healthyMachine(), {.runs = "r", .registrations = ""});
 
-  EXPECT_EQ(findings.size(), 10U);
+  EXPECT_EQ(findings.size(), 15U);
   EXPECT_THAT(complaints(healthyMachine()), IsEmpty());
   EXPECT_EQ(exitCode(findings), 0);
 }
@@ -136,6 +139,38 @@ TEST(Doctor, PrintsOneLineAFindingAndTheLineThatRepairsItBelow) {
       {{Level::kOk, "well", ""}, {Level::kWarning, "so so", "try"}, {Level::kError, "bad", "do"}});
 
   EXPECT_EQ(out.str(), "ok    well\nwarn  so so\n      try\nFIX   bad\n      do\n");
+}
+
+TEST(Doctor, SaysHowLongALostFragmentHurts) {
+  MachineFacts facts = healthyMachine();
+  facts.fragment_time = 30;
+
+  EXPECT_THAT(onlyComplaint(facts).what, HasSubstr("after 30 s (ipfrag_time)"));
+  EXPECT_THAT(onlyComplaint(facts).fix, HasSubstr("net.ipv4.ipfrag_time=1"));
+}
+
+TEST(Doctor, NamesDevicesThatTheUserMayNotUseAndTheGroupThatMay) {
+  MachineFacts lines = healthyMachine();
+  lines.serial_lines = 2;
+  lines.closed_serial_lines = {"/dev/ttyUSB1"};
+  EXPECT_THAT(onlyComplaint(lines).what, HasSubstr("may not use /dev/ttyUSB1"));
+  EXPECT_THAT(onlyComplaint(lines).fix, HasSubstr("usermod -aG dialout $USER"));
+
+  MachineFacts cameras = healthyMachine();
+  cameras.cameras = 1;
+  cameras.closed_cameras = {"/dev/video0"};
+  EXPECT_THAT(onlyComplaint(cameras).what, HasSubstr("may not use /dev/video0"));
+  EXPECT_THAT(onlyComplaint(cameras).fix, HasSubstr("usermod -aG video $USER"));
+}
+
+TEST(Doctor, SaysWhatIsMissingForProjectorAndOtherHosts) {
+  MachineFacts facts = healthyMachine();
+  facts.has_display = false;
+  EXPECT_THAT(onlyComplaint(facts).what, HasSubstr("no display"));
+
+  facts = healthyMachine();
+  facts.has_ssh = false;
+  EXPECT_THAT(onlyComplaint(facts).fix, HasSubstr("openssh-client"));
 }
 
 }  // namespace

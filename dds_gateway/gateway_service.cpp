@@ -1,0 +1,92 @@
+#include "dds_gateway/gateway_service.hpp"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "common/experiment_file.hpp"
+#include "common/experiment_places.hpp"
+#include "dds/error.hpp"
+
+namespace lab::gateway {
+namespace {
+
+constexpr const char* kName = "dds_gateway";
+
+/// What the command line says about the link.
+struct LinkArguments {
+  std::string host;
+  std::string address;
+  std::vector<std::string> peers;
+  std::string key;
+
+  void addTo(CLI::App& app) {
+    app.add_option("--link-host", host, "Join buses: this host's name in the experiment");
+    app.add_option("--link-address", address, "Own address on the way to the other hosts");
+    app.add_option("--link-peer", peers, "Address of another host")->take_all();
+    app.add_option("--link-key", key, "Of the run: two runs never mix");
+  }
+
+  [[nodiscard]] std::optional<BusLinkOptions> options(const ServiceContext& context) const {
+    if (host.empty()) return std::nullopt;
+    const Link& link = context.experiment.link;
+    BusLinkOptions options;
+    options.host = host;
+    options.address = address;
+    options.peers = peers;
+    options.key = key;
+    options.domain = link.domain;
+    options.most_offset = link.max_clock_offset;
+    if (!link.security.empty()) options.security = (context.directory / link.security).string();
+    return options;
+  }
+};
+
+bool joinsHosts(const Experiment& experiment) {
+  return experiment.link.join == JoinBy::kDds && !otherHosts(experiment).empty();
+}
+
+/// Of the gateways of several hosts, one speaks to ROS 2: that of the host where the experiment
+/// places dds_gateway.
+bool speaksRos(const Experiment& experiment, const std::optional<BusLinkOptions>& link) {
+  if (!experiment.gateway.ros) return false;
+  if (!link) return true;
+  const std::string place = hostOf(experiment, kName);
+  if (!place.empty()) return link->host == place;
+  const std::vector<std::string> others = otherHosts(experiment);
+  return std::find(others.begin(), others.end(), link->host) == others.end();
+}
+
+}  // namespace
+
+GatewayService::GatewayService(const ServiceContext& context,
+                               const std::optional<BusLinkOptions>& link) {
+  if (speaksRos(context.experiment, link)) ros_ = std::make_unique<RosBridge>(context);
+  try {
+    if (link) {
+      link_ = std::make_unique<BusLink>(context.node, context.loop, context.descriptors, *link);
+    }
+  } catch (const dds::DdsError& error) {
+    throw ExperimentError({std::string("link: ") + error.what()});
+  }
+  context.loop.soon([&node = context.node] { node.ready(); });
+}
+
+ServiceDescription serviceDescription() {
+  ServiceDescription description;
+  description.name = kName;
+  description.summary = "Shows the lab to ROS 2, and joins its bus with those of other hosts";
+  const auto arguments = std::make_shared<LinkArguments>();
+  description.add_options = [arguments](CLI::App& app) { arguments->addTo(app); };
+  description.make = [arguments](const ServiceContext& context) -> std::unique_ptr<Service> {
+    return std::make_unique<GatewayService>(context, arguments->options(context));
+  };
+  description.wanted = [](const Experiment& experiment) {
+    return experiment.gateway.ros || joinsHosts(experiment);
+  };
+  description.real_time_only = true;
+  return description;
+}
+
+}  // namespace lab::gateway

@@ -1,0 +1,27 @@
+/// The way out of the lab's bus: to ROS 2, and to the buses of other hosts.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "common/service_main.hpp"
+#include "dds_gateway/bus_link.hpp"
+#include "dds_gateway/ros_bridge.hpp"
+
+namespace lab::gateway {
+
+class GatewayService final : public Service {
+ public:
+  /// @param link where this host has a part in joining buses, else nothing
+  /// @throws ExperimentError for what the experiment names and DDS cannot use
+  GatewayService(const ServiceContext& context, const std::optional<BusLinkOptions>& link);
+
+ private:
+  std::unique_ptr<RosBridge> ros_;
+  std::unique_ptr<BusLink> link_;
+};
+
+/// The service as a process; it does not run in virtual time.
+[[nodiscard]] ServiceDescription serviceDescription();
+
+}  // namespace lab::gateway

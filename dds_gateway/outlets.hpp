@@ -1,0 +1,101 @@
+/// The topics that go out.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "dds/endpoint.hpp"
+#include "dds_gateway/mapping.hpp"
+#include "dds_gateway/rate_limit.hpp"
+#include "ros_types/ros_type.hpp"
+
+namespace lab::gateway {
+
+/// One topic with its writer and its counts.
+class Outlet {
+ public:
+  Outlet(const dds::Domain& domain, const ros::RosType& type, const Route& route,
+         const dds::Qos& qos)
+      : topic_(route.topic),
+        type_name_(type.descriptor->m_typename),
+        limit_(route.rate),
+        writer_(domain, *type.descriptor, ros::topicName(route.topic), qos) {}
+
+  /// Whether a message of this time is to be made at all; counts it.
+  [[nodiscard]] bool admit(std::int64_t utime) {
+    ++offered_;
+    if (!limit_.admit(utime)) return false;
+    utime_ = utime;
+    return true;
+  }
+  void write(const void* message) { writer_.write(message); }
+
+  [[nodiscard]] const std::string& topic() const { return topic_; }
+  [[nodiscard]] const std::string& typeName() const { return type_name_; }
+  [[nodiscard]] std::int64_t offered() const { return offered_; }
+  [[nodiscard]] std::int64_t thinned() const {
+    return offered_ - writer_.written() - writer_.timeouts();
+  }
+  [[nodiscard]] const dds::Writer& writer() const { return writer_; }
+  [[nodiscard]] std::int64_t lastUtime() const { return utime_; }
+
+ private:
+  std::string topic_;
+  std::string type_name_;
+  RateLimit limit_;
+  dds::Writer writer_;
+  std::int64_t offered_ = 0;
+  std::int64_t utime_ = 0;
+};
+
+/// Makes outlets as the mapping says. A topic that it denies has none: null.
+class Outlets {
+ public:
+  Outlets(const dds::Domain& domain, const Mapping& mapping) : domain_(domain), mapping_(mapping) {}
+
+  using Handle = std::shared_ptr<Outlet>;  ///< ends with its last owner
+
+  template <class Message>
+  [[nodiscard]] Handle open(const std::string& topic, const dds::Qos& qos) {
+    return open(ros::rosType<Message>(), topic, qos);
+  }
+  template <class Message>
+  [[nodiscard]] Handle open(const std::string& topic) {
+    return open<Message>(topic, ros::defaultQos(ros::rosType<Message>()));
+  }
+  /// One that late joiners get the last message of.
+  template <class Message>
+  [[nodiscard]] Handle openLatched(const std::string& topic) {
+    return open<Message>(topic, ros::latchedQos(ros::rosType<Message>()));
+  }
+
+  /// Those in use, in the order in which they were made.
+  [[nodiscard]] std::vector<Handle> all();
+
+ private:
+  Handle open(const ros::RosType& type, const std::string& topic, const dds::Qos& qos) {
+    const std::optional<Route> route = mapping_.route(topic);
+    if (!route) return nullptr;
+    auto outlet = std::make_shared<Outlet>(domain_, type, *route, qos);
+    made_.push_back(outlet);
+    return outlet;
+  }
+
+  const dds::Domain& domain_;
+  const Mapping& mapping_;
+  std::vector<std::weak_ptr<Outlet>> made_;
+};
+
+inline std::vector<Outlets::Handle> Outlets::all() {
+  std::erase_if(made_, [](const auto& outlet) { return outlet.expired(); });
+  std::vector<Handle> open;
+  open.reserve(made_.size());
+  for (const auto& outlet : made_) {
+    if (Handle handle = outlet.lock()) open.push_back(std::move(handle));
+  }
+  return open;
+}
+
+}  // namespace lab::gateway

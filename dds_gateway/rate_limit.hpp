@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstdint>
+
+#include "common/units.hpp"
+
+namespace lab::gateway {
+
+/// Lets at most so many messages a second through, by the messages' own time: a replay at ten times
+/// the speed is thinned like the run was.
+class RateLimit {
+ public:
+  /// @param rate [1/s], 0: everything
+  explicit RateLimit(double rate) : period_us_(rate > 0 ? units::microseconds(1 / rate) : 0) {}
+
+  /// Whether the message of this time passes. Time that goes backwards begins anew.
+  [[nodiscard]] bool admit(std::int64_t utime) {
+    if (period_us_ == 0) return true;
+    const std::int64_t early = next_utime_ - utime;
+    if (early > 0 && early <= period_us_) return false;
+    // On the grid, so that 5 Hz out of 60 Hz is 5 Hz; after a pause, a new grid.
+    const bool on_grid = early <= 0 && -early < period_us_;
+    next_utime_ = (on_grid ? next_utime_ : utime) + period_us_;
+    return true;
+  }
+
+ private:
+  std::int64_t period_us_;
+  std::int64_t next_utime_ = 0;
+};
+
+}  // namespace lab::gateway

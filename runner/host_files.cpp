@@ -1,0 +1,63 @@
+#include "runner/host_files.hpp"
+
+#include "runner/run_directory.hpp"
+
+namespace lab::runner {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr const char* kLinkSecurity = "security/link";
+constexpr const char* kGatewaySecurity = "security/gateway";
+constexpr const char* kMapping = "gateway/mapping";
+constexpr const char* kConfiguration = "gateway/configuration";
+
+std::string recordingName(std::size_t robot) {
+  return "recordings/" + std::to_string(robot) + ".lcmlog";
+}
+
+void addFolder(const fs::path& folder, const std::string& name, std::vector<HostFile>& files) {
+  std::error_code error;
+  for (const auto& entry : fs::recursive_directory_iterator(folder, error)) {
+    if (!entry.is_regular_file()) continue;
+    files.push_back({(fs::path(name) / fs::relative(entry.path(), folder)).string(), entry.path(), {}});
+  }
+}
+
+}  // namespace
+
+std::vector<HostFile> filesFor(const Experiment& e, const fs::path& directory) {
+  std::vector<HostFile> files;
+  addFolder(directory / files::kImages, files::kImages, files);
+  addFolder(directory / files::kCalibration, files::kCalibration, files);
+  for (std::size_t i = 0; i < e.robots.size(); ++i) {
+    if (!e.robots[i].log.empty()) {
+      files.push_back({recordingName(i), directory / e.robots[i].log, {}});
+    }
+  }
+  if (!e.link.security.empty()) addFolder(directory / e.link.security, kLinkSecurity, files);
+  if (!e.gateway.security.empty()) {
+    addFolder(directory / e.gateway.security, kGatewaySecurity, files);
+  }
+  if (!e.gateway.mapping.empty()) files.push_back({kMapping, directory / e.gateway.mapping, {}});
+  if (!e.gateway.configuration.empty()) {
+    files.push_back({kConfiguration, directory / e.gateway.configuration, {}});
+  }
+  return files;
+}
+
+Experiment experimentElsewhere(Experiment e) {
+  for (std::size_t i = 0; i < e.robots.size(); ++i) {
+    if (!e.robots[i].log.empty()) e.robots[i].log = recordingName(i);
+  }
+  if (!e.link.security.empty()) e.link.security = kLinkSecurity;
+  if (!e.gateway.security.empty()) e.gateway.security = kGatewaySecurity;
+  if (!e.gateway.mapping.empty()) e.gateway.mapping = kMapping;
+  if (!e.gateway.configuration.empty()) e.gateway.configuration = kConfiguration;
+  return e;
+}
+
+bool joinsByGateways(const Experiment& experiment, const std::vector<std::string>& hosts) {
+  return !hosts.empty() && experiment.link.join == JoinBy::kDds;
+}
+
+}  // namespace lab::runner

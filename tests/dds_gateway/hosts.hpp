@@ -1,0 +1,269 @@
+/// Hosts of tests/two_hosts.sh, as a test sees them: their buses and their gateways.
+#pragma once
+
+#include <fcntl.h>
+#include <poll.h>
+#include <sched.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdlib>
+#include <fstream>
+#include <functional>
+#include <lab/link_status_t.hpp>
+#include <map>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/channels.hpp"
+#include "common/header.hpp"
+#include "common/lcm_bus.hpp"
+
+namespace lab::gateway {
+
+inline const std::string kUrl = lcmUrl(7811);
+
+/// Whether this test was started by two_hosts.sh.
+inline bool hostsAreThere() { return std::getenv("TWO_HOSTS") != nullptr; }
+
+inline std::string required(const std::string& variable) {
+  const char* value = std::getenv(variable.c_str());
+  if (value == nullptr) throw std::runtime_error("$" + variable + ": start by tests/two_hosts.sh");
+  return value;
+}
+
+/// Seconds of a clock that does not jump.
+inline double steadySeconds() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+inline std::int64_t wallUtime() {
+  return std::chrono::duration_cast<std::chrono::microseconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+/// In another network as long as it lives: what is opened meanwhile stays there.
+class Within {
+ public:
+  explicit Within(const std::string& process)
+      : home_(open("/proc/self/ns/net", O_RDONLY | O_CLOEXEC)) {
+    const int there = open(("/proc/" + process + "/ns/net").c_str(), O_RDONLY | O_CLOEXEC);
+    const bool in = there >= 0 && setns(there, CLONE_NEWNET) == 0;
+    close(there);
+    if (!in) throw std::runtime_error("no way into the network of process " + process);
+  }
+  ~Within() {
+    static_cast<void>(setns(home_, CLONE_NEWNET));
+    close(home_);
+  }
+  Within(const Within&) = delete;
+  Within& operator=(const Within&) = delete;
+
+ private:
+  int home_;
+};
+
+/// A program on one of the hosts, ended with the object.
+class Program {
+ public:
+  Program(const std::string& process, std::vector<std::string> command) : id_(fork()) {
+    if (id_ != 0) return;
+    command.insert(command.begin(), {"nsenter", "-t", process, "-n"});
+    std::vector<char*> arguments;
+    for (std::string& word : command) arguments.push_back(word.data());
+    arguments.push_back(nullptr);
+    execvp(arguments[0], arguments.data());
+    _exit(127);
+  }
+  ~Program() { end(); }
+  Program(const Program&) = delete;
+  Program& operator=(const Program&) = delete;
+
+  void end() {
+    if (id_ <= 0) return;
+    signal(SIGCONT);
+    signal(SIGTERM);
+    waitpid(id_, nullptr, 0);
+    id_ = 0;
+  }
+  void signal(int number) const { kill(id_, number); }
+  [[nodiscard]] pid_t id() const { return id_; }
+
+  /// Resident.
+  [[nodiscard]] double megabytes() const {
+    std::ifstream file("/proc/" + std::to_string(id_) + "/statm");
+    double all = 0;
+    double resident = 0;
+    file >> all >> resident;
+    return resident * static_cast<double>(sysconf(_SC_PAGESIZE)) * 1e-6;
+  }
+
+ private:
+  pid_t id_;
+};
+
+struct Message {
+  std::string channel;
+  std::vector<std::uint8_t> data;
+  double came = 0;  ///< [s] steadySeconds()
+  std::string sender;
+  std::int64_t seq = 0;
+};
+
+class Host {
+ public:
+  explicit Host(const std::string& letter)
+      : name("host" + letter),
+        process(required("HOST_" + letter)),
+        address(required("ADDRESS_" + letter)) {
+    const Within there(process);
+    bus = std::make_unique<LcmBus>(kUrl);
+    bus->subscribeAll([this](const Packet& packet) { hear(packet); });
+  }
+
+  /// What passed on this bus by senders other than the gateways themselves.
+  [[nodiscard]] std::vector<Message> of(std::string_view sender, std::string_view channel) const {
+    std::vector<Message> found;
+    for (const Message& message : heard) {
+      if (message.sender == sender && message.channel == channel) found.push_back(message);
+    }
+    return found;
+  }
+
+  /// What its own gateway says of a peer. state 0: nothing.
+  [[nodiscard]] link_peer_t peer(const std::string& host) const {
+    for (const link_peer_t& row : status.peers) {
+      if (row.host == host) return row;
+    }
+    return {};
+  }
+
+  std::string name;
+  std::string process;
+  std::string address;
+  std::unique_ptr<LcmBus> bus;
+  std::vector<Message> heard;
+  link_status_t status{};
+  std::vector<std::pair<std::string, int>> states;  ///< of peers, as they changed
+
+ private:
+  void hear(const Packet& packet) {
+    if (packet.channel == channels::kLinkStatus) {
+      link_status_t said{};
+      if (decode(packet.data, said) && said.host == name) {
+        for (const link_peer_t& row : said.peers) {
+          if (peer(row.host).state != row.state) states.emplace_back(row.host, row.state);
+        }
+        status = said;
+      }
+      return;
+    }
+    const auto header = peekHeader(packet.data);
+    if (header && header->sender == "dds_gateway") return;
+    heard.push_back({std::string(packet.channel),
+                     {packet.data.begin(), packet.data.end()},
+                     steadySeconds(),
+                     header ? std::string(header->sender) : "",
+                     header ? header->seq : 0});
+  }
+};
+
+/// The hosts at work together.
+class Hosts {
+ public:
+  explicit Hosts(const std::vector<std::string>& letters) {
+    for (const std::string& letter : letters) all_.push_back(std::make_unique<Host>(letter));
+  }
+
+  Host& operator[](std::size_t index) { return *all_[index]; }
+
+  /// Starts the gateway of a host, joined with all others.
+  std::unique_ptr<Program> gateway(std::size_t index, std::int64_t clock_shift_us = 0,
+                                   double most_offset = 0.005, const std::string& key = "run") {
+    Host& host = *all_[index];
+    std::vector<std::string> command{LAB_LINK_END,
+                                     kUrl,
+                                     host.name,
+                                     host.address,
+                                     key,
+                                     std::to_string(clock_shift_us),
+                                     std::to_string(most_offset)};
+    for (const auto& other : all_) {
+      if (other.get() != &host) command.push_back(other->address);
+    }
+    return std::make_unique<Program>(host.process, std::move(command));
+  }
+
+  /// Hears all buses for so long.
+  void run(double seconds) {
+    until([] { return false; }, seconds);
+  }
+
+  /// Hears all buses until that is so. @return whether it came true in time.
+  bool until(const std::function<bool()>& so, double seconds) {
+    const double end = steadySeconds() + seconds;
+    std::vector<pollfd> waits;
+    for (const auto& host : all_) waits.push_back({host->bus->fileDescriptor(), POLLIN, 0});
+    while (!so()) {
+      const double left = end - steadySeconds();
+      if (left <= 0) return false;
+      poll(waits.data(), waits.size(), static_cast<int>(std::min(left * 1e3 + 1, 20.0)));
+      for (const auto& host : all_) host->bus->drain();
+    }
+    return true;
+  }
+
+  /// Whether each of these knows that many peers in this state.
+  bool untilState(std::int8_t state, std::size_t peers, double seconds) {
+    return until(
+        [&] {
+          for (const auto& host : all_) {
+            std::size_t count = 0;
+            for (const link_peer_t& row : host->status.peers) count += row.state == state ? 1 : 0;
+            if (count < peers) return false;
+          }
+          return true;
+        },
+        seconds);
+  }
+
+  /// Calls `publish` so often a second for so long, and hears meanwhile.
+  /// @return how often it was called
+  int publishing(double rate, double seconds, const std::function<void(int)>& publish) {
+    const double start = steadySeconds();
+    const int count = static_cast<int>(rate * seconds);
+    for (int i = 0; i < count; ++i) {
+      const double at = start + i / rate;
+      if (const double left = at - steadySeconds(); left > 0) run(left);
+      publish(i);
+    }
+    return count;
+  }
+
+ private:
+  std::vector<std::unique_ptr<Host>> all_;
+};
+
+/// Tells the router.
+inline void wire(const std::string& what) {
+  const std::string command = required("TWO_HOSTS") + " " + what;
+  if (std::system(command.c_str()) != 0) throw std::runtime_error("failed: " + command);
+}
+
+template <class Type>
+std::vector<std::uint8_t> message(const std::string& sender, std::int64_t seq, Type type = {}) {
+  type.utime = wallUtime();
+  type.sender = sender;
+  type.instance = 1000;
+  type.seq = seq;
+  return encode(type);
+}
+
+}  // namespace lab::gateway

@@ -1,0 +1,416 @@
+"""A run over two or three computers: namespaces, a router between them, and a real sshd on each.
+
+Started by tests/two_hosts.sh (the environment names the hosts), one scenario a call:
+  hosts_test.py SCENARIO FOLDER_OF_PROGRAMS
+"""
+import glob
+import json
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+TWO_HOSTS = os.environ['TWO_HOSTS']
+PROGRAMS = os.path.abspath(sys.argv[2]) if len(sys.argv) > 2 else ''
+PORT = 2222
+SKIPPED = 77
+
+EXPERIMENT = '''
+fileversion = 1
+name = "hosts"
+duration_s = %(duration)s
+program = "abp"
+
+[link]
+unsecured = true
+%(link)s
+
+[hosts.bench]
+programs = "%(programs)s"
+
+%(services)s
+
+[[robots]]
+count = 3
+id = 1
+
+[programs.abp]
+model = "abp"
+v_cm_s = 3
+epsilon_s = 0.5
+eta_rad_s = 3
+'''
+
+
+class Hosts:
+    """sshd on B (and C), an ssh that knows them, and a folder for it all."""
+
+    def __init__(self, names=('bench',)):
+        self.folder = tempfile.mkdtemp(prefix='lab-hosts-test-')
+        self.names = dict(zip(names, ('B', 'C')))
+        self.daemons = {}
+        self.temp = os.path.join(self.folder, 'tmp')
+        os.mkdir(self.temp)
+        os.makedirs('/run/sshd', exist_ok=True)
+        for key in ('key', 'host_key'):
+            subprocess.run(['ssh-keygen', '-q', '-t', 'ed25519', '-N', '', '-f', self.path(key)],
+                           check=True)
+        shutil.copy(self.path('key.pub'), self.path('authorized_keys'))
+        with open(self.path('ssh_config'), 'w', encoding='ascii') as config:
+            for name, letter in self.names.items():
+                config.write(f'Host {name}\n  HostName {os.environ["ADDRESS_" + letter]}\n')
+            config.write(f'Host *\n  Port {PORT}\n  User {os.environ.get("USER", "root")}\n'
+                         f'  IdentityFile {self.path("key")}\n  IdentitiesOnly yes\n'
+                         f'  UserKnownHostsFile {self.path("known")}\n'
+                         '  StrictHostKeyChecking yes\n')
+        with open(self.path('host_key.pub'), encoding='ascii') as file:
+            kind, key = file.read().split()[:2]
+        with open(self.path('known'), 'w', encoding='ascii') as known:
+            for letter in self.names.values():
+                known.write(f'[{os.environ["ADDRESS_" + letter]}]:{PORT} {kind} {key}\n')
+        os.mkdir(self.path('bin'))
+        with open(self.path('bin/ssh'), 'w', encoding='ascii') as wrapper:
+            wrapper.write(f'#!/bin/sh\nexec {shutil.which("ssh")} -F {self.path("ssh_config")} "$@"\n')
+        os.chmod(self.path('bin/ssh'), 0o755)
+        for name in self.names:
+            self.start_sshd(name)
+
+    def path(self, name):
+        return os.path.join(self.folder, name)
+
+    def start_sshd(self, name):
+        letter = self.names[name]
+        address = os.environ['ADDRESS_' + letter]
+        config = self.path(f'sshd_{name}')
+        with open(config, 'w', encoding='ascii') as file:
+            file.write(f'Port {PORT}\nListenAddress {address}\nHostKey {self.path("host_key")}\n'
+                       f'AuthorizedKeysFile {self.path("authorized_keys")}\nStrictModes no\n'
+                       f'UsePAM no\nPermitRootLogin yes\nPidFile none\n'
+                       f'SetEnv TMPDIR={self.temp} XDG_RUNTIME_DIR={self.path("runtime_" + name)}\n')
+        log = open(self.path(f'sshd_{name}.log'), 'a', encoding='ascii')
+        self.daemons[name] = on(letter, [shutil.which('sshd') or '/usr/sbin/sshd', '-D', '-e', '-f',
+                                         config], stderr=log)
+        for _ in range(100):
+            probe = subprocess.run(on_command('A', [self.path('bin/ssh'), '-o', 'BatchMode=yes', name,
+                                                    'true']), capture_output=True, text=True)
+            if probe.returncode == 0:
+                return
+            time.sleep(0.05)
+        print('no sshd can run here:', probe.stderr)
+        sys.exit(SKIPPED)
+
+    def lab(self, experiment, *options, **more):
+        """The runner, on A."""
+        file = self.path('hosts.toml')
+        with open(file, 'w', encoding='ascii') as stream:
+            stream.write(experiment)
+        environment = dict(os.environ, PATH=self.path('bin') + ':' + os.environ['PATH'],
+                           XDG_RUNTIME_DIR=self.path('runtime_A'))
+        return on('A', [os.path.join(PROGRAMS, 'lab'), 'run', file, '--out', self.path('runs'),
+                        *options], env=environment, stdout=subprocess.PIPE,
+                  stderr=subprocess.STDOUT, text=True, **more)
+
+    def run_folder(self):
+        runs = glob.glob(self.path('runs/*'))
+        assert len(runs) == 1, runs
+        return runs[0]
+
+    def left_on(self, name):
+        """Command lines of the lab's processes there, and folders of agents."""
+        network = os.readlink(f'/proc/{os.environ["HOST_" + self.names[name]]}/ns/net')
+        found = glob.glob(os.path.join(self.temp, 'active-lab-host-*'))
+        for process in glob.glob('/proc/[0-9]*'):
+            try:
+                if os.readlink(process + '/ns/net') != network:
+                    continue
+                with open(process + '/cmdline', 'rb') as file:
+                    line = file.read().replace(b'\0', b' ').decode()
+            except OSError:
+                continue
+            if PROGRAMS in line or 'host-agent' in line:
+                found.append(line)
+        return found
+
+    def pids_on(self, name, program):
+        network = os.readlink(f'/proc/{os.environ["HOST_" + self.names[name]]}/ns/net')
+        pids = []
+        for process in glob.glob('/proc/[0-9]*'):
+            try:
+                with open(process + '/comm', encoding='ascii') as file:
+                    if file.read().strip() == program and os.readlink(process + '/ns/net') == network:
+                        pids.append(int(os.path.basename(process)))
+            except OSError:
+                pass
+        return pids
+
+    def nothing_left(self, within=6.0):
+        deadline = time.time() + within
+        while time.time() < deadline:
+            left = [line for name in self.names for line in self.left_on(name)]
+            if not left:
+                return
+            time.sleep(0.1)
+        raise AssertionError(f'left behind: {left}')
+
+    def end(self):
+        for daemon in self.daemons.values():
+            daemon.kill()
+        shutil.rmtree(self.folder, ignore_errors=True)
+
+
+def on_command(letter, command):
+    return ['nsenter', '-t', os.environ['HOST_' + letter], '-n', *command]
+
+
+def on(letter, command, **more):
+    return subprocess.Popen(on_command(letter, command), **more)
+
+
+def experiment(duration=5, link='', services=None, programs=None):
+    placed = services or {'sim_svc': 'bench'}
+    text = '\n'.join(f'[services.{name}]\nhost = "{host}"\n' for name, host in placed.items())
+    return EXPERIMENT % {'duration': duration, 'link': link, 'services': text,
+                         'programs': PROGRAMS if programs is None else programs}
+
+
+def started(lab, hosts, robots_on='bench', within=20.0):
+    """Waits until robots move there: the log grows."""
+    deadline = time.time() + within
+    while time.time() < deadline and lab.poll() is None:
+        logs = glob.glob(hosts.path('runs/*/log.lcmlog'))
+        if logs and os.path.getsize(logs[0]) > 200_000 and hosts.pids_on(robots_on, 'sim_svc'):
+            return
+        time.sleep(0.05)
+    raise AssertionError('the run did not start: ' + (lab.communicate()[0] if lab.poll() is not None
+                                                      else 'it waits'))
+
+
+def finished(lab, code=0, within=120):
+    text, _ = lab.communicate(timeout=within)
+    print(text)
+    assert lab.returncode == code, (lab.returncode, text)
+    return text
+
+
+def summary_of(hosts):
+    with open(os.path.join(hosts.run_folder(), 'summary.json'), encoding='utf8') as file:
+        return json.load(file)
+
+
+def check_complete(summary, channels=('ROBOT_STATUS', 'TRACKED_FRAME')):
+    for channel in channels:
+        streams = [s for s in summary['losses']['log'] if s['channel'] == channel]
+        assert streams and all(s['received'] > 20 and s['lost'] == 0 for s in streams), streams
+
+
+def texts(summary, key):
+    return [remark['text'] for remark in summary[key]]
+
+
+def lossy(summary):
+    return [s for s in summary['losses']['log'] if s['lost'] or s['lost_is_at_least']]
+
+
+def run(hosts):
+    """Robots on B, all else on A: complete, nothing lost, nothing left behind."""
+    text = finished(hosts.lab(experiment()))
+    assert 'host     bench: bench' in text and 'clock' in text, text
+    summary = summary_of(hosts)
+    check_complete(summary)
+    print('incomplete in the log:', lossy(summary))
+    assert [link['lost'] for link in summary.get('links', [])] == [0, 0], summary.get('links')
+    assert not summary['faults'], summary['faults']
+    folder = hosts.run_folder()
+    assert os.path.exists(folder + '/report.html')
+    assert os.path.getsize(folder + '/logs/bench/dds_gateway.txt') > 0
+    hosts.nothing_left()
+
+
+def revive(hosts):
+    """A service that dies there is started again, and the run is marked."""
+    lab = hosts.lab(experiment(duration=7))
+    started(lab, hosts)
+    os.kill(hosts.pids_on('bench', 'sim_svc')[0], signal.SIGKILL)
+    finished(lab)
+    faults = texts(summary_of(hosts), 'faults')
+    assert any('sim_svc on bench died (killed by signal 9) and was restarted' in f for f in faults), faults
+    hosts.nothing_left()
+
+
+def cable(hosts, out=4.0, duration=14):
+    """Cable out: the host is silent, robots stand by their lease, the run goes on when it is back."""
+    lab = hosts.lab(experiment(duration=duration))
+    started(lab, hosts)
+    subprocess.run([TWO_HOSTS, 'cut', 'B'], check=True)
+    time.sleep(out)
+    subprocess.run([TWO_HOSTS, 'restore', 'B'], check=True)
+    finished(lab, within=180)
+    summary = summary_of(hosts)
+    faults = texts(summary, 'faults')
+    assert any(re.match(r'host bench is silent since .*: its robots stand', f) for f in faults), faults
+    assert any('host bench is back after' in m for m in texts(summary, 'marks')), summary['marks']
+    assert all(r['lease_expired_share'] > 0 for r in summary['robots']), 'no robot stood'
+    assert all(r['boots'] <= 1 for r in summary['robots']), 'the robots\' service was restarted'
+    hosts.nothing_left(within=20)
+
+
+def cable_30s(hosts):
+    cable(hosts, out=30.0, duration=60)
+
+
+def cable_for_good(hosts):
+    """A host that stays away: the run is closed early, with its data."""
+    lab = hosts.lab(experiment(duration=60, link='patience_s = 3'))
+    started(lab, hosts)
+    subprocess.run([TWO_HOSTS, 'cut', 'B'], check=True)
+    text = finished(lab, code=3)
+    assert 'host bench did not come back within 3 s (link.patience_s)' in text, text
+    hosts.nothing_left(within=25)  # the agent there gives up by itself
+
+
+def sshd_dies(hosts):
+    """ssh ends: the agent there ends everything; the runner calls again and starts it anew."""
+    lab = hosts.lab(experiment(duration=16))
+    started(lab, hosts)
+    hosts.daemons['bench'].kill()
+    for pid in hosts.pids_on('bench', 'sshd'):
+        try:
+            os.kill(pid, signal.SIGKILL)
+        except ProcessLookupError:
+            pass
+    hosts.nothing_left()
+    hosts.start_sshd('bench')
+    finished(lab, within=180)
+    summary = summary_of(hosts)
+    faults = texts(summary, 'faults')
+    assert any(f.startswith('host bench is gone since') for f in faults), faults
+    assert any('host bench is back after' in m for m in texts(summary, 'marks')), summary['marks']
+    hosts.nothing_left()
+
+
+def interrupted(hosts):
+    """Ctrl-C ends all hosts."""
+    lab = hosts.lab(experiment(duration=60), start_new_session=True)
+    started(lab, hosts)
+    os.killpg(lab.pid, signal.SIGINT)
+    finished(lab)
+    hosts.nothing_left()
+
+
+def killed(hosts):
+    """kill -9 of the runner: nothing stays on the other host."""
+    lab = hosts.lab(experiment(duration=60))
+    started(lab, hosts)
+    lab.kill()
+    hosts.nothing_left()
+
+
+STUB = '''#!/usr/bin/env python3
+import json, os, subprocess, sys, time
+real = subprocess.Popen([%(real)r, 'host-agent'], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+hello = json.loads(real.stdout.readline())
+hello.update(%(hello)s)
+print(json.dumps(hello), flush=True)
+for line in sys.stdin:
+    order = json.loads(line)
+    if order['do'] == 'stop':
+        break
+    if order['do'] == 'ping':
+        print(json.dumps({'say': 'pong', 'asked': order['utime'],
+                          'utime': int(time.time() * 1e6) + %(ahead)d}), flush=True)
+'''
+
+
+def refused(hosts, expected, hello=None, ahead=0, duration=5):
+    folder = hosts.path('stub')
+    os.makedirs(folder, exist_ok=True)
+    with open(folder + '/lab', 'w', encoding='ascii') as stub:
+        stub.write(STUB % {'real': PROGRAMS + '/lab', 'hello': repr(hello or {}), 'ahead': ahead})
+    os.chmod(folder + '/lab', 0o755)
+    text = finished(hosts.lab(experiment(duration, programs=folder)), code=2)
+    assert re.search(expected, text), text
+    assert not glob.glob(hosts.path('runs/*')), 'something was started'
+    hosts.nothing_left()
+
+
+def different(hosts):
+    """Another version, other message types, another commit, another time: refused, with the way out."""
+    refused(hosts, r'host bench: found another version of the lab, 9\.9\.9 .*there and \d.* here.*git pull',
+            {'version': '9.9.9'})
+    refused(hosts, r'host bench: found other message types', {'fingerprints': '1234'})
+    refused(hosts, r'host bench: its clock is 100\d\.\d ms ahead of this one .*allowed 5 ms '
+            r'\(link.max_clock_offset_ms\).*chrony', ahead=1_002_000)
+    refused(hosts, r'host bench: its clock is 99\d\.\d ms behind', ahead=-998_000)
+
+
+def unreachable(hosts):
+    """What ssh cannot do is one line, with the way out."""
+    def refuse(text, expected):
+        said = finished(hosts.lab(text), code=2)
+        assert re.search(expected, said), said
+        assert not glob.glob(hosts.path('runs/*')), 'something was started'
+
+    refuse(experiment(programs='/nowhere'),
+           r'host bench \(ssh bench\): the lab is not there: .*hosts.bench.programs')
+    refuse(experiment(services={'sim_svc': 'me@no-such-machine.invalid'}),
+           r'no machine of that name is known')
+    os.rename(hosts.path('authorized_keys'), hosts.path('nobody'))
+    refuse(experiment(), r'does not let this user in without a password: ssh-copy-id bench')
+    hosts.daemons['bench'].kill()
+    hosts.daemons['bench'].wait()
+    refuse(experiment(), r'no ssh server answers there')
+
+
+def three(hosts):
+    """Services on three hosts: each hears each."""
+    services = {'sim_svc': 'bench', 'analyzer': 'desk'}
+    text = experiment(services=services) + f'[hosts.desk]\nprograms = "{PROGRAMS}"\n'
+    finished(hosts.lab(text))
+    summary = summary_of(hosts)
+    check_complete(summary)
+    assert not summary['faults'], summary['faults']
+    listening = [loss for loss in summary['losses']['listeners'] if loss['listener'] == 'analyzer']
+    assert not listening, listening
+    hosts.nothing_left()
+
+
+def doctor(hosts):
+    """lab doctor FILE visits the hosts, and leaves nothing there."""
+    def look(text):
+        with open(hosts.path('doctor.toml'), 'w', encoding='ascii') as file:
+            file.write(text)
+        return on('A', [os.path.join(PROGRAMS, 'lab'), 'doctor', hosts.path('doctor.toml')],
+                  env=dict(os.environ, PATH=hosts.path('bin') + ':' + os.environ['PATH']),
+                  stdout=subprocess.PIPE, text=True).communicate(timeout=60)[0]
+
+    said = look(experiment())
+    assert re.search(r'ok    host bench .*the same lab, clock [+-]0\.\d+ ms, known to', said), said
+    assert re.search(r'ok    DDS domain 0: 0 participants', said), said
+    hosts.nothing_left()
+    said = look(experiment(programs='/nowhere'))
+    assert re.search(r'FIX   host bench \(ssh bench\): the lab is not there', said), said
+
+
+def main():
+    scenario = globals()[sys.argv[1]]
+    hosts = Hosts(('bench', 'desk') if scenario is three else ('bench',))
+    try:
+        scenario(hosts)
+    except BaseException:
+        for file in sorted(glob.glob(hosts.path('runs/*/logs/**/*.txt'), recursive=True)):
+            with open(file, encoding='utf8', errors='replace') as stream:
+                print(f'--- {file}\n{stream.read()[-3000:]}')
+        for name in hosts.names:
+            print(subprocess.run(['tail', '-n', '20', hosts.path(f'sshd_{name}.log')],
+                                 capture_output=True, text=True, check=False).stdout)
+        raise
+    finally:
+        hosts.end()
+    print('passed')
+
+
+main()

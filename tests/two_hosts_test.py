@@ -1,0 +1,82 @@
+#!/usr/bin/env python3
+"""Whether tests/two_hosts.sh gives what it promises. Runs within it: two_hosts_test.py PERCENT
+
+Datagrams pass both ways, numbers of them are lost as told, multicast does not pass, cables come out.
+"""
+import os
+import socket
+import subprocess
+import sys
+import time
+
+SENT = 3000
+CHILD = """
+import socket, sys, time
+kind, address, count = sys.argv[1], sys.argv[2], int(sys.argv[3])
+s = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+if kind == "send":
+    if address.startswith("239."):
+        s.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, 8)
+        s.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, socket.inet_aton(sys.argv[4]))
+    for number in range(count):
+        try:
+            s.sendto(number.to_bytes(4, "big") + bytes(996), (address, 9000))
+        except OSError:
+            pass
+        time.sleep(0.0002)
+else:
+    s.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1 << 22)
+    s.bind(("", 9000))
+    if len(sys.argv) > 4:
+        s.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP,
+                     socket.inet_aton("239.1.2.3") + socket.inet_aton(sys.argv[4]))
+    print("ready", flush=True)
+    s.settimeout(0.8)
+    got = 0
+    try:
+        while True:
+            s.recv(2000)
+            got += 1
+    except TimeoutError:
+        print(got)
+"""
+
+
+def on(host, *arguments, **options):
+    command = [os.environ["TWO_HOSTS"], "on", host, sys.executable, "-c", CHILD]
+    return subprocess.Popen(command + [str(a) for a in arguments], text=True, **options)
+
+
+def arrived(sender, receiver, address, count, group=()):
+    listener = on(receiver, "hear", address, 0, *group, stdout=subprocess.PIPE)
+    assert listener.stdout.readline() == "ready\n"
+    assert on(sender, "send", address, count, os.environ["ADDRESS_" + sender]).wait() == 0
+    return int(listener.communicate()[0])
+
+
+def wire(*what):
+    subprocess.run([os.environ["TWO_HOSTS"], *what], check=True)
+
+
+def main():
+    share = float(sys.argv[1]) / 100
+    expected, error = SENT * (1 - share), (SENT * share * (1 - share)) ** 0.5
+    for sender, receiver in ("AB", "BA"):
+        got = arrived(sender, receiver, os.environ["ADDRESS_" + receiver], SENT)
+        print(f"{sender} to {receiver}: {got} of {SENT}, expected {expected:.0f} +- {error:.0f}")
+        # One end's arrival is a binomial number.
+        assert abs(got - expected) <= 4 * error, "not as many as told were lost"
+    # Multicast reaches the router's own network and no further.
+    address_b = os.environ["ADDRESS_B"]
+    assert arrived("A", "B", "239.1.2.3", 100, [address_b]) == 0, "multicast crossed the router"
+    for out, back in (("cut", "restore"), ("mute", "unmute")):
+        wire(out, "B")
+        assert arrived("A", "B", address_b, 100) == 0, f"{out} did not"
+        wire(back, "B")
+        deadline = time.monotonic() + 10
+        while arrived("A", "B", address_b, 100) == 0:
+            assert time.monotonic() < deadline, f"{back} did not"
+
+
+if __name__ == "__main__":
+    main()
