@@ -86,8 +86,12 @@ void checkPlaces(const Experiment& e, Problems& problems) {
 void checkLink(const Experiment& e, Problems& problems) {
   if (!hasHosts(e)) return;
   if (e.link.join == JoinBy::kMulticast) {
-    if (e.network.ttl >= 1) return;
-    problems.add("network.ttl", "found 0, needed for link.join = \"multicast\": at least 1");
+    if (e.network.ttl < 1) {
+      problems.add("network.ttl", "found 0, needed for link.join = \"multicast\": at least 1");
+    } else if (!e.link.unsecured) {
+      problems.add("link", "found join = \"multicast\", which nothing can secure, allowed with "
+                           "link.unsecured = true: anybody on that network can then drive the robots");
+    }
     return;
   }
   if (e.link.security.empty() && !e.link.unsecured) {

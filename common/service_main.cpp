@@ -4,8 +4,10 @@
 #include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
+#include <chrono>
 #include <csignal>
 #include <optional>
+#include <thread>
 
 #include "cameras/camera_devices.hpp"
 #include "common/asio_loop.hpp"
@@ -24,6 +26,19 @@ struct Options {
   std::string lcm_url = defaultLcmUrl();
   std::string ports = defaultPortsFolder();
 };
+
+constexpr std::int64_t kMostPassingOn = 500'000;  // [us]
+constexpr auto kPassingOnStep = std::chrono::milliseconds(2);
+
+/// What the node says last comes back from the bus to who passes it on.
+void end(Node& node, AsioLoop& loop, Service& service) {
+  node.close();
+  const std::int64_t deadline = loop.now() + kMostPassingOn;
+  while (service.isPassingOn() && loop.now() < deadline) {
+    loop.poll();
+    std::this_thread::sleep_for(kPassingOnStep);
+  }
+}
 
 void run(const ServiceDescription& description, const Options& options) {
   const Experiment experiment =
@@ -46,7 +61,7 @@ void run(const ServiceDescription& description, const Options& options) {
     node.close();
     throw;
   }
-  node.close();
+  end(node, loop, *service);
 }
 
 }  // namespace

@@ -27,6 +27,10 @@ class Service {
   Service(const Service&) = delete;
   Service& operator=(const Service&) = delete;
   virtual ~Service() = default;
+
+  /// Asked again and again, for a moment, after the node has said its last: whether the service has
+  /// still to pass that on.
+  [[nodiscard]] virtual bool isPassingOn() { return false; }
 };
 
 /// What a service is given from outside.

@@ -42,22 +42,23 @@ std::string plugin(const std::string& element, const std::string& file,
 }
 
 std::string securityElement(const fs::path& folder) {
-  for (const char* file : {"identity_ca.pem", "cert.pem", "key.pem", "permissions_ca.pem",
-                           "governance.p7s", "permissions.p7s"}) {
+  for (const std::string_view file : kSecurityFiles) {
     if (fs::exists(folder / file)) continue;
     throw DdsError((folder / file).string() +
                    ": not found, expected a certificate folder as docs/security.md makes it");
   }
-  const auto uri = [&folder](const char* file) {
+  const auto& [identity_ca, certificate, key, permissions_ca, governance, permissions] =
+      kSecurityFiles;
+  const auto uri = [&folder](std::string_view file) {
     return "file:" + fs::absolute(folder / file).string();
   };
   return "<Security><Authentication>" + plugin("Library", "auth", "authentication") +
-         "<IdentityCA>" + uri("identity_ca.pem") + "</IdentityCA><IdentityCertificate>" +
-         uri("cert.pem") + "</IdentityCertificate><PrivateKey>" + uri("key.pem") +
+         "<IdentityCA>" + uri(identity_ca) + "</IdentityCA><IdentityCertificate>" +
+         uri(certificate) + "</IdentityCertificate><PrivateKey>" + uri(key) +
          "</PrivateKey></Authentication><AccessControl>" +
-         plugin("Library", "ac", "access_control") + "<PermissionsCA>" + uri("permissions_ca.pem") +
-         "</PermissionsCA><Governance>" + uri("governance.p7s") + "</Governance><Permissions>" +
-         uri("permissions.p7s") + "</Permissions></AccessControl><Cryptographic>" +
+         plugin("Library", "ac", "access_control") + "<PermissionsCA>" + uri(permissions_ca) +
+         "</PermissionsCA><Governance>" + uri(governance) + "</Governance><Permissions>" +
+         uri(permissions) + "</Permissions></AccessControl><Cryptographic>" +
          plugin("Library", "crypto", "crypto") + "</Cryptographic></Security>";
 }
 
@@ -65,7 +66,8 @@ std::string securityElement(const fs::path& folder) {
 
 std::string localConfiguration() {
   // The address, not "lo", and multicast as an attribute: the other forms miss ROS 2 nodes of one
-  // or another localhost setting.
+  // or another localhost setting. With the network card as second interface, even without multicast
+  // on it, nodes at its address are met, and so is whoever calls from another machine.
   return wrapped(
       "<General><Interfaces>"
       R"(<NetworkInterface address="127.0.0.1" multicast="true"/></Interfaces></General>)"

@@ -1,12 +1,22 @@
 /// Cyclone DDS configurations, as XML. What is not one of these is the user's own file.
 #pragma once
 
+#include <array>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace lab::dds {
 
-/// Nothing leaves this machine; every discovery setting of ROS 2 on this machine is met.
+/// What a folder of certificates holds (docs/security.md), as networkConfiguration() reads it.
+inline constexpr std::array<std::string_view, 6> kSecurityFiles{
+    "identity_ca.pem", "cert.pem",       "key.pem",
+    "permissions_ca.pem", "governance.p7s", "permissions.p7s"};
+
+/// Nothing leaves this machine, and nobody elsewhere is heard. ROS 2 on this machine is met where it
+/// uses the loopback interface (Humble's ROS_LOCALHOST_ONLY, the files of examples/ros2); beside a
+/// network card not with its defaults, nor with Jazzy's LOCALHOST, whose nodes are at the card's
+/// address (docs/ros2.md).
 [[nodiscard]] std::string localConfiguration();
 
 struct NetworkOptions {

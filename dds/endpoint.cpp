@@ -114,6 +114,10 @@ bool Writer::write(const void* sample) {
   throw DdsError(name_ + ": could not be written: " + dds_strretcode(-code));
 }
 
+bool Writer::acknowledged() const {
+  return dds_wait_for_acks(writer_.get(), 0) == DDS_RETCODE_OK;
+}
+
 Matching Writer::matching() const {
   dds_publication_matched_status_t matched{};
   dds_get_publication_matched_status(writer_.get(), &matched);

@@ -42,6 +42,9 @@ class Writer {
   /// @throws DdsError for anything else
   bool write(const void* sample);
 
+  /// Whether all readers that are there have all that was written; reliable ones only.
+  [[nodiscard]] bool acknowledged() const;
+
   [[nodiscard]] std::int64_t written() const { return written_; }
   [[nodiscard]] std::int64_t timeouts() const { return timeouts_; }
   [[nodiscard]] Matching matching() const;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <deque>
 #include <lab/link_status_t.hpp>
+#include <lab/service_status_t.hpp>
 #include <map>
 #include <utility>
 
@@ -115,6 +116,11 @@ struct BusLink::Implementation {
   [[nodiscard]] std::int64_t now() const { return options.clock ? options.clock() : loop.now(); }
 
   void passOn(const Packet& packet);
+  [[nodiscard]] bool isOwn(const Packet& packet) const;
+  [[nodiscard]] bool waitsForPeers();
+  void passOnEarly();
+  void noteOwn(const Packet& packet);
+  [[nodiscard]] bool isPassingOn();
   void takeAll();
   void take(const Packed& packed);
   void take(const Signed& sign);
@@ -136,7 +142,11 @@ struct BusLink::Implementation {
   std::map<std::string, PeerState> said;         ///< in the log
   std::map<std::string, std::deque<Held>> held;  ///< by host
   std::size_t held_bytes = 0;
+  std::vector<std::pair<std::string, std::vector<std::uint8_t>>> early;  ///< channel, message
+  bool all_were_there = false;
   bool missed = false;
+  bool leaving = false;     ///< the node has said its last, which counts what there is of it
+  bool heard_last = false;  ///< that has come back from the bus
 
   dds::Waker waker;
   dds::Domain domain;
@@ -174,7 +184,32 @@ BusLink::Implementation::Implementation(Node& its_node, Loop& its_loop, Descript
   loop.every(units::kSecond_us, loop.now() + units::kSecond_us, [this] { tell(); });
 }
 
+bool BusLink::Implementation::isOwn(const Packet& packet) const {
+  const std::optional<Header> header = peekHeader(packet.data);
+  return header && header->instance == gateway && header->sender == node.identity().name;
+}
+
+/// Our first words come before anybody can hear them, and would be missing in the others' counts.
+bool BusLink::Implementation::waitsForPeers() {
+  if (all_were_there) return false;
+  all_were_there = leaving || loop.now() - started > kPatience ||
+                   packets_out.matching().peers >= static_cast<int>(options.peers.size());
+  return !all_were_there;
+}
+
+void BusLink::Implementation::passOnEarly() {
+  if (early.empty() || waitsForPeers()) return;
+  for (const auto& [channel, data] : std::exchange(early, {})) passOn({channel, data, 0});
+}
+
 void BusLink::Implementation::passOn(const Packet& packet) {
+  if (!all_were_there && isOwn(packet)) {
+    if (waitsForPeers()) {
+      early.emplace_back(packet.channel, std::vector(packet.data.begin(), packet.data.end()));
+      return;
+    }
+    passOnEarly();
+  }
   const auto outgoing = core.hear(loop.now(), packet.channel, packet.data);
   if (!outgoing) return;
   const std::string channel(packet.channel);
@@ -189,10 +224,27 @@ void BusLink::Implementation::passOn(const Packet& packet) {
   packed.data._buffer = const_cast<std::uint8_t*>(packet.data.data());
   packed.data._length = static_cast<std::uint32_t>(packet.data.size());
   packed.data._maximum = packed.data._length;
+  if (leaving) noteOwn(packet);
   if (!packets_out.write(&packed)) return;
   for (const auto& [host, peer] : peers.all()) {
     if (peer.state != PeerState::kRefused) ++sent[host];
   }
+}
+
+/// Each closing message says how many there will have been.
+void BusLink::Implementation::noteOwn(const Packet& packet) {
+  service_status_t status{};
+  if (packet.channel != channels::kServiceStatus || !isOwn(packet)) return;
+  if (!decode(packet.data, status)) return;
+  if (status.state != service_status_t::ENDED) return;
+  for (const channel_count_t& count : status.sent) {
+    if (count.channel == channels::kServiceStatus && count.messages == status.seq) heard_last = true;
+  }
+}
+
+bool BusLink::Implementation::isPassingOn() {
+  leaving = true;
+  return !heard_last || !packets_out.acknowledged();
 }
 
 void BusLink::Implementation::takeAll() {
@@ -286,9 +338,8 @@ void BusLink::Implementation::send(const LinkSign& sign) {
 }
 
 void BusLink::Implementation::tick() {
-  if (peers.tick(now())) {
-    tell();
-  }
+  passOnEarly();
+  if (peers.tick(now())) tell();
   release();
   // Until its clock is known a new peer is asked in quick succession.
   for (const auto& [host, peer] : peers.all()) {
@@ -309,12 +360,16 @@ void BusLink::Implementation::missThoseWhoNeverCame() {
                               std::to_string(options.peers.size()) + " other hosts (" +
                               addresses.substr(1) +
                               "): does each answer (ping), and do firewalls pass UDP ports from " +
-                              std::to_string(7400 + 250 * options.domain) + " on?";
+                              std::to_string(7400 + 250 * options.domain) + " on" +
+                              (options.security.empty()
+                                   ? "?"
+                                   : ", and has each certificates of the same CA (link.security)?");
   spdlog::warn("link: {}", trouble);
   node.noteError("link: " + trouble);
 }
 
 void BusLink::Implementation::tell() {
+  if (leaving) return;
   link_status_t status{};
   status.host = options.host;
   status.allowed_clock_offset = options.most_offset;
@@ -338,7 +393,7 @@ void BusLink::Implementation::tell() {
     row.clashing = counts.clashing;
     row.trouble = peer.trouble;
     if (row.trouble.empty() && counts.clashing > 0) {
-      row.trouble = std::to_string(counts.clashing) + " messages of " + host +
+      row.trouble = "messages of " + host +
                     " dropped: their senders are heard elsewhere, too. Two gateways on one bus, or "
                     "a network.ttl that lets LCM itself reach " +
                     host + "?";
@@ -348,7 +403,10 @@ void BusLink::Implementation::tell() {
       before = peer.state;
       sayState(peer);
     }
-    if (!row.trouble.empty()) node.noteError("link: " + row.trouble);
+    // A peer that is not joined is seen in LINK_STATUS, and whoever watches that says so.
+    if (peer.state == PeerState::kJoined && !row.trouble.empty()) {
+      node.noteError("link: " + row.trouble);
+    }
     status.peers.push_back(std::move(row));
   }
   status.num_peers = static_cast<std::int32_t>(status.peers.size());
@@ -359,5 +417,7 @@ BusLink::BusLink(Node& node, Loop& loop, Descriptors& descriptors, const BusLink
     : implementation_(std::make_unique<Implementation>(node, loop, descriptors, options)) {}
 
 BusLink::~BusLink() = default;
+
+bool BusLink::isPassingOn() { return implementation_->isPassingOn(); }
 
 }  // namespace lab::gateway

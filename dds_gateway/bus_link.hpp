@@ -41,6 +41,10 @@ class BusLink {
   BusLink(const BusLink&) = delete;
   BusLink& operator=(const BusLink&) = delete;
 
+  /// To be asked after Node::close(): whether what the node has said last is still on its way, from
+  /// the bus to the readers of the other hosts. From the first call on the link says nothing itself.
+  [[nodiscard]] bool isPassingOn();
+
  private:
   struct Implementation;
   std::unique_ptr<Implementation> implementation_;

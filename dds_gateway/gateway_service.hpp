@@ -16,6 +16,8 @@ class GatewayService final : public Service {
   /// @throws ExperimentError for what the experiment names and DDS cannot use
   GatewayService(const ServiceContext& context, const std::optional<BusLinkOptions>& link);
 
+  [[nodiscard]] bool isPassingOn() override { return link_ && link_->isPassingOn(); }
+
  private:
   std::unique_ptr<RosBridge> ros_;
   std::unique_ptr<BusLink> link_;

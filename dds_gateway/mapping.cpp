@@ -97,6 +97,7 @@ class MappingReader {
                                             "\"/fleet/$1/pose\" ($1: the first group of topic)");
       } else {
         rule.rename = *rename;
+        rule.place = document_.place(path + ".rename").text + ": " + path + ".rename";
       }
     }
     if (const toml::node* node = table.get("rate_hz")) {
@@ -140,8 +141,9 @@ Mapping::Mapping(std::string_view text, const std::string& name)
   for (Rule& rule : Mapping().rules_) rules_.push_back(std::move(rule));
 }
 
-std::optional<Route> Mapping::route(const std::string& topic) const {
+std::optional<Route> Mapping::route(const std::string& topic) {
   Route route{topic, 0};
+  std::string place;
   bool decided = false;
   for (const Rule& rule : rules_) {
     if (!std::regex_match(topic, rule.pattern)) continue;
@@ -149,6 +151,7 @@ std::optional<Route> Mapping::route(const std::string& topic) const {
       if (!rule.allow) return std::nullopt;
       if (!rule.rename.empty()) {
         route.topic = std::regex_replace(topic, rule.pattern, rule.rename);
+        place = rule.place;
         if (!isTopicName(route.topic)) {
           throw std::runtime_error(fmt::format(
               "gateway.mapping: the rule {} makes \"{}\" of {}, expected a name of ROS 2: parts of "
@@ -163,7 +166,17 @@ std::optional<Route> Mapping::route(const std::string& topic) const {
       break;
     }
   }
+  take(route.topic, {topic, place});
   return route;
+}
+
+void Mapping::take(const std::string& name, const Taken& wanted) {
+  const Taken& owner = taken_.try_emplace(name, wanted).first->second;
+  if (owner.by == wanted.by) return;
+  throw std::runtime_error(fmt::format(
+      "{}: found that {} and {} both become \"{}\", expected a name of its own for each ($1: the "
+      "first group of topic)",
+      wanted.place.empty() ? owner.place : wanted.place, owner.by, wanted.by, name));
 }
 
 Mapping readMappingFile(const std::filesystem::path& file) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <regex>
 #include <string>
@@ -18,7 +19,7 @@ struct Route {
 
 /// Rules in order; the first whose pattern is the whole name of a topic decides. A topic that none
 /// names passes as it is. What the rule leaves open comes from the built-in rules: the light field
-/// at 5 Hz.
+/// at 5 Hz. No two topics get one name.
 class Mapping {
  public:
   /// The built-in rules alone.
@@ -30,8 +31,9 @@ class Mapping {
 
   /// @param topic the gateway's own name, "/lab/robot1/pose"
   /// @return nothing when the topic is denied
-  /// @throws std::runtime_error when a rename makes a name that ROS 2 does not take
-  [[nodiscard]] std::optional<Route> route(const std::string& topic) const;
+  /// @throws std::runtime_error when a rename makes a name that ROS 2 does not take, or one that a
+  /// topic asked for before has
+  [[nodiscard]] std::optional<Route> route(const std::string& topic);
 
  private:
   struct Rule {
@@ -39,11 +41,19 @@ class Mapping {
     std::string text;  ///< of the pattern, for messages
     bool allow = true;
     std::string rename;  ///< with $1 ..., empty: as it is
+    std::string place;   ///< of rename: "m.toml:4: rules[0].rename"
     std::optional<double> rate;
   };
   friend class MappingReader;
 
+  struct Taken {
+    std::string by;     ///< the gateway's own name
+    std::string place;  ///< of the rule that made it so, empty: none
+  };
+  void take(const std::string& name, const Taken& wanted);
+
   std::vector<Rule> rules_;
+  std::map<std::string, Taken> taken_;  ///< by ROS 2's name
 };
 
 /// @throws ExperimentError also when the file cannot be read.

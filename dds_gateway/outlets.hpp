@@ -3,6 +3,8 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -50,10 +52,11 @@ class Outlet {
   std::int64_t utime_ = 0;
 };
 
-/// Makes outlets as the mapping says. A topic that it denies has none: null.
+/// Makes outlets as the mapping says. A topic that it denies, or that cannot be made, has none:
+/// null.
 class Outlets {
  public:
-  Outlets(const dds::Domain& domain, const Mapping& mapping) : domain_(domain), mapping_(mapping) {}
+  Outlets(const dds::Domain& domain, Mapping& mapping) : domain_(domain), mapping_(mapping) {}
 
   using Handle = std::shared_ptr<Outlet>;  ///< ends with its last owner
 
@@ -74,17 +77,26 @@ class Outlets {
   /// Those in use, in the order in which they were made.
   [[nodiscard]] std::vector<Handle> all();
 
+  /// Why a topic could not be made, the last; empty: all could.
+  [[nodiscard]] const std::string& trouble() const { return trouble_; }
+
  private:
   Handle open(const ros::RosType& type, const std::string& topic, const dds::Qos& qos) {
-    const std::optional<Route> route = mapping_.route(topic);
-    if (!route) return nullptr;
-    auto outlet = std::make_shared<Outlet>(domain_, type, *route, qos);
-    made_.push_back(outlet);
-    return outlet;
+    try {
+      const std::optional<Route> route = mapping_.route(topic);
+      if (!route) return nullptr;
+      auto outlet = std::make_shared<Outlet>(domain_, type, *route, qos);
+      made_.push_back(outlet);
+      return outlet;
+    } catch (const std::runtime_error& error) {  // of one topic: the others go on
+      trouble_ = error.what();
+      return nullptr;
+    }
   }
 
   const dds::Domain& domain_;
-  const Mapping& mapping_;
+  Mapping& mapping_;
+  std::string trouble_;
   std::vector<std::weak_ptr<Outlet>> made_;
 };
 

@@ -108,12 +108,19 @@ void RosBridge::openTopics() {
   poses_ = outlets_.openLatched<ros::PoseArray>(names_.topic("poses"));
   light_field_ = outlets_.openLatched<ros::OccupancyGrid>(names_.topic("light_field"));
   robot_list_ = outlets_.openLatched<ros::String>(names_.topic("robots"));
+  if (!outlets_.trouble().empty()) throw std::runtime_error(outlets_.trouble());
   // A rule of the mapping that makes a bad name is found now, not when the robot comes.
+  std::vector<std::string> later{"pose", "odom", "light"};
+  for (const auto& [name, program] : experiment_.programs) {
+    later.push_back("analysis/" + namePart(name));
+    static_cast<void>(mapping_.route(names_.topic(later.back())));
+  }
   for (const RobotSpec& spec : experiment_.robots) {
-    for (const char* what : {"pose", "odom", "light"}) {
+    for (const std::string& what : later) {
       static_cast<void>(mapping_.route(names_.topic(spec.id, what)));
     }
   }
+  static_cast<void>(mapping_.route(kClock));
 }
 
 void RosBridge::subscribe() {
@@ -272,9 +279,17 @@ void RosBridge::everySecond() {
   if (foreign_.count() > 0) {
     node_.noteError("somebody uses a topic of the lab with another type: " + foreign_.last());
   }
+  if (!outlets_.trouble().empty()) node_.noteError(outlets_.trouble());
   const std::string said = dds::takeComplaints();
   if (!said.empty()) complaints_ = said;
   sendDiagnostics();
+  // Last, and only when there are more: the other complaints come again each second.
+  const std::int64_t malformed = dds::malformedReceived();
+  if (malformed > malformed_) {
+    node_.noteError("DDS brought what is no message of its topic, dropped: " +
+                    said.substr(0, said.find('\n')));
+  }
+  malformed_ = malformed;
 }
 
 void RosBridge::forgetRobots() {

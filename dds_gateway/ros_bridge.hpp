@@ -93,7 +93,8 @@ class RosBridge {
     std::int64_t utime = 0;  ///< when it came
   };
   std::map<std::string, Heard> services_;
-  std::string complaints_;  ///< of Cyclone, the last
+  std::string complaints_;      ///< of Cyclone, the last
+  std::int64_t malformed_ = 0;  ///< dds::malformedReceived() a second ago
   std::unique_ptr<RosCommands> commands_;
 };
 

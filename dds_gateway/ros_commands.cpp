@@ -65,7 +65,7 @@ Message itself(const Message& message) {
 }  // namespace
 
 RosCommands::RosCommands(const ServiceContext& context, const dds::Domain& domain,
-                         const Mapping& mapping, const Names& names)
+                         Mapping& mapping, const Names& names)
     : node_(context.node),
       loop_(context.loop),
       descriptors_(context.descriptors),
@@ -91,7 +91,7 @@ RosCommands::RosCommands(const ServiceContext& context, const dds::Domain& domai
 }
 
 template <class Message, class Value>
-void RosCommands::open(const Mapping& mapping, const std::string& topic, const dds::Qos& qos,
+void RosCommands::open(Mapping& mapping, const std::string& topic, const dds::Qos& qos,
                        std::function<Value(const Message&)> keep,
                        std::function<Answer(dds::WriterId, const Value&)> act) {
   const std::optional<Route> route = mapping.route(topic);
@@ -100,7 +100,7 @@ void RosCommands::open(const Mapping& mapping, const std::string& topic, const d
                                                               std::move(keep), std::move(act)));
 }
 
-void RosCommands::openRobot(const Mapping& mapping, std::int32_t robot) {
+void RosCommands::openRobot(Mapping& mapping, std::int32_t robot) {
   const std::string drive = names_.topic(robot, "cmd_vel");
   const auto act = [this, robot](dds::WriterId writer, const ros::Twist& twist) {
     return desk_.drive(robot, writer, twist, loop_.now());
@@ -118,7 +118,7 @@ void RosCommands::openRobot(const Mapping& mapping, std::int32_t robot) {
       });
 }
 
-void RosCommands::openLab(const Mapping& mapping) {
+void RosCommands::openLab(Mapping& mapping) {
   struct Group {
     std::uint8_t mode = 0;
     std::vector<std::int32_t> robots;

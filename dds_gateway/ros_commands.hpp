@@ -24,7 +24,7 @@ namespace lab::gateway {
 class RosCommands {
  public:
   /// @throws DdsError
-  RosCommands(const ServiceContext& context, const dds::Domain& domain, const Mapping& mapping,
+  RosCommands(const ServiceContext& context, const dds::Domain& domain, Mapping& mapping,
               const Names& names);
 
   /// Once a second.
@@ -33,10 +33,10 @@ class RosCommands {
   [[nodiscard]] const std::list<std::unique_ptr<Inlet>>& inlets() const { return inlets_; }
 
  private:
-  void openRobot(const Mapping& mapping, std::int32_t robot);
-  void openLab(const Mapping& mapping);
+  void openRobot(Mapping& mapping, std::int32_t robot);
+  void openLab(Mapping& mapping);
   template <class Message, class Value>
-  void open(const Mapping& mapping, const std::string& topic, const dds::Qos& qos,
+  void open(Mapping& mapping, const std::string& topic, const dds::Qos& qos,
             std::function<Value(const Message&)> keep,
             std::function<Answer(dds::WriterId, const Value&)> act);
   void watch();

@@ -84,6 +84,11 @@ void RosBridge::addTopics(Diagnostics& diagnostics) {
   if (refused_robots_ > 0) {
     status.values.emplace_back("words of robots beyond the limit", std::to_string(refused_robots_));
   }
+  const std::int64_t malformed = dds::malformedReceived();
+  if (malformed > 0) {
+    status.values.emplace_back("malformed, dropped", std::to_string(malformed));
+    status.message = "somebody sends what is no message of its topic";
+  }
   if (!complaints_.empty()) status.values.emplace_back("Cyclone DDS", complaints_);
   if (foreign_.count() > 0) {
     status.values.emplace_back("endpoints of another type", std::to_string(foreign_.count()));
@@ -91,7 +96,7 @@ void RosBridge::addTopics(Diagnostics& diagnostics) {
   }
   if (timeouts > 0) status.message = fmt::format("{} messages not taken in time", timeouts);
   if (refused > 0) status.message = "ROS side asks for " + why;
-  const bool fine = timeouts == 0 && refused == 0 && foreign_.count() == 0;
+  const bool fine = malformed == 0 && timeouts == 0 && refused == 0 && foreign_.count() == 0;
   status.level = fine ? Diagnostics::kOk : Diagnostics::kWarn;
   diagnostics.add(std::move(status));
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "common/units.hpp"
+#include "dds_gateway/utf8.hpp"
 
 namespace lab::gateway {
 namespace {
@@ -49,6 +50,11 @@ ros::Time stampOf(std::int64_t utime) {
 
 // Cyclone's structs have no const, and it does not write into what it sends.
 char* cText(const std::string& text) { return const_cast<char*>(text.c_str()); }
+
+char* heardText(std::string& text) {
+  repairUtf8(text);
+  return cText(text);
+}
 
 ros::Quaternion yaw(double theta) { return {0, 0, std::sin(theta / 2), std::cos(theta / 2)}; }
 
@@ -143,8 +149,8 @@ const ros::Analysis& AnalysisMessage::make(const analysis_t& analysis) {
   for (curve_t& curve : source_.curves) {
     auto& biased = biased_.emplace_back(curve.biased.begin(), curve.biased.end());
     ros::Curve out{};
-    out.name = cText(curve.name);
-    out.unit = cText(curve.unit);
+    out.name = heardText(curve.name);
+    out.unit = heardText(curve.unit);
     out.lag = sequenceOf<decltype(out.lag)>(curve.lag);
     out.value = sequenceOf<decltype(out.value)>(curve.value);
     out.sigma = sequenceOf<decltype(out.sigma)>(curve.sigma);
@@ -157,16 +163,16 @@ const ros::Analysis& AnalysisMessage::make(const analysis_t& analysis) {
     out.biased._buffer = reinterpret_cast<bool*>(biased.data());
     curves_.push_back(out);
   }
-  for (const estimate_t& estimate : source_.estimates) {
-    estimates_.push_back({cText(estimate.name), cText(estimate.unit), estimate.value,
+  for (estimate_t& estimate : source_.estimates) {
+    estimates_.push_back({heardText(estimate.name), heardText(estimate.unit), estimate.value,
                           estimate.sigma, estimate.low, estimate.high, estimate.theory,
-                          cText(estimate.note)});
+                          heardText(estimate.note)});
   }
   const program_t& program = source_.program;
   message_ = {};
   message_.header = headerOf(source_.utime, frame_);
   message_.robot_id = source_.robot_id;
-  message_.program_name = cText(source_.program_name);
+  message_.program_name = heardText(source_.program_name);
   message_.program = {static_cast<std::uint8_t>(program.kind),
                       program.v,
                       program.va,
@@ -193,14 +199,16 @@ const ros::DiagnosticArray& Diagnostics::make(std::int64_t utime) {
   values_.clear();
   values_.reserve(entries_.size());
   statuses_.clear();
-  for (const Status& entry : entries_) {
+  for (Status& entry : entries_) {
     auto& values = values_.emplace_back();
-    for (const auto& [key, value] : entry.values) values.push_back({cText(key), cText(value)});
+    for (auto& [key, value] : entry.values) {
+      values.push_back({heardText(key), heardText(value)});
+    }
     ros::DiagnosticStatus status{};
     status.level = entry.level;
-    status.name = cText(entry.name);
-    status.message = cText(entry.message);
-    status.hardware_id = cText(entry.hardware);
+    status.name = heardText(entry.name);
+    status.message = heardText(entry.message);
+    status.hardware_id = heardText(entry.hardware);
     status.values = sequenceOf<decltype(status.values)>(values);
     statuses_.push_back(status);
   }

@@ -20,8 +20,12 @@ namespace lab::gateway {
 
 [[nodiscard]] ros::Time stampOf(std::int64_t utime);
 
-/// @param text lives as long as the message; without NUL
+/// @param text of ours, valid UTF-8; lives as long as the message; without NUL
 [[nodiscard]] char* cText(const std::string& text);
+
+/// The same of a text that somebody else wrote: what is no UTF-8 in it is replaced first, as Fast
+/// DDS ends a process that reads such a string.
+[[nodiscard]] char* heardText(std::string& text);
 
 /// The turn by theta [rad] about z; w >= 0 for theta in [-pi, pi].
 [[nodiscard]] ros::Quaternion yaw(double theta);

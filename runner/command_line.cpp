@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <functional>
 #include <iostream>
+#include <iterator>
 
 #include "common/experiment_file.hpp"
 #include "common/version.hpp"
@@ -14,6 +16,7 @@
 #include "runner/doctor_hosts.hpp"
 #include "runner/host_agent.hpp"
 #include "runner/lab_registry.hpp"
+#include "runner/network.hpp"
 
 namespace lab::runner {
 namespace {
@@ -366,11 +369,12 @@ void addDoctor(CLI::App& app, Chosen& chosen) {
       const Experiment experiment = file->empty() ? Experiment{} : loadExperiment(*file);
       options->registrations = registryDirectory();
       std::vector<Finding> findings = examine(*options);
-      const Gateway& gateway = experiment.gateway;
-      for (Finding& finding : judgeDds(surveyDds(gateway.domain, gateway.address, kListen_ms))) {
-        findings.push_back(std::move(finding));
-      }
-      for (Finding& finding : examineHosts(experiment)) findings.push_back(std::move(finding));
+      const auto add = [&findings](std::vector<Finding> more) {
+        std::ranges::move(more, std::back_inserter(findings));
+      };
+      add(judgePorts(experiment, portIsFree, ddsPortIsFree));
+      add(judgeDds(surveyDds(experiment.gateway, fs::path(*file).parent_path(), kListen_ms)));
+      add(examineHosts(experiment));
       print(std::cout, findings);
       return exitCode(findings);
     };

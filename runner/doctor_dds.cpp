@@ -1,16 +1,20 @@
 #include "runner/doctor_dds.hpp"
 
+#include <arpa/inet.h>
 #include <dds/dds.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <chrono>
-#include <cstring>
 #include <set>
 #include <thread>
 
-#include "dds/configuration.hpp"
 #include "dds/domain.hpp"
 #include "dds/error.hpp"
+#include "dds_gateway/gateway_domain.hpp"
+#include "runner/services.hpp"
 
 namespace lab::runner {
 namespace {
@@ -38,6 +42,13 @@ void takeAll(const dds::Domain& domain, dds_entity_t topic, const Take& take) {
   }
 }
 
+/// By RTPS's rule: all participants of a domain hear this one.
+int discoveryPort(int domain) { return 7400 + 250 * domain; }
+
+std::string keyOf(const dds_guid_t& guid) {
+  return {reinterpret_cast<const char*>(guid.v), sizeof guid.v};
+}
+
 DdsEndpoint endpointOf(const dds_builtintopic_endpoint_t& found, bool writer) {
   DdsEndpoint endpoint{writer, found.topic_name, found.type_name};
   dds_reliability_kind_t reliability = DDS_RELIABILITY_BEST_EFFORT;
@@ -47,6 +58,7 @@ DdsEndpoint endpointOf(const dds_builtintopic_endpoint_t& found, bool writer) {
   dds_qget_durability(found.qos, &durability);
   endpoint.reliable = reliability == DDS_RELIABILITY_RELIABLE;
   endpoint.latched = durability != DDS_DURABILITY_VOLATILE;
+  endpoint.owner = keyOf(found.participant_key);
   return endpoint;
 }
 
@@ -58,6 +70,14 @@ std::string mismatch(const DdsEndpoint& writer, const DdsEndpoint& reader) {
   return {};
 }
 
+/// Whether the reader's owner takes the topic in this type too, as the lab takes commands in two.
+bool readsToo(const DdsFacts& facts, const DdsEndpoint& reader, const std::string& type) {
+  return std::ranges::any_of(facts.endpoints, [&](const DdsEndpoint& other) {
+    return !other.writer && other.topic == reader.topic && other.owner == reader.owner &&
+           other.type == type;
+  });
+}
+
 std::string remedy(const DdsEndpoint& writer, const DdsEndpoint& reader) {
   std::string topic = reader.topic.starts_with("rt/") ? reader.topic.substr(2) : reader.topic;
   if (writer.type != reader.type) return "ros2 topic info -v " + topic + "  # who wants which type";
@@ -67,39 +87,83 @@ std::string remedy(const DdsEndpoint& writer, const DdsEndpoint& reader) {
 
 }  // namespace
 
-DdsFacts surveyDds(int domain, const std::string& address, int listen_ms) {
+DdsFacts surveyDds(const Gateway& gateway, const std::filesystem::path& directory,
+                   int listen_ms) {
   DdsFacts facts;
-  facts.domain = domain;
+  facts.domain = gateway.domain;
+  facts.secured = !gateway.security.empty();
   try {
-    dds::NetworkOptions options;
-    options.address = address;
-    const dds::Domain own(
-        domain, address.empty() ? dds::localConfiguration() : dds::networkConfiguration(options),
-        "lab doctor");
+    const dds::Domain own = gateway::joinDomain(gateway, directory);
     std::this_thread::sleep_for(std::chrono::milliseconds(listen_ms));
-    dds_guid_t self{};
-    dds_get_guid(own.participant(), &self);
+    dds_guid_t guid{};
+    dds_get_guid(own.participant(), &guid);
+    const std::string self = keyOf(guid);
     takeAll<dds_builtintopic_participant_t>(
         own, DDS_BUILTIN_TOPIC_DCPSPARTICIPANT, [&](const auto& participant) {
-          facts.participants += std::memcmp(&participant.key, &self, sizeof self) == 0 ? 0 : 1;
+          facts.participants += keyOf(participant.key) == self ? 0 : 1;
         });
-    takeAll<dds_builtintopic_endpoint_t>(
-        own, DDS_BUILTIN_TOPIC_DCPSPUBLICATION,
-        [&](const auto& found) { facts.endpoints.push_back(endpointOf(found, true)); });
-    takeAll<dds_builtintopic_endpoint_t>(
-        own, DDS_BUILTIN_TOPIC_DCPSSUBSCRIPTION,
-        [&](const auto& found) { facts.endpoints.push_back(endpointOf(found, false)); });
-  } catch (const dds::DdsError& error) {
+    const auto add = [&](const dds_builtintopic_endpoint_t& found, bool writer) {
+      const DdsEndpoint endpoint = endpointOf(found, writer);
+      if (endpoint.owner != self) facts.endpoints.push_back(endpoint);
+    };
+    takeAll<dds_builtintopic_endpoint_t>(own, DDS_BUILTIN_TOPIC_DCPSPUBLICATION,
+                                         [&](const auto& found) { add(found, true); });
+    takeAll<dds_builtintopic_endpoint_t>(own, DDS_BUILTIN_TOPIC_DCPSSUBSCRIPTION,
+                                         [&](const auto& found) { add(found, false); });
+  } catch (const std::runtime_error& error) {
     facts.problem = error.what();
   }
   return facts;
+}
+
+bool ddsPortIsFree(int port) {
+  const int socket_fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  if (socket_fd < 0) return false;
+  const int yes = 1;
+  setsockopt(socket_fd, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(static_cast<std::uint16_t>(port));
+  address.sin_addr.s_addr = htonl(INADDR_ANY);
+  const bool free =
+      bind(socket_fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
+  close(socket_fd);
+  return free;
+}
+
+std::vector<Finding> judgePorts(const Experiment& experiment,
+                                const std::function<bool(int port)>& lcm_free,
+                                const std::function<bool(int port)>& dds_free) {
+  std::vector<Finding> findings;
+  const auto taken = [&](int port, const std::string& use, const std::string& way_out) {
+    const std::string number = std::to_string(port);
+    findings.push_back({Level::kWarning, "UDP port " + number + " (" + use + ") is taken",
+                        "ss -ulnp | grep ':" + number + " '  # who holds it; or " + way_out});
+  };
+  const int lcm = experiment.network.port;
+  if (lcm != 0 && !lcm_free(lcm)) {
+    taken(lcm, "network.port",
+          "lab stop, where it is a lab; or another network.port, 0 for any that is free");
+  }
+  const auto domain = [&](const std::string& key, int number) {
+    const int port = discoveryPort(number);
+    if (!dds_free(port)) {
+      taken(port, "of " + key + " = " + std::to_string(number), "another " + key);
+    }
+  };
+  if (experiment.gateway.ros) domain("gateway.domain", experiment.gateway.domain);
+  if (experiment.link.join == JoinBy::kDds && !hostsInUse(experiment).empty()) {
+    domain("link.domain", experiment.link.domain);
+  }
+  return findings;
 }
 
 std::vector<Finding> judgeDds(const DdsFacts& facts) {
   const std::string name = "DDS domain " + std::to_string(facts.domain);
   if (!facts.problem.empty()) {
     return {{Level::kWarning, name + " cannot be entered: " + facts.problem,
-             "ss -ulnp | grep ':7[4-9]'  # who holds its ports; or choose another domain"}};
+             "ss -ulnp | grep ':" + std::to_string(discoveryPort(facts.domain) / 100) +
+                 "'  # who holds its ports; or choose another gateway.domain"}};
   }
   std::size_t writers = 0;
   std::vector<Finding> findings;
@@ -109,6 +173,7 @@ std::vector<Finding> judgeDds(const DdsFacts& facts) {
     ++writers;
     for (const DdsEndpoint& reader : facts.endpoints) {
       if (reader.writer || reader.topic != writer.topic) continue;
+      if (writer.type != reader.type && readsToo(facts, reader, writer.type)) continue;
       const std::string why = mismatch(writer, reader);
       const std::string what = name + ": a reader of " + reader.topic + " hears nothing of a writer: ";
       if (why.empty() || !told.insert(what + why).second) continue;
@@ -119,7 +184,10 @@ std::vector<Finding> judgeDds(const DdsFacts& facts) {
                   {Level::kOk,
                    name + ": " + std::to_string(facts.participants) + " participants, " +
                        std::to_string(writers) + " writers, " +
-                       std::to_string(facts.endpoints.size() - writers) + " readers",
+                       std::to_string(facts.endpoints.size() - writers) + " readers" +
+                       (facts.secured ? " (secured: who has no certificate of gateway.security "
+                                        "is not seen)"
+                                      : ""),
                    ""});
   return findings;
 }

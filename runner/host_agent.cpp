@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <signal.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -41,7 +42,10 @@ using Json = nlohmann::json;
 constexpr std::int64_t kTick_us = 50'000;
 constexpr std::int64_t kNameless_us = 60'000'000;  // until it is told its patience
 constexpr int kServicePatience_ms = 3000;
-constexpr std::size_t kMostWaiting = 4'000'000;  // [byte] then lines of services are dropped
+constexpr std::size_t kMostWaiting = 4'000'000;  // [byte] then lines of services wait
+constexpr std::size_t kLongestLine = 65'536;     // [byte] of a service that ends none
+constexpr int kLastWords_ms = 1000;
+constexpr int kDrain_ms = 10;
 
 /// Removes a folder when this process is gone, however it went: a process of its own waits for that.
 class Folder {
@@ -89,6 +93,53 @@ class Folder {
   int lives_ = -1;
 };
 
+/// One agent for each host of a run: one whose connection is lost does not know it yet when the
+/// runner calls again, and still drives the robots. The newcomer ends it.
+class OnlyAgent {
+ public:
+  /// @param name of run and host
+  explicit OnlyAgent(const std::string& name) {
+    const fs::path file = registryDirectory() / ("agent-" + name + ".lock");
+    descriptor_ = open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+    if (descriptor_ < 0) throw UserError("cannot write " + file.string());
+    for (int waited = 0; flock(descriptor_, LOCK_EX | LOCK_NB) != 0; waited += kStep_ms) {
+      const pid_t other = holder();
+      if (other > 1 && waited % kRepeat_ms == 0) {
+        kill(other, waited < kPatience_ms ? SIGTERM : SIGKILL);
+      }
+      if (waited > 2 * kPatience_ms) throw UserError("another agent of this run does not end");
+      std::this_thread::sleep_for(std::chrono::milliseconds(kStep_ms));
+    }
+    const std::string own = std::to_string(getpid());
+    if (ftruncate(descriptor_, 0) != 0 ||
+        pwrite(descriptor_, own.data(), own.size(), 0) != static_cast<ssize_t>(own.size())) {
+      throw UserError("cannot write " + file.string() + ": is the disk full?");
+    }
+    file_ = file;
+  }
+  ~OnlyAgent() {
+    std::error_code error;
+    fs::remove(file_, error);
+    close(descriptor_);
+  }
+  OnlyAgent(const OnlyAgent&) = delete;
+  OnlyAgent& operator=(const OnlyAgent&) = delete;
+
+ private:
+  static constexpr int kStep_ms = 50;
+  static constexpr int kRepeat_ms = 1000;
+  static constexpr int kPatience_ms = 10000;  // its services end one after the other
+
+  [[nodiscard]] pid_t holder() const {
+    std::array<char, 16> text{};
+    if (pread(descriptor_, text.data(), text.size() - 1, 0) <= 0) return 0;
+    return std::atoi(text.data());
+  }
+
+  int descriptor_ = -1;
+  fs::path file_;
+};
+
 class Agent {
  public:
   Agent(fs::path programs, const Folder& folder)
@@ -106,6 +157,11 @@ class Agent {
     loop_.run();
     endAll();
     lines_.send({{"say", "left"}});
+    for (int waited = 0; lines_.waiting() > 0 && !lines_.closed() && waited < kLastWords_ms;
+         waited += kDrain_ms) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(kDrain_ms));
+      lines_.flush();
+    }
   }
 
  private:
@@ -176,6 +232,7 @@ class Agent {
     loop_.onReadable(bus_->fileDescriptor(), [this] { bus_->drain(); });
     registration_.emplace(
         RunningLab{order.value("name", "lab"), url_, getpid(), folder_.path().string()});
+    only_.emplace(order.value("name", "lab") + "-" + order.value("host", "host"));
     std::string warning;
     if (ttl == 0 && multicastInterface().value_or("") != "lo") warning = unpinnedWarning();
     lines_.send({{"say", "begun"}, {"url", url_}, {"warning", warning}});
@@ -247,8 +304,9 @@ class Agent {
   }
 
   /// What the service has printed since the last time.
-  void tell(Running& service) {
-    if (lines_.waiting() > kMostWaiting) return;
+  /// @return whether there was anything
+  bool tell(Running& service) {
+    if (lines_.waiting() > kMostWaiting) return false;
     std::ifstream file(service.output, std::ios::binary);
     file.seekg(service.read);
     std::string text(65536, '\0');
@@ -256,6 +314,9 @@ class Agent {
     text.resize(static_cast<std::size_t>(file.gcount()));
     service.read += file.gcount();
     service.begun += text;
+    if (service.begun.size() > kLongestLine && service.begun.find('\n') == std::string::npos) {
+      service.begun += '\n';
+    }
     std::size_t begin = 0;
     for (std::size_t end = 0; (end = service.begun.find('\n', begin)) != std::string::npos;
          begin = end + 1) {
@@ -264,6 +325,7 @@ class Agent {
                    {"text", service.begun.substr(begin, end - begin)}});
     }
     service.begun.erase(0, begin);
+    return !text.empty();
   }
 
   /// Who joins the buses ends last: the others' last messages pass through it.
@@ -273,6 +335,11 @@ class Agent {
     for (const auto& service : services_) {
       service->process->terminate();
       service->process->waitOrKill(kServicePatience_ms);
+      while (tell(*service)) {
+      }
+      if (service->begun.empty()) continue;
+      lines_.send({{"say", "line"}, {"service", service->name}, {"text", service->begun}});
+      service->begun.clear();
     }
     look();
   }
@@ -281,6 +348,7 @@ class Agent {
   const Folder& folder_;
   AsioLoop loop_;
   JsonLines lines_;
+  std::optional<OnlyAgent> only_;
   std::optional<PortLock> lock_;
   std::string url_;
   std::unique_ptr<LcmBus> bus_;

@@ -1,5 +1,6 @@
 #include "runner/host_files.hpp"
 
+#include "dds/configuration.hpp"
 #include "runner/run_directory.hpp"
 
 namespace lab::runner {
@@ -23,6 +24,16 @@ void addFolder(const fs::path& folder, const std::string& name, std::vector<Host
   }
 }
 
+/// Nothing else of that folder: somebody may keep the key of a CA there. Who misses one is the
+/// gateway, and says so.
+void addCertificates(const fs::path& folder, const std::string& name,
+                     std::vector<HostFile>& files) {
+  for (const std::string_view file : dds::kSecurityFiles) {
+    if (!fs::exists(folder / file)) continue;
+    files.push_back({(fs::path(name) / file).string(), folder / file, {}});
+  }
+}
+
 }  // namespace
 
 std::vector<HostFile> filesFor(const Experiment& e, const fs::path& directory) {
@@ -34,9 +45,9 @@ std::vector<HostFile> filesFor(const Experiment& e, const fs::path& directory) {
       files.push_back({recordingName(i), directory / e.robots[i].log, {}});
     }
   }
-  if (!e.link.security.empty()) addFolder(directory / e.link.security, kLinkSecurity, files);
+  if (!e.link.security.empty()) addCertificates(directory / e.link.security, kLinkSecurity, files);
   if (!e.gateway.security.empty()) {
-    addFolder(directory / e.gateway.security, kGatewaySecurity, files);
+    addCertificates(directory / e.gateway.security, kGatewaySecurity, files);
   }
   if (!e.gateway.mapping.empty()) files.push_back({kMapping, directory / e.gateway.mapping, {}});
   if (!e.gateway.configuration.empty()) {

@@ -61,18 +61,26 @@ void JsonLines::receive(const std::function<void(const nlohmann::json&)>& take,
       break;
     }
   }
+  // Taken out before anybody acts on them: what a handler throws leaves nothing to be read twice.
+  const std::size_t last = in_.rfind('\n');
+  const std::string lines = last == std::string::npos ? "" : in_.substr(0, last + 1);
+  in_.erase(0, lines.size());
+  if (in_.size() > kLongestLine) in_.clear();
   std::size_t begin = 0;
-  for (std::size_t end = 0; (end = in_.find('\n', begin)) != std::string::npos; begin = end + 1) {
-    const std::string line = in_.substr(begin, end - begin);
+  for (std::size_t end = 0; (end = lines.find('\n', begin)) != std::string::npos;
+       begin = end + 1) {
+    const std::string line = lines.substr(begin, end - begin);
     const auto json = nlohmann::json::parse(line, nullptr, false);
-    if (json.is_object()) {
+    if (!json.is_object()) {
+      noise(line);
+      continue;
+    }
+    try {
       take(json);
-    } else {
+    } catch (const nlohmann::json::exception&) {  // a key of another type than ours
       noise(line);
     }
   }
-  in_.erase(0, begin);
-  if (in_.size() > kLongestLine) in_.clear();
 }
 
 std::string encodedBytes(std::string_view bytes) {

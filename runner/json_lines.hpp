@@ -17,7 +17,8 @@ class JsonLines {
   void send(const nlohmann::json& message);
   void flush();
 
-  /// Hands over every whole line that has come. What is no JSON object is handed to `noise`.
+  /// Hands over every whole line that has come. What is no JSON object, or one that `take` throws a
+  /// json::exception at, is handed to `noise`.
   void receive(const std::function<void(const nlohmann::json&)>& take,
                const std::function<void(const std::string&)>& noise);
 

@@ -5,11 +5,13 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "common/experiment_places.hpp"
 #include "runner/exit_code.hpp"
 #include "runner/host_agent.hpp"
 #include "runner/machine.hpp"
@@ -53,7 +55,7 @@ class RemoteService final : public ServiceProcess {
     if (!ending_.empty()) return false;
     if (meeting_ != host_.meeting()) {
       // Nobody can start it again before the host is back.
-      if (host_.state() == RemoteHost::State::kBegun) ending_ = "with its host";
+      if (host_.state() == RemoteHost::State::kBegun) ending_ = kWithItsHost;
       return ending_.empty();
     }
     const RemoteHost::Told& told = host_.told_[name_];
@@ -107,7 +109,9 @@ void RemoteHost::call() {
   const std::vector<std::string> arguments{
       ssh->string(), "-T", "-o", "BatchMode=yes", "-o", "ConnectTimeout=10",
       "-o", "ServerAliveInterval=0", "-o", "TCPKeepAlive=no", "-o", "ForwardX11=no",
-      "-o", "ForwardAgent=no", "-o", "ControlPath=none", spec_.ssh, agentCommand(spec_)};
+      "-o", "ForwardAgent=no", "-o", "ControlPath=none", "-o", "ClearAllForwardings=yes",
+      "-o", "RemoteCommand=none", "-o", "AddressFamily=inet",  // DDS and LCM take no other here
+      spec_.ssh, agentCommand(spec_)};
   ssh_ = std::make_unique<ChildProcess>("ssh", arguments, "/proc/self/fd/" + std::to_string(errors_),
                                         ChildProcess::Streams{to[0], from[1]});
   close(to[0]);
@@ -125,6 +129,7 @@ void RemoteHost::call() {
 
 void RemoteHost::hangUp() {
   lines_.reset();
+  outbox_.clear();
   closeIfOpen(input_);  // the agent ends
   if (ssh_) {
     ssh_->terminate();
@@ -155,6 +160,7 @@ void RemoteHost::attend() {
     spoke_ = now;
     if (lines_->waiting() < kMostWaiting) lines_->send({{"do", "alive"}});
   }
+  feed();
   lines_->flush();
   if (state_ == State::kRefused || ssh_->running()) return;
   state_ = State::kGone;
@@ -166,11 +172,13 @@ void RemoteHost::take(const Json& said) {
   heard_ = Steady::now();
   const std::string what = said.value("say", "");
   const std::string service = said.value("service", "");
+  // What a host says is not to name files or to fill memory here.
+  if (!service.empty() && std::ranges::find(kServiceNames, service) == kServiceNames.end()) return;
   if (what == "hello" && state_ == State::kCalling) {
     if (const auto hello = helloFrom(said)) meet(*hello);
   } else if (what == "pong" && state_ == State::kCalling) {
     measure(said);
-  } else if (what == "begun") {
+  } else if (what == "begun" && state_ == State::kMet) {
     warning_ = said.value("warning", "");
     state_ = State::kBegun;
   } else if (what == "line") {
@@ -212,50 +220,66 @@ void RemoteHost::measure(const Json& pong) {
 void RemoteHost::begin(const Beginning& beginning) {
   logs_ = beginning.logs;
   if (!logs_.empty()) fs::create_directories(logs_);
-  lines_->send({{"do", "begin"},
-                {"name", beginning.name},
-                {"port", beginning.port},
-                {"ttl", beginning.ttl},
-                {"patience_s", beginning.patience}});
+  say({{"do", "begin"},
+       {"name", beginning.name},
+       {"host", spec_.name},
+       {"port", beginning.port},
+       {"ttl", beginning.ttl},
+       {"patience_s", beginning.patience}});
   for (const HostFile& file : beginning.files) send(file);
 }
 
+void RemoteHost::say(Json message) {
+  outbox_.emplace_back([this, message = std::move(message)] {
+    lines_->send(message);
+    return true;
+  });
+  if (lines_) feed();
+}
+
+/// A recording is larger than what may wait in memory: the rest goes with the next attend().
+void RemoteHost::feed() {
+  while (!outbox_.empty() && lines_->waiting() < kMostWaiting) {
+    if (outbox_.front()()) outbox_.pop_front();
+  }
+}
+
+void RemoteHost::lose(const std::string& why) {
+  hangUp();
+  state_ = State::kGone;
+  trouble_ = why;
+}
+
 void RemoteHost::send(const HostFile& file) {
-  const auto sendChunk = [&](const std::string& bytes) {
-    if (lines_) lines_->send({{"do", "file"}, {"path", file.path}, {"data", encodedBytes(bytes)}});
-  };
   if (file.source.empty()) {
-    sendChunk(file.text);
+    say({{"do", "file"}, {"path", file.path}, {"data", encodedBytes(file.text)}});
     return;
   }
-  std::ifstream stream(file.source, std::ios::binary);
-  if (!stream) throw UserError("cannot read " + file.source.string());
-  std::string bytes(kChunk, '\0');
-  do {
-    stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-    sendChunk(bytes.substr(0, static_cast<std::size_t>(stream.gcount())));
-    // A recording is larger than what may wait in memory.
-    while (lines_ && lines_->waiting() > kMostWaiting) {
-      std::this_thread::sleep_for(milliseconds(kStep_ms));
-      attend();
-    }
-  } while (stream);
+  const auto stream = std::make_shared<std::ifstream>(file.source, std::ios::binary);
+  if (!*stream) throw UserError("cannot read " + file.source.string());
+  outbox_.emplace_back([this, stream, path = file.path] {
+    std::string bytes(kChunk, '\0');
+    stream->read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    bytes.resize(static_cast<std::size_t>(stream->gcount()));
+    lines_->send({{"do", "file"}, {"path", path}, {"data", encodedBytes(bytes)}});
+    return !*stream;
+  });
 }
 
 std::unique_ptr<ServiceProcess> RemoteHost::start(const Order& order) {
   told_[order.service] = {};
   if (lines_) {
-    lines_->send({{"do", "start"},
-                  {"service", order.service},
-                  {"experiment", order.experiment},
-                  {"uses_ports", order.uses_ports},
-                  {"arguments", order.arguments}});
+    say({{"do", "start"},
+         {"service", order.service},
+         {"experiment", order.experiment},
+         {"uses_ports", order.uses_ports},
+         {"arguments", order.arguments}});
   }
   return std::make_unique<RemoteService>(*this, order.service);
 }
 
 void RemoteHost::order(const char* what, const std::string& service) {
-  if (lines_) lines_->send({{"do", what}, {"service", service}});
+  if (lines_) say({{"do", what}, {"service", service}});
 }
 
 void RemoteHost::write(const std::string& service, const std::string& text) const {

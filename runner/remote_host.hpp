@@ -2,7 +2,9 @@
 #pragma once
 
 #include <chrono>
+#include <deque>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
@@ -17,8 +19,8 @@
 
 namespace lab::runner {
 
-/// Nothing here waits but leave(): attend() does what there is to do, and is called many times a
-/// second.
+/// Nothing here waits but leave() and hanging up: attend() does what there is to do, and is called
+/// many times a second.
 class RemoteHost {
  public:
   enum class State {
@@ -63,8 +65,11 @@ class RemoteHost {
   };
   void begin(const Beginning& beginning);
 
-  /// One file more. @throws UserError when it cannot be read.
+  /// One file more, in order with all that is sent. @throws UserError when it cannot be read.
   void send(const HostFile& file);
+
+  /// Gives up a connection on which nothing has been heard for long.
+  void lose(const std::string& why);
 
   struct Order {
     std::string service;
@@ -87,6 +92,8 @@ class RemoteHost {
   };
 
   void take(const nlohmann::json& said);
+  void say(nlohmann::json message);
+  void feed();
   void meet(const HostHello& hello);
   void measure(const nlohmann::json& pong);
   void order(const char* what, const std::string& service);
@@ -108,6 +115,8 @@ class RemoteHost {
   int output_ = -1;  ///< from ssh
   std::unique_ptr<ChildProcess> ssh_;
   std::optional<JsonLines> lines_;
+  /// What waits for room, in order. Each sends a part of itself and says whether that was the last.
+  std::deque<std::function<bool()>> outbox_;
   std::map<std::string, Told> told_;  ///< of services, in this meeting
   std::chrono::steady_clock::time_point heard_;
   std::chrono::steady_clock::time_point spoke_;

@@ -22,6 +22,7 @@ constexpr auto kMeetPatience = seconds(20);
 constexpr auto kSilent = seconds(2);       // then it is said
 constexpr auto kSure = milliseconds(500);  // heard again for this long: back
 constexpr auto kCallEvery = seconds(3);
+constexpr auto kGiveUp = seconds(35);  // TCP tries again by then when a cable was out for 15 s
 constexpr auto kLinkStatusPatience = seconds(3);  // it comes once a second
 // Answers are stamped when they are seen: a longer pause would be taken for the way.
 constexpr auto kStep = std::chrono::microseconds(200);
@@ -156,7 +157,11 @@ void RemoteHosts::begin(const PreparedRun& run, const std::filesystem::path& log
   port_ = port;
   for (auto& [name, host] : known_) host.remote->begin(beginningOf(*host.remote));
   waitFor(RemoteHost::State::kBegun, "did not take the run's files");
-  for (auto& [name, host] : known_) host.heard = Steady::now();
+  for (auto& [name, host] : known_) {
+    host.heard = Steady::now();
+    const std::string& warning = host.remote->warning();
+    if (!warning.empty()) fmt::print(stderr, "warn     host {}: {}\n", name, warning);
+  }
 }
 
 void RemoteHosts::attend() {
@@ -168,6 +173,13 @@ void RemoteHosts::take(const link_status_t& status) {
   auto& peers = peers_[status.host];
   peers.clear();
   for (const link_peer_t& peer : status.peers) peers[peer.host] = peer;
+}
+
+std::string RemoteHosts::notHeard() const {
+  return experiment_.link.security.empty()
+             ? "nothing is heard over DDS; does a firewall let UDP through (docs/hosts.md)?"
+             : "nothing is heard over DDS; does a firewall let UDP through (docs/hosts.md), and has "
+               "the gateway there certificates of the same CA (link.security, docs/security.md)?";
 }
 
 std::string RemoteHosts::notJoined() const {
@@ -188,8 +200,7 @@ std::string RemoteHosts::notJoined() const {
       return fmt::format("the buses of {} and {} are not joined: {}", one, other,
                          known && !peer->second.trouble.empty()
                              ? peer->second.trouble
-                             : "nothing is heard over DDS; does a firewall let UDP through "
-                               "(docs/hosts.md)?");
+                             : notHeard());
     }
   }
   for (const std::string& one : names()) {
@@ -228,8 +239,12 @@ std::string RemoteHosts::silence(const Known& host) const {
   const bool robots =
       hostOf(experiment_, "sim_svc") == name || hostOf(experiment_, "robot_bridge") == name;
   const std::string since = " since " + utcOf(host.heard);
+  const double stands =
+      std::max(experiment_.hardware.lease, experiment_.hardware.free_run);
   const std::string meaning =
-      robots ? "its robots stand" : "nothing is heard of " + services;
+      !robots                       ? "nothing is heard of " + services
+      : stands <= inSeconds(kSilent) ? "its robots stand"
+                                    : fmt::format("its robots stand after {:g} s", stands);
   if (host.remote->state() != RemoteHost::State::kBegun) {
     const std::string& why = host.remote->trouble();
     return fmt::format("host {} is gone{}{}: {}", name, since, why.empty() ? "" : " (" + why + ")",
@@ -280,6 +295,11 @@ std::string RemoteHosts::watch(const Watcher& watcher) {
         host.silent = false;
         host.heard = now;
       }
+    }
+    // A machine that lost its power leaves a connection that never ends.
+    if (!well && remote.state() == RemoteHost::State::kBegun &&
+        remote.silentFor() > inSeconds(kGiveUp)) {
+      remote.lose(fmt::format("nothing heard over ssh for {:.0f} s", remote.silentFor()));
     }
     if (remote.state() == RemoteHost::State::kRefused) return remote.trouble();
     if (host.silent && !well && inSeconds(now - host.heard) > experiment_.link.patience) {

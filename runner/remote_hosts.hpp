@@ -68,6 +68,7 @@ class RemoteHosts {
   void waitFor(RemoteHost::State state, const char* what);
   [[nodiscard]] bool isWell(const Known& host) const;
   [[nodiscard]] std::string silence(const Known& host) const;
+  [[nodiscard]] std::string notHeard() const;
   void callAgain(Known& host);
   void findAddresses();
   [[nodiscard]] RemoteHost::Beginning beginningOf(const RemoteHost& host) const;

@@ -5,6 +5,9 @@
 
 namespace lab::runner {
 
+/// The ending of a service that went away with the computer it ran on.
+inline constexpr const char* kWithItsHost = "with its host";
+
 class ServiceProcess {
  public:
   ServiceProcess() = default;

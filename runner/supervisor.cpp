@@ -155,7 +155,8 @@ bool Supervisor::revive(const std::function<void(const std::string&)>& report,
                         const std::function<fs::path()>& resume) {
   const auto died = [&report](Entry& entry) {
     if (entry.process->running()) return false;
-    const bool again = ++entry.restarts <= kMostRestarts;
+    const bool own_fault = entry.process->ending() != kWithItsHost;
+    const bool again = (entry.restarts += own_fault ? 1 : 0) <= kMostRestarts;
     report(fmt::format("{} died ({}) and {}", titleOf(entry.name, entry.host),
                        entry.process->ending(),
                        again ? "was restarted" : "is given up"));

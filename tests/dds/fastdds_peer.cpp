@@ -1,7 +1,9 @@
-/// fastdds_peer DOMAIN: an endpoint of another vendor, over UDP (peer_loop.hpp). Payloads pass as
-/// they are on the wire: the bytes are the tests'.
+/// fastdds_peer DOMAIN [PROFILES]: an endpoint of another vendor, over UDP (peer_loop.hpp). Payloads
+/// pass as they are on the wire: the bytes are the tests'. PROFILES goes into
+/// $FASTRTPS_DEFAULT_PROFILES_FILE; without it every interface is used.
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
 
+#include <cstdlib>
 #include <cstring>
 #include <fastdds/dds/domain/DomainParticipant.hpp>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
@@ -141,12 +143,20 @@ class FastEndpoint : public PeerEndpoint {
   int refused_by_ = 0;
 };
 
-int run(int domain) {
-  fast::DomainParticipantQos qos;
-  qos.transport().use_builtin_transports = false;  // without shared memory
-  qos.transport().user_transports.push_back(
-      std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>());
+int run(int domain, const char* profiles) {
   auto* factory = fast::DomainParticipantFactory::get_instance();
+  fast::DomainParticipantQos qos;
+  if (profiles != nullptr) {
+    setenv("FASTRTPS_DEFAULT_PROFILES_FILE", profiles, 1);  // by name it becomes no default
+    if (factory->load_profiles() != ReturnCode_t::RETCODE_OK) {
+      throw std::runtime_error("profiles not taken");
+    }
+    qos = factory->get_default_participant_qos();
+  } else {
+    qos.transport().use_builtin_transports = false;  // without shared memory
+    qos.transport().user_transports.push_back(
+        std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>());
+  }
   fast::DomainParticipant* participant =
       factory->create_participant(static_cast<std::uint32_t>(domain), qos);
   if (participant == nullptr) throw std::runtime_error("no participant");
@@ -165,12 +175,12 @@ int run(int domain) {
 }  // namespace lab::dds
 
 int main(int argc, char** argv) {
-  if (argc != 2) {
-    std::cerr << "usage: fastdds_peer DOMAIN\n";
+  if (argc != 2 && argc != 3) {
+    std::cerr << "usage: fastdds_peer DOMAIN [PROFILES]\n";
     return 2;
   }
   try {
-    return lab::dds::run(std::stoi(argv[1]));
+    return lab::dds::run(std::stoi(argv[1]), argc == 3 ? argv[2] : nullptr);
   } catch (const std::exception& error) {
     std::cout << "error " << error.what() << std::endl;
     return 1;

@@ -2,11 +2,13 @@
 ///   link_end LCM_URL HOST ADDRESS KEY CLOCK_SHIFT_US MOST_OFFSET_S PEER...
 /// With $LINK_END_SPEAKS it is of another contract, whose types have these fingerprints; with
 /// $LINK_END_SECURITY its certificates are in that folder.
+#include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
 #include <span>
+#include <thread>
 
 #include "common/asio_loop.hpp"
 #include "common/lcm_bus.hpp"
@@ -28,13 +30,17 @@ void run(std::span<char*> arguments) {
   options.clock = [&loop, shift] { return loop.now() + shift; };
   lab::LcmBus bus(arguments[1]);
   lab::Node node(bus, loop, {"dds_gateway", 0, loop.now()});
-  const lab::gateway::BusLink link(node, loop, loop, options);
+  lab::gateway::BusLink link(node, loop, loop, options);
   loop.onReadable(bus.fileDescriptor(), [&bus] { bus.drain(); });
   loop.onSignals({SIGINT, SIGTERM}, [&loop](int) { loop.stop(); });
   node.start();
   node.ready();
   loop.run();
   node.close();
+  for (int i = 0; link.isPassingOn() && i < 250; ++i) {
+    loop.poll();
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
 }
 
 }  // namespace

@@ -22,7 +22,7 @@ std::vector<std::string> problemsOf(const std::string& text) {
 }
 
 TEST(Mapping, LetsEverythingPassWithoutAFile) {
-  const Mapping dut;
+  Mapping dut;
   const auto pose = dut.route("/lab/robot1/pose");
   ASSERT_TRUE(pose);
   EXPECT_EQ(pose->topic, "/lab/robot1/pose");
@@ -32,7 +32,7 @@ TEST(Mapping, LetsEverythingPassWithoutAFile) {
 }
 
 TEST(Mapping, TheFirstRuleOfAWholeNameDecides) {
-  const Mapping dut(R"(
+  Mapping dut(R"(
 fileversion = 1
 [[rules]]
 topic = "/lab/(robot[0-9]+)/pose"
@@ -53,7 +53,7 @@ topic = "/lab/robot3/odom"
 }
 
 TEST(Mapping, WhatARuleLeavesOpenStays) {
-  const Mapping dut(R"(
+  Mapping dut(R"(
 fileversion = 1
 [[rules]]
 topic = "/lab/light_field"
@@ -65,7 +65,7 @@ rename = "/map"
 }
 
 TEST(Mapping, ARenameThatRosDoesNotTakeIsRefused) {
-  const Mapping dut(R"(
+  Mapping dut(R"(
 fileversion = 1
 [[rules]]
 topic = "/lab/robot([0-9]+)/pose"
@@ -82,6 +82,38 @@ rename = "/$1/pose"
         }
       },
       std::runtime_error);
+}
+
+/// What is said when these topics are asked for in turn; empty: nothing.
+std::string clashOf(const std::string& rules, const std::vector<std::string>& topics) {
+  Mapping dut("fileversion = 1\n" + rules, "m.toml");
+  try {
+    for (const std::string& topic : topics) static_cast<void>(dut.route(topic));
+  } catch (const std::runtime_error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Mapping, TwoTopicsOfOneNameAreRefused) {
+  const std::string both =
+      "[[rules]]\ntopic = \"/lab/robot[0-9]+/pose\"\nrename = \"/fleet/pose\"\n";
+  EXPECT_THAT(clashOf(both, {"/lab/robot1/pose", "/tf", "/lab/robot2/pose"}),
+              StartsWith("m.toml:4: rules[0].rename: found that /lab/robot1/pose and "
+                         "/lab/robot2/pose both become \"/fleet/pose\", expected a name of its"));
+  // The name of a topic that no rule renames, whichever is asked for first.
+  const std::string odom =
+      "[[rules]]\ntopic = \"/lab/robot1/pose\"\nrename = \"/lab/robot1/odom\"\n";
+  for (const auto& topics : {std::vector<std::string>{"/lab/robot1/pose", "/lab/robot1/odom"},
+                             std::vector<std::string>{"/lab/robot1/odom", "/lab/robot1/pose"}}) {
+    EXPECT_THAT(clashOf(odom, topics), StartsWith("m.toml:4: rules[0].rename: found that " +
+                                                  topics[0] + " and " + topics[1]));
+  }
+  // A topic may be asked for again, and one that is denied has no name.
+  EXPECT_EQ(clashOf(both, {"/lab/robot1/pose", "/lab/robot1/pose"}), "");
+  EXPECT_EQ(clashOf("[[rules]]\ntopic = \"/lab/robot2/.*\"\nallow = false\n" + both,
+                    {"/lab/robot1/pose", "/lab/robot2/pose"}),
+            "");
 }
 
 TEST(Mapping, SaysWhatIsWrongWhere) {

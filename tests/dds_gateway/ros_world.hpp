@@ -101,6 +101,13 @@ left_cm_s = 2
 right_cm_s = 2
 )";
 
+/// kTwoRobots with a line more in its [gateway].
+inline std::string withGatewayLine(const std::string& line) {
+  std::string text = kTwoRobots;
+  const std::string mark = "[gateway]\n";
+  return text.insert(text.find(mark) + mark.size(), line + "\n");
+}
+
 /// ROS 2's reader of one topic; keeps what the last look brought.
 template <class Message>
 class RosReader {
@@ -140,9 +147,12 @@ class RosWriter {
 /// The gateway, if wanted sim_svc, and a lab that orders the light table at 5 Hz.
 class RosWorld {
  public:
-  explicit RosWorld(const std::string& experiment = kTwoRobots, bool simulated = false)
+  /// @param mapping text of mapping.toml, if the experiment names one
+  explicit RosWorld(const std::string& experiment = kTwoRobots, bool simulated = false,
+                    const std::string& mapping = "")
       : file_((folder_ / "experiment.toml").string()) {
     std::ofstream(file_) << experiment;
+    if (!mapping.empty()) std::ofstream(folder_ / "mapping.toml") << mapping;
     experiment_ = loadExperiment(file_);
     table_ = lightTableCommand(experiment_);
     node_.subscribe<robot_status_t>(channels::kRobotStatus, [this](const robot_status_t& status) {

@@ -199,5 +199,34 @@ TEST(ToRos, DiagnosticsPointAtTheirTexts) {
   EXPECT_EQ(message.status._buffer[1].values._length, 0U);
 }
 
+TEST(ToRos, TextsOfOthersAreUtf8WhateverTheyWrote) {
+  Diagnostics diagnostics;
+  diagnostics.add({Diagnostics::kOk, "a\xFF", "b\xFF", "c\xFF", {{"d\xFF", "e\xFF"}}});
+  const ros::DiagnosticStatus& status = diagnostics.make(0).status._buffer[0];
+  EXPECT_STREQ(status.name, "a\uFFFD");
+  EXPECT_STREQ(status.message, "b\uFFFD");
+  EXPECT_STREQ(status.hardware_id, "c\uFFFD");
+  EXPECT_STREQ(status.values._buffer[0].key, "d\uFFFD");
+  EXPECT_STREQ(status.values._buffer[0].value, "e\uFFFD");
+
+  analysis_t source{};
+  source.program_name = "a\xFF";
+  source.curves.resize(1);
+  source.curves[0].name = "b\xFF";
+  source.curves[0].unit = "c\xFF";
+  source.estimates.resize(1);
+  source.estimates[0].name = "d\xFF";
+  source.estimates[0].unit = "e\xFF";
+  source.estimates[0].note = "f\xFF";
+  AnalysisMessage maker("lab/arena");
+  const ros::Analysis& message = maker.make(source);
+  EXPECT_STREQ(message.program_name, "a\uFFFD");
+  EXPECT_STREQ(message.curves._buffer[0].name, "b\uFFFD");
+  EXPECT_STREQ(message.curves._buffer[0].unit, "c\uFFFD");
+  EXPECT_STREQ(message.estimates._buffer[0].name, "d\uFFFD");
+  EXPECT_STREQ(message.estimates._buffer[0].unit, "e\uFFFD");
+  EXPECT_STREQ(message.estimates._buffer[0].note, "f\uFFFD");
+}
+
 }  // namespace
 }  // namespace lab::gateway

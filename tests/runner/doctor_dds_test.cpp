@@ -52,6 +52,57 @@ TEST(DoctorOfDds, LeavesAloneWhatFitsAndWhatIsOfAnotherTopic) {
   EXPECT_EQ(findingsOf({kWriter, modest, elsewhere}).size(), 1U);
 }
 
+// The lab reads commands in two types; who speaks one of them is heard.
+TEST(DoctorOfDds, AnOwnerWhoReadsTwoTypesHearsBoth) {
+  const DdsEndpoint teleop{true, "rt/lab/robot1/cmd_vel", "Twist_", true, false, "teleop"};
+  const DdsEndpoint plain{false, "rt/lab/robot1/cmd_vel", "Twist_", true, false, "lab"};
+  DdsEndpoint stamped = plain;
+  stamped.type = "TwistStamped_";
+  EXPECT_EQ(findingsOf({teleop, plain, stamped}).size(), 1U);
+
+  DdsEndpoint elsewhere = stamped;  // hears nothing, whatever others read
+  elsewhere.owner = "echo";
+  const auto found = findingsOf({teleop, plain, stamped, elsewhere});
+  ASSERT_EQ(found.size(), 2U);
+  EXPECT_THAT(found[1].what, HasSubstr("its type is Twist_, wanted TwistStamped_"));
+
+  DdsEndpoint text = teleop;  // neither of the two
+  text.type = "String_";
+  EXPECT_EQ(findingsOf({text, plain, stamped}).size(), 3U);
+}
+
+TEST(DoctorOfDds, SaysThatOnlyCertificatesAreSeen) {
+  DdsFacts facts;
+  facts.secured = true;
+  EXPECT_THAT(judgeDds(facts).at(0).what, HasSubstr("secured"));
+}
+
+TEST(DoctorOfDds, ListensAsTheGatewayWould) {
+  Gateway gateway;
+  gateway.configuration = "no_such.xml";
+  EXPECT_THAT(surveyDds(gateway, "/nowhere", 0).problem,
+              HasSubstr("/nowhere/no_such.xml: gateway.configuration"));
+}
+
+TEST(DoctorOfPorts, NamesThoseThatAreTaken) {
+  const auto all = [](int) { return true; };
+  const auto none = [](int) { return false; };
+  Experiment experiment;
+  EXPECT_TRUE(judgePorts(experiment, none, none).empty()) << "any port will do, no ROS 2";
+
+  experiment.network.port = 23456;
+  experiment.gateway.ros = true;
+  experiment.gateway.domain = 3;
+  EXPECT_TRUE(judgePorts(experiment, all, all).empty());
+  const auto found = judgePorts(experiment, none, none);
+  ASSERT_EQ(found.size(), 2U);
+  EXPECT_EQ(found[0].level, Level::kWarning);
+  EXPECT_THAT(found[0].what, HasSubstr("UDP port 23456 (network.port) is taken"));
+  EXPECT_THAT(found[0].fix, HasSubstr("another network.port"));
+  EXPECT_THAT(found[1].what, HasSubstr("UDP port 8150 (of gateway.domain = 3) is taken"));
+  EXPECT_THAT(found[1].fix, HasSubstr("another gateway.domain"));
+}
+
 TEST(DoctorOfDds, SaysWhyADomainCannotBeEntered) {
   DdsFacts facts;
   facts.problem = "no free participant index";

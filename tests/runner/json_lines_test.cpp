@@ -50,6 +50,22 @@ TEST(JsonLines, BringsWhatWasSentWholeAndInOrder) {
   EXPECT_FALSE(dut.closed());
 }
 
+TEST(JsonLines, AKeyOfAnotherTypeIsNoiseOnce) {
+  Pipe there;
+  Pipe unused;
+  JsonLines dut(there.ends[0], unused.ends[1]);
+  const std::string text = "{\"say\":5}\n{\"say\":\"alive\"}\n";
+  ASSERT_EQ(write(there.ends[1], text.data(), text.size()), static_cast<ssize_t>(text.size()));
+  std::vector<std::string> said;
+  std::vector<std::string> noise;
+  for (int i = 0; i < 2; ++i) {
+    dut.receive([&](const auto& message) { said.push_back(message.value("say", "")); },
+                [&](const auto& line) { noise.push_back(line); });
+  }
+  EXPECT_EQ(said, std::vector<std::string>{"alive"});
+  EXPECT_EQ(noise, std::vector<std::string>{"{\"say\":5}"});
+}
+
 TEST(JsonLines, WaitsForTheRestOfALineAndSetsNoiseApart) {
   Pipe there;
   Pipe unused;

@@ -13,6 +13,8 @@ import threading
 import time
 
 SCENARIO, PROGRAMS = sys.argv[1], os.path.abspath(sys.argv[2])
+LOOPBACK = os.path.join(os.path.dirname(os.path.abspath(__file__)),
+                        '../../examples/ros2/cyclonedds.xml')
 
 EXPERIMENT = '''
 fileversion = 1
@@ -39,13 +41,6 @@ def sh(command):
     subprocess.run(command, shell=True, check=True)
 
 
-def add_interface():
-    """eth9, with an address and the default route, and its other end, on which we listen."""
-    sh('ip link add eth9 type veth peer name far9 && ip link set dev eth9 up && '
-       'ip link set dev far9 up && ip address add 192.168.9.1/24 dev eth9 && '
-       'ip route add default via 192.168.9.2 dev eth9')
-
-
 def is_data(frame):
     """Group membership reports and what the kernel says of itself are none."""
     kind = struct.unpack('!H', frame[12:14])[0]
@@ -59,30 +54,65 @@ def is_data(frame):
 
 
 class Capture:
-    """Data frames that come out at the far end of the cable."""
+    """A cable: eth9 with an address and the default route, and the data frames at its far end."""
 
     def __init__(self):
         self.data = []
         self.ended = False
-        self.socket = None
+        self.plug_in()
         self.thread = threading.Thread(target=self.listen, daemon=True)
-        self.open()
         self.thread.start()
 
-    def open(self):
-        listener = socket.socket(socket.AF_PACKET, socket.SOCK_RAW, socket.htons(3))
-        listener.bind(('far9', 0))
-        listener.settimeout(0.1)
-        self.socket = listener
+    def plug_in(self):
+        """We listen before anything can leave."""
+        sh('ip link add eth9 type veth peer name far9 && ip link set dev far9 up')
+        self.socket = socket.socket(socket.AF_PACKET, socket.SOCK_RAW, socket.htons(3))
+        self.socket.bind(('far9', 0))
+        self.socket.settimeout(0.1)
+        sh('ip link set dev eth9 up && ip address add 192.168.9.1/24 dev eth9 && '
+           'ip neighbour add 192.168.9.2 lladdr 02:00:00:00:00:01 dev eth9 && '
+           'ip route add default via 192.168.9.2 dev eth9')
 
     def listen(self):
         while not self.ended:
             try:
                 frame, address = self.socket.recvfrom(65536)
-            except (OSError, socket.timeout):
+            except OSError:  # nothing came, or the cable is out
                 continue
             if address[2] != socket.PACKET_OUTGOING and is_data(frame):
                 self.data.append(frame)
+
+    def prove(self):
+        """It must be able to see something: a frame of our own."""
+        deadline = time.time() + 10
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+            while not any(frame.endswith(b'probe') for frame in self.data):
+                assert time.time() < deadline, 'the capture is deaf'
+                probe.sendto(b'probe', ('192.168.9.2', 9))
+                time.sleep(0.1)
+        time.sleep(0.2)
+        self.data[:] = [frame for frame in self.data if not frame.endswith(b'probe')]
+
+
+class Reader:
+    """A ROS 2 node on this machine that reads the poses, so that DDS has something to send."""
+
+    def __init__(self):
+        self.count = 0
+        self.process = subprocess.Popen(
+            [os.path.join(PROGRAMS, 'lab_cyclone_peer'), '0', 'file://' + LOOPBACK],
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        self.process.stdin.write('reader rt/lab/poses geometry_msgs::msg::dds_::PoseArray_\n')
+        self.process.stdin.flush()
+        threading.Thread(target=self.listen, daemon=True).start()
+
+    def listen(self):
+        for line in self.process.stdout:
+            self.count += line.startswith('got rt/lab/poses ')
+
+    def end(self):
+        self.process.stdin.close()
+        self.process.wait(timeout=20)
 
 
 def main():
@@ -91,17 +121,11 @@ def main():
         print('no veth pair can be made here')
         sys.exit(77)
     folder = tempfile.mkdtemp(prefix='lab-quiet-')
-    add_interface()
     if SCENARIO == 'unpinned':
         sh('ip route del 224.0.0.0/4 dev lo')
     capture = Capture()
-    # The capture must be able to see something.
-    probe = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-    sh('ip neighbour add 192.168.9.2 lladdr 02:00:00:00:00:01 dev eth9')
-    probe.sendto(b'probe', ('192.168.9.2', 9))
-    time.sleep(0.3)
-    assert len(capture.data) == 1, 'the capture is deaf'
-    capture.data.clear()
+    capture.prove()
+    reader = Reader()
 
     file = os.path.join(folder, 'quiet.toml')
     with open(file, 'w', encoding='ascii') as stream:
@@ -114,15 +138,18 @@ def main():
         time.sleep(3)
         sh('ip link del eth9')
         time.sleep(0.3)
-        add_interface()
-        capture.open()
+        capture.plug_in()
+        capture.prove()
+        before = reader.count
     text, _ = lab.communicate(timeout=50)
     print(text)
     assert lab.returncode == 0, lab.returncode
     warned = 'warn     multicast is routed over eth9' in text
     assert warned == (SCENARIO == 'unpinned'), text
     assert not capture.data, f'{len(capture.data)} frames left, the first: {capture.data[0].hex()}'
+    assert reader.count > (before if SCENARIO == 'replaced' else 0), 'nothing came over DDS'
     capture.ended = True
+    reader.end()
     shutil.rmtree(folder)
     print('passed')
 
