@@ -300,6 +300,21 @@ std::string describeStop(const Experiment& e) {
   return text;
 }
 
+/// Who sees the lab, and who may drive it.
+std::string describeRos(const Experiment& e) {
+  const Gateway& gateway = e.gateway;
+  if (!gateway.ros) return {};
+  const std::string reach = !gateway.configuration.empty() ? "as " + gateway.configuration + " says"
+                            : gateway.address.empty() ? "on this machine only"
+                                                      : "by " + gateway.address;
+  std::string who = gateway.command_robots.empty() ? " all" : "";
+  for (const std::int32_t id : gateway.command_robots) who += " " + std::to_string(id);
+  return line("ROS 2", "topics /" + gateway.name + "/..., domain " + std::to_string(gateway.domain) +
+                           ", " + reach + (gateway.security.empty() ? "" : ", secured")) +
+         line("", gateway.commands ? "may set the light and drive robots:" + who
+                                   : std::string("may look, not drive"));
+}
+
 /// "bench: sim_svc, robot_bridge (ssh pi@robot-bench)"
 std::string describeHosts(const Experiment& e) {
   const std::vector<std::string> hosts = otherHosts(e);
@@ -335,6 +350,7 @@ std::string describeExperiment(const Experiment& e) {
   text += describeLight(e);
   text += describeReversal(e.reversal);
   text += describeCamera(e);
+  text += describeRos(e);
   text += describeHosts(e);
   text += line("log", at_most + "about " + describeSize(expectedLogBytes(e)));
   return text;

@@ -18,7 +18,7 @@ class ForeignEndpoints {
   /// @param types DDS's names of the types by DDS's name of each of our topics
   void look(const std::multimap<std::string, std::string>& types);
 
-  /// Since the start.
+  /// At the last look.
   [[nodiscard]] std::int64_t count() const { return count_; }
   /// The last: "rt/lab/robot1/cmd_vel has std_msgs::msg::dds_::String_"; empty: none.
   [[nodiscard]] const std::string& last() const { return last_; }

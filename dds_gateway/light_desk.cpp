@@ -4,12 +4,14 @@
 
 #include "common/light_messages.hpp"
 #include "common/units.hpp"
+#include "dds_gateway/utf8.hpp"
 
 namespace lab::gateway {
 namespace {
 
 constexpr std::int64_t kRepeat_us = 500'000;
 constexpr int kFarewells = 3;
+constexpr std::size_t kLongestLabel = 100;  // [byte] it goes onto the bus twice a second
 
 }  // namespace
 
@@ -18,10 +20,12 @@ bool LightDesk::isOwned(dds::WriterId writer, std::int64_t now) const {
 }
 
 Answer LightDesk::show(dds::WriterId writer, double intensity, double hold,
-                       const std::string& label, std::int64_t now) {
+                       const std::string& words, std::int64_t now) {
   if (!std::isfinite(intensity) || !std::isfinite(hold)) return Answer::kNotFinite;
   if (intensity < 0 || intensity > 1 || hold < 0 || hold > kLongestHold) return Answer::kOutOfRange;
   if (isOwned(writer, now)) return Answer::kOwned;
+  std::string label = words.substr(0, kLongestLabel);
+  repairUtf8(label);
   owner_ = writer;
   heard_utime_ = now;
   until_utime_ = hold > 0 ? now + units::microseconds(hold) : 0;

@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -11,7 +9,7 @@
 #include "common/experiment_file.hpp"
 #include "common/experiment_messages.hpp"
 #include "common/units.hpp"
-#include "dds/configuration.hpp"
+#include "dds_gateway/gateway_domain.hpp"
 #include "dds/error.hpp"
 
 namespace lab::gateway {
@@ -22,37 +20,6 @@ constexpr std::int64_t kFresh_us = 1'000'000;  // of wheels, and of poses that c
 constexpr const char* kTf = "/tf";
 constexpr const char* kDiagnostics = "/diagnostics";
 constexpr const char* kClock = "/clock";
-
-std::string textOfFile(const fs::path& file) {
-  std::ifstream stream(file);
-  if (!stream) {
-    throw ExperimentError({file.string() + ": gateway.configuration cannot be read: is it there?"});
-  }
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
-
-dds::Domain joined(const Gateway& gateway, const fs::path& directory) {
-  std::string where = "gateway";
-  try {
-    if (!gateway.configuration.empty()) {
-      where = "gateway.configuration";
-      const fs::path file = directory / gateway.configuration;
-      return {gateway.domain, textOfFile(file), where + " (" + file.string() + ")"};
-    }
-    if (gateway.address.empty()) return {gateway.domain, dds::localConfiguration(), where};
-    where = "gateway.address";
-    const fs::path security = gateway.security;
-    return {gateway.domain,
-            dds::networkConfiguration(
-                {.address = gateway.address,
-                 .peers = gateway.peers,
-                 .security = security.empty() ? "" : (directory / security).string()}),
-            where};
-  } catch (const dds::DdsError& error) {
-    const std::string what = error.what();
-    throw ExperimentError({what.starts_with(where) ? what : where + ": " + what});
-  }
-}
 
 Mapping mappingOf(const Gateway& gateway, const fs::path& directory) {
   return gateway.mapping.empty() ? Mapping() : readMappingFile(directory / gateway.mapping);
@@ -83,7 +50,7 @@ RosBridge::RosBridge(const ServiceContext& context)
       experiment_(context.experiment),
       names_(experiment_.gateway.name),
       mapping_(mappingOf(experiment_.gateway, context.directory)),
-      domain_(joined(experiment_.gateway, context.directory)),
+      domain_(joinDomain(experiment_.gateway, context.directory)),
       outlets_(domain_, mapping_),
       foreign_(domain_),
       images_(loadImages(experiment_, context.directory)),
@@ -266,6 +233,7 @@ void RosBridge::take(const clock_t& clock) {
 void RosBridge::everySecond() {
   forgetRobots();
   sendRobots();
+  if (commands_) commands_->everySecond();
   std::multimap<std::string, std::string> types;
   if (commands_) {
     for (const auto& inlet : commands_->inlets()) {

@@ -205,8 +205,9 @@ void RosCommands::send() {
 }
 
 /// Texts without numbers: the lab's record takes each once.
-void RosCommands::complain() {
+void RosCommands::everySecond() {
   for (const auto& inlet : inlets_) {
+    inlet->newSecond();
     for (int i = 0; i < kAnswers; ++i) {
       const auto answer = static_cast<Answer>(i);
       const bool fine = answer == Answer::kTaken || answer == Answer::kClamped ||
@@ -220,12 +221,10 @@ void RosCommands::complain() {
 }
 
 void RosCommands::addTo(Diagnostics& diagnostics) {
-  complain();
   Diagnostics::Status status;
   status.name = names_.lab() + ": commands from ROS 2";
   std::int64_t refused = 0;
   for (const auto& inlet : inlets_) {
-    inlet->newSecond();
     const dds::Matching matching = inlet->reader().matching();
     if (inlet->reader().received() == 0 && matching.peers == 0 && matching.refused == 0) continue;
     std::string text =

@@ -27,7 +27,9 @@ class RosCommands {
   RosCommands(const ServiceContext& context, const dds::Domain& domain, Mapping& mapping,
               const Names& names);
 
-  /// Once a second.
+  /// To be called once a second, whoever listens: floods are counted by it, refusals reported.
+  void everySecond();
+
   void addTo(Diagnostics& diagnostics);
 
   [[nodiscard]] const std::list<std::unique_ptr<Inlet>>& inlets() const { return inlets_; }
@@ -43,7 +45,6 @@ class RosCommands {
   void look();
   void send();
   Answer program(std::int32_t robot, dds::WriterId writer, const std::string& name);
-  void complain();
 
   Node& node_;
   Loop& loop_;

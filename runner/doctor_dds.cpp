@@ -87,8 +87,7 @@ std::string remedy(const DdsEndpoint& writer, const DdsEndpoint& reader) {
 
 }  // namespace
 
-DdsFacts surveyDds(const Gateway& gateway, const std::filesystem::path& directory,
-                   int listen_ms) {
+DdsFacts surveyDds(const Gateway& gateway, const std::filesystem::path& directory, int listen_ms) {
   DdsFacts facts;
   facts.domain = gateway.domain;
   facts.secured = !gateway.security.empty();
@@ -175,7 +174,8 @@ std::vector<Finding> judgeDds(const DdsFacts& facts) {
       if (reader.writer || reader.topic != writer.topic) continue;
       if (writer.type != reader.type && readsToo(facts, reader, writer.type)) continue;
       const std::string why = mismatch(writer, reader);
-      const std::string what = name + ": a reader of " + reader.topic + " hears nothing of a writer: ";
+      const std::string what =
+          name + ": a reader of " + reader.topic + " hears nothing of a writer: ";
       if (why.empty() || !told.insert(what + why).second) continue;
       findings.push_back({Level::kWarning, what + why, remedy(writer, reader)});
     }

@@ -16,7 +16,7 @@ struct DdsEndpoint {
   std::string topic;  ///< DDS's name: "rt/lab/robot1/pose"
   std::string type;
   bool reliable = false;
-  bool latched = false;  ///< late joiners get the last ones
+  bool latched = false;    ///< late joiners get the last ones
   std::string owner = {};  ///< key of its participant
 };
 
@@ -41,8 +41,8 @@ struct DdsFacts {
 [[nodiscard]] bool ddsPortIsFree(int port);
 
 /// UDP ports that the experiment names and others hold; nothing where all are free.
-[[nodiscard]] std::vector<Finding> judgePorts(
-    const Experiment& experiment, const std::function<bool(int port)>& lcm_free,
-    const std::function<bool(int port)>& dds_free);
+[[nodiscard]] std::vector<Finding> judgePorts(const Experiment& experiment,
+                                              const std::function<bool(int port)>& lcm_free,
+                                              const std::function<bool(int port)>& dds_free);
 
 }  // namespace lab::runner

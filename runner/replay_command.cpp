@@ -1,10 +1,13 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <csignal>
 #include <cstdio>
+#include <lab/clock_t.hpp>
 
 #include "common/asio_loop.hpp"
+#include "common/channels.hpp"
 #include "common/lcm_bus.hpp"
 #include "common/units.hpp"
 #include "report/log_source.hpp"
@@ -20,6 +23,7 @@ namespace {
 
 constexpr std::int64_t kTick_us = 2'000;
 constexpr std::int64_t kShow_us = 250'000;
+constexpr std::int64_t kClock_us = 20'000;
 
 /// Sends a log's messages onto a bus of its own.
 class Player {
@@ -34,6 +38,7 @@ class Player {
     loop_.onSignals({SIGINT, SIGTERM}, [this](int) { loop_.stop(); });
     if (terminal_.active()) loop_.onReadable(STDIN_FILENO, [this] { key(); });
     loop_.every(kTick_us, loop_.now(), [this] { send(); });
+    if (needsClock()) loop_.every(kClock_us, loop_.now(), [this] { sendClock(); });
     loop_.every(kShow_us, loop_.now(), [this] { show(); });
     loop_.run();
     show();
@@ -41,6 +46,23 @@ class Player {
   }
 
  private:
+  /// A log of a live lab holds no CLOCK, and its time is not that of the wall any more.
+  [[nodiscard]] bool needsClock() const {
+    const auto& wanted = options_.channels;
+    const bool asked = wanted.empty() || std::ranges::find(wanted, channels::kClock) != wanted.end();
+    return asked && std::ranges::find(events_, channels::kClock, &LogEvent::channel) == events_.end();
+  }
+
+  void sendClock() {
+    clock_t message{};
+    message.utime = std::min(clock_.logTime(loop_.now()), events_.back().utime);
+    message.sender = "replay";
+    message.instance = started_;
+    message.seq = ++clock_seq_;
+    message.rate = clock_.paused() ? 0 : options_.speed;
+    bus_.publish(channels::kClock, encode(message));
+  }
+
   void key() {
     char letter = 0;
     if (read(STDIN_FILENO, &letter, 1) != 1 || letter != ' ') return;
@@ -81,6 +103,8 @@ class Player {
   ReplayClock clock_;
   RawTerminal terminal_;
   std::size_t next_ = 0;
+  std::int64_t started_ = loop_.now();
+  std::int64_t clock_seq_ = 0;
 };
 
 }  // namespace

@@ -70,6 +70,17 @@ TEST(Description, WarnsOfLightThatSelectsNothing) {
   EXPECT_THAT(describeExperiment(dut), HasSubstr("front sensor"));
 }
 
+TEST(Description, SaysWhoMayLookAndWhoMayDrive) {
+  Experiment experiment = small();
+  EXPECT_THAT(describeExperiment(experiment), testing::Not(HasSubstr("ROS 2")));
+  experiment.gateway.ros = true;
+  EXPECT_THAT(describeExperiment(experiment), HasSubstr("on this machine only"));
+  EXPECT_THAT(describeExperiment(experiment), HasSubstr("may look, not drive"));
+  experiment.gateway.commands = true;
+  experiment.gateway.command_robots = {1};
+  EXPECT_THAT(describeExperiment(experiment), HasSubstr("drive robots: 1"));
+}
+
 TEST(Description, NamesRunsOfIds) {
   EXPECT_THAT(describeExperiment(small("[[robots]]\nid = 5\ncount = 3\n[[robots]]\nid = 9\n")),
               HasSubstr("5 simulated (1, 5 to 7, 9)"));

@@ -22,9 +22,15 @@ std::string variable(const char* name) {
 
 /// A node on B that calls on every participant of A ten times a second.
 std::vector<std::string> caller() {
-  return {"/usr/bin/nsenter", "-t", variable("HOST_B"), "-n", LAB_CYCLONE_PEER, "0",
+  return {"/usr/bin/nsenter",
+          "-t",
+          variable("HOST_B"),
+          "-n",
+          LAB_CYCLONE_PEER,
+          "0",
           "<CycloneDDS><Domain><Discovery><SPDPInterval>100ms</SPDPInterval><Peers>"
-          "<Peer Address=\"" + variable("ADDRESS_A") + "\"/></Peers></Discovery></Domain></CycloneDDS>"};
+          "<Peer Address=\"" +
+              variable("ADDRESS_A") + "\"/></Peers></Discovery></Domain></CycloneDDS>"};
 }
 
 /// Whether our endpoints get to know those of the node elsewhere, within `patience`.

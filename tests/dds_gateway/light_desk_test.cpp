@@ -36,6 +36,15 @@ TEST(LightDesk, ShowsAtOnceAndRepeatsUntilItIsGivenBack) {
   EXPECT_EQ(farewells, 3);
 }
 
+TEST(LightDesk, ALongOrBrokenLabelIsCutAndRepaired) {
+  LightDesk dut(kTimeout);
+  const std::string endless(5'000'000, 'x');
+  EXPECT_EQ(dut.show(1, 0.5, 0, endless, kNow), Answer::kTaken);
+  EXPECT_EQ(dut.due(kNow)->label, std::string(100, 'x'));
+  EXPECT_EQ(dut.show(1, 0.6, 0, "a\xff", kNow), Answer::kTaken);
+  EXPECT_EQ(dut.due(kNow + 500'000)->label, "a\xEF\xBF\xBD");
+}
+
 TEST(LightDesk, HoldsAsLongAsAsked) {
   LightDesk dut(kTimeout);
   dut.show(1, 0.5, 2, "x", kNow);
