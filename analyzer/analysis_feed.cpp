@@ -35,8 +35,8 @@ FramePose toPose(const tracked_pose_t& pose) {
 
 namespace {
 
-/// What is driven by hand (cmd_vel, the handshake) follows no law, and each speed would be a program
-/// of its own.
+/// What is driven by hand (cmd_vel, the handshake) follows no law, and each speed would be a
+/// program of its own.
 program_t lawful(const robot_state_t& state) {
   const bool by_hand = state.band < 0 && state.program.kind == program_t::WHEELS;
   return by_hand ? program_t{} : state.program;
@@ -149,10 +149,10 @@ void AnalysisFeed::onSample(SampleSink sink) {
 }
 
 void AnalysisFeed::onPiece(PieceSink sink) {
-  analysis_.onPiece([this, sink = std::move(sink)](int robot, const ProgramLaw& law,
-                                                   const Piece& piece) {
-    sink(robot, programOf(law), piece);
-  });
+  analysis_.onPiece(
+      [this, sink = std::move(sink)](int robot, const ProgramLaw& law, const Piece& piece) {
+        sink(robot, programOf(law), piece);
+      });
 }
 
 program_t AnalysisFeed::programOf(const ProgramLaw& law) const {

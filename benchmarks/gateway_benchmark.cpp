@@ -313,8 +313,8 @@ int main(int argc, char** argv) {
     row("ratio of CPU", gateway_cpu / bare_cpu, "1");
 
     // Another reader of the topic: awake, then frozen for longer than its lease, so that the
-    // gateway first waits for it and then drops it. What that costs, a message through the gateway shows: a
-    // loop that was away handles it late.
+    // gateway first waits for it and then drops it. What that costs, a message through the gateway
+    // shows: a loop that was away handles it late.
     FrozenReader reader(argv[0]);
     is_void = !reader.reads();
     const auto watched = [&](const std::string& when) {

@@ -48,8 +48,9 @@ void checkPlace(const Experiment& e, const ServicePlace& place, Problems& proble
 void checkHost(const HostSpec& host, Problems& problems) {
   if (host.ssh.empty() || isSshName(host.ssh)) return;
   problems.add("hosts." + host.name + ".ssh",
-               "found " + tomlString(host.ssh) + ", allowed \"machine\" or \"user@machine\"; "
-               "options such as a port belong into ~/.ssh/config");
+               "found " + tomlString(host.ssh) +
+                   ", allowed \"machine\" or \"user@machine\"; "
+                   "options such as a port belong into ~/.ssh/config");
 }
 
 /// Two services that share something that no message carries.
@@ -89,15 +90,17 @@ void checkLink(const Experiment& e, Problems& problems) {
     if (e.network.ttl < 1) {
       problems.add("network.ttl", "found 0, needed for link.join = \"multicast\": at least 1");
     } else if (!e.link.unsecured) {
-      problems.add("link", "found join = \"multicast\", which nothing can secure, allowed with "
-                           "link.unsecured = true: anybody on that network can then drive the robots");
+      problems.add("link",
+                   "found join = \"multicast\", which nothing can secure, allowed with "
+                   "link.unsecured = true: anybody on that network can then drive the robots");
     }
     return;
   }
   if (e.link.security.empty() && !e.link.unsecured) {
-    problems.add("link", "found services on other hosts without DDS Security, allowed with "
-                         "link.security = \"FOLDER\" (docs/security.md), or with link.unsecured = "
-                         "true: anybody on that network can then drive the robots");
+    problems.add("link",
+                 "found services on other hosts without DDS Security, allowed with "
+                 "link.security = \"FOLDER\" (docs/security.md), or with link.unsecured = "
+                 "true: anybody on that network can then drive the robots");
   }
   if (e.gateway.ros && e.link.domain == e.gateway.domain) {
     problems.add("link.domain", "found " + std::to_string(e.link.domain) +
@@ -112,9 +115,9 @@ void checkOwnConfiguration(const Gateway& gateway, Problems& problems) {
                       : !gateway.security.empty() ? "gateway.security"
                                                   : nullptr;
   if (other == nullptr) return;
-  problems.add("gateway.configuration", "found " + tomlString(gateway.configuration) +
-                                            " next to " + other +
-                                            ", allowed one of the two: a file of yours says it all");
+  problems.add("gateway.configuration",
+               "found " + tomlString(gateway.configuration) + " next to " + other +
+                   ", allowed one of the two: a file of yours says it all");
 }
 
 void checkGateway(const Experiment& e, Problems& problems) {

@@ -252,8 +252,8 @@ std::string describeLight(const Experiment& e) {
   std::string text = line("light", head);
   bool open = false;  // what comes before a step may be shorter
   for (const LightStep& step : e.light.steps) {
-    std::string what = (open ? "  by " : "  ") + numberText(step.at) + " s " + step.label + ": " +
-                       shares(e, step);
+    std::string what =
+        (open ? "  by " : "  ") + numberText(step.at) + " s " + step.label + ": " + shares(e, step);
     if (step.ramp > 0) what += ", fading in for " + numberText(step.ramp) + " s";
     if (step.at >= e.duration) what += " (after the run's end)";
     what += describeEnd(step);
@@ -305,12 +305,13 @@ std::string describeRos(const Experiment& e) {
   const Gateway& gateway = e.gateway;
   if (!gateway.ros) return {};
   const std::string reach = !gateway.configuration.empty() ? "as " + gateway.configuration + " says"
-                            : gateway.address.empty() ? "on this machine only"
-                                                      : "by " + gateway.address;
+                            : gateway.address.empty()      ? "on this machine only"
+                                                           : "by " + gateway.address;
   std::string who = gateway.command_robots.empty() ? " all" : "";
   for (const std::int32_t id : gateway.command_robots) who += " " + std::to_string(id);
-  return line("ROS 2", "topics /" + gateway.name + "/..., domain " + std::to_string(gateway.domain) +
-                           ", " + reach + (gateway.security.empty() ? "" : ", secured")) +
+  return line("ROS 2", "topics /" + gateway.name + "/..., domain " +
+                           std::to_string(gateway.domain) + ", " + reach +
+                           (gateway.security.empty() ? "" : ", secured")) +
          line("", gateway.commands ? "may set the light and drive robots:" + who
                                    : std::string("may look, not drive"));
 }
@@ -322,7 +323,8 @@ std::string describeHosts(const Experiment& e) {
   for (const std::string& host : hosts) {
     std::string services;
     for (const std::string_view service : kServiceNames) {
-      if (hostOf(e, service) == host) services += (services.empty() ? "" : ", ") + std::string(service);
+      if (hostOf(e, service) == host)
+        services += (services.empty() ? "" : ", ") + std::string(service);
     }
     text += line(text.empty() ? "hosts" : "",
                  host + ": " + services + " (ssh " + hostSpec(e, host).ssh + ")");

@@ -8,7 +8,8 @@ namespace {
 
 const std::array<Choice, 2> kJoins = {
     {choiceOf("dds", JoinBy::kDds), choiceOf("multicast", JoinBy::kMulticast)}};
-inline constexpr std::int64_t kHighestDomain = 230;  // Cyclone 0.10 with DDS Security takes no higher one
+inline constexpr std::int64_t kHighestDomain =
+    230;  // Cyclone 0.10 with DDS Security takes no higher one
 inline constexpr std::size_t kLongestAddress = 64;
 inline constexpr std::size_t kLongestPath = 1000;
 
@@ -33,8 +34,9 @@ void visitGateway(KeyVisitor& v, Gateway& gateway) {
   visitDomain(v, "ROS_DOMAIN_ID", gateway.domain);
   v.text({"name", "first part of every topic: /lab/robot1/pose"}, {.most = 32, .bare = true},
          gateway.name);
-  v.text({"mapping", "file that says which topics go out, how often and under which name; \"\": all"},
-         {.most = kLongestPath}, gateway.mapping);
+  v.text(
+      {"mapping", "file that says which topics go out, how often and under which name; \"\": all"},
+      {.most = kLongestPath}, gateway.mapping);
   v.text({"address", "of the network interface to use; \"\": nothing leaves this machine"},
          {.most = kLongestAddress}, gateway.address);
   v.texts({"peers", "addresses of hosts that multicast does not reach"}, {.most = kLongestAddress},
@@ -50,14 +52,16 @@ void visitGateway(KeyVisitor& v, Gateway& gateway) {
          gateway.unsecured_commands);
   v.integers({"command_robots", "ids of the robots that ROS 2 may drive, []: all"}, 0, kLargestId,
              {.fewest = 0, .most = kMostRobots, .in_line = true}, gateway.command_robots);
-  v.number({"command_timeout_s", "a robot driven from ROS 2 stands when it has heard nothing for this long"},
+  v.number({"command_timeout_s",
+            "a robot driven from ROS 2 stands when it has heard nothing for this long"},
            {0.1, 5}, gateway.command_timeout);
 }
 
 void visitLink(KeyVisitor& v, Link& link) {
   enumerate(v,
-            {"join", "how the buses of several hosts are joined: by a gateway on each, or by LCM's "
-                     "own multicast (network.ttl)"},
+            {"join",
+             "how the buses of several hosts are joined: by a gateway on each, or by LCM's "
+             "own multicast (network.ttl)"},
             kJoins, link.join);
   visitDomain(v, "DDS domain of the gateways, apart from ROS 2's", link.domain);
   v.text({"address", "of this host on the way to the others; \"\": as ssh goes"},
@@ -67,8 +71,9 @@ void visitLink(KeyVisitor& v, Link& link) {
   v.flag({"unsecured",
           "join hosts without DDS Security: anybody on that network can then drive the robots"},
          link.unsecured);
-  v.number({"max_clock_offset_ms", "between the clocks of two hosts; with a larger one nothing passes"},
-           {0.1, 10000}, link.max_clock_offset);
+  v.number(
+      {"max_clock_offset_ms", "between the clocks of two hosts; with a larger one nothing passes"},
+      {0.1, 10000}, link.max_clock_offset);
   v.number({"patience_s", "how long a run waits for a host that has fallen silent"}, {1, 3600},
            link.patience);
 }
@@ -105,8 +110,9 @@ void visitNetworks(KeyVisitor& v, Experiment& e) {
              {.most = 32, .bare = true}, e.services,
              [&](const std::string& name, ServicePlace& place) {
                place.service = name;
-               v.text({"host", "NAME of [hosts.NAME], or \"pi@robot-bench\" as ssh takes it; \"\": this "
-                               "machine"},
+               v.text({"host",
+                       "NAME of [hosts.NAME], or \"pi@robot-bench\" as ssh takes it; \"\": this "
+                       "machine"},
                       {.most = 200}, place.host);
              });
 }

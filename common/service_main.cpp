@@ -48,9 +48,9 @@ void run(const ServiceDescription& description, const Options& options) {
   SerialDevices ports(loop, options.ports);
   CameraDevices cameras(loop, options.ports);
   Node node(bus, loop, {description.name, description.origin, loop.now()});
-  const std::unique_ptr<Service> service = description.make(
-      {node, loop, experiment, fs::path(options.experiment).parent_path(), ports,
-       fs::canonical("/proc/self/exe").parent_path(), cameras, loop});
+  const std::unique_ptr<Service> service =
+      description.make({node, loop, experiment, fs::path(options.experiment).parent_path(), ports,
+                        fs::canonical("/proc/self/exe").parent_path(), cameras, loop});
   loop.onReadable(bus.fileDescriptor(), [&bus] { bus.drain(); });
   loop.onSignals({SIGINT, SIGTERM}, [&loop](int) { loop.stop(); });
   node.start();
@@ -76,7 +76,8 @@ int serviceMain(int argc, char** argv, const ServiceDescription& description) {
   app.add_option("--lcm-url", options.lcm_url, "The bus, as printed by lab run")
       ->capture_default_str();
   if (description.uses_ports) {
-    app.add_option("--ports", options.ports, "Folder of the lines to simulated robots and of the simulated camera")
+    app.add_option("--ports", options.ports,
+                   "Folder of the lines to simulated robots and of the simulated camera")
         ->capture_default_str();
   }
   if (description.add_options) description.add_options(app);

@@ -82,22 +82,22 @@ std::string networkConfiguration(const NetworkOptions& options) {
     requireAddress(address);
     peers += peer(address);
   }
-  // With the cable out the kernel keeps 208 kB for each neighbour that does not answer its ARP, and a
-  // socket whose buffer that fills makes a write wait a second.
-  // Fragments of IP that lose one of them fill the kernel's reassembly queue for 30 s: no message
-  // is larger than a frame. Nacks wait for what is only late.
-  return wrapped(
-      R"(<General><Interfaces><NetworkInterface address=")" + options.address +
-      R"("/></Interfaces><AllowMulticast>)" + (options.multicast ? "spdp" : "false") +
-      "</AllowMulticast><MaxMessageSize>1400B</MaxMessageSize>"
-      "<FragmentSize>1300B</FragmentSize></General><Discovery>" +
-      indices(32) + "<SPDPInterval>1s</SPDPInterval>" +
-      (peers.empty() ? "" : "<Peers>" + peers + "</Peers>") +
-      "</Discovery><Internal><NackDelay>10ms</NackDelay>" +
-      (options.patient_writers ? "<Watermarks><WhcHigh>1GB</WhcHigh></Watermarks>"
-                                 "<SocketSendBufferSize max=\"4MB\"/>"
-                               : "") +
-      "</Internal>" + (options.security.empty() ? "" : securityElement(options.security)));
+  // With the cable out the kernel keeps 208 kB for each neighbour that does not answer its ARP, and
+  // a socket whose buffer that fills makes a write wait a second. Fragments of IP that lose one of
+  // them fill the kernel's reassembly queue for 30 s: no message is larger than a frame. Nacks wait
+  // for what is only late.
+  return wrapped(R"(<General><Interfaces><NetworkInterface address=")" + options.address +
+                 R"("/></Interfaces><AllowMulticast>)" + (options.multicast ? "spdp" : "false") +
+                 "</AllowMulticast><MaxMessageSize>1400B</MaxMessageSize>"
+                 "<FragmentSize>1300B</FragmentSize></General><Discovery>" +
+                 indices(32) + "<SPDPInterval>1s</SPDPInterval>" +
+                 (peers.empty() ? "" : "<Peers>" + peers + "</Peers>") +
+                 "</Discovery><Internal><NackDelay>10ms</NackDelay>" +
+                 (options.patient_writers ? "<Watermarks><WhcHigh>1GB</WhcHigh></Watermarks>"
+                                            "<SocketSendBufferSize max=\"4MB\"/>"
+                                          : "") +
+                 "</Internal>" +
+                 (options.security.empty() ? "" : securityElement(options.security)));
 }
 
 }  // namespace lab::dds

@@ -238,7 +238,8 @@ void BusLink::Implementation::noteOwn(const Packet& packet) {
   if (!decode(packet.data, status)) return;
   if (status.state != service_status_t::ENDED) return;
   for (const channel_count_t& count : status.sent) {
-    if (count.channel == channels::kServiceStatus && count.messages == status.seq) heard_last = true;
+    if (count.channel == channels::kServiceStatus && count.messages == status.seq)
+      heard_last = true;
   }
 }
 
@@ -358,14 +359,13 @@ void BusLink::Implementation::missThoseWhoNeverCame() {
   if (peers.all().size() >= options.peers.size()) return;
   std::string addresses;
   for (const std::string& address : options.peers) addresses += " " + address;
-  const std::string trouble = "heard of " + std::to_string(peers.all().size()) + " of " +
-                              std::to_string(options.peers.size()) + " other hosts (" +
-                              addresses.substr(1) +
-                              "): does each answer (ping), and do firewalls pass UDP ports from " +
-                              std::to_string(7400 + 250 * options.domain) + " on" +
-                              (options.security.empty()
-                                   ? "?"
-                                   : ", and has each certificates of the same CA (link.security)?");
+  const std::string trouble =
+      "heard of " + std::to_string(peers.all().size()) + " of " +
+      std::to_string(options.peers.size()) + " other hosts (" + addresses.substr(1) +
+      "): does each answer (ping), and do firewalls pass UDP ports from " +
+      std::to_string(7400 + 250 * options.domain) + " on" +
+      (options.security.empty() ? "?"
+                                : ", and has each certificates of the same CA (link.security)?");
   spdlog::warn("link: {}", trouble);
   node.noteError("link: " + trouble);
 }

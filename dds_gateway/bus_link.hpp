@@ -42,7 +42,8 @@ class BusLink {
   BusLink& operator=(const BusLink&) = delete;
 
   /// To be asked after Node::close(): whether what the node has said last is still on its way, from
-  /// the bus to the readers of the other hosts. From the first call on the link says nothing itself.
+  /// the bus to the readers of the other hosts. From the first call on the link says nothing
+  /// itself.
   [[nodiscard]] bool isPassingOn();
 
  private:

@@ -25,8 +25,8 @@ template <class Get, class Look>
 void forEach(Get get, const dds::Entity& reader, std::uint32_t mask, const Look& look) {
   std::vector<void*> samples(kMost);
   std::vector<dds_sample_info_t> infos(kMost);
-  const dds_return_t count =
-      get(reader.get(), samples.data(), infos.data(), kMost, static_cast<std::uint32_t>(kMost), mask);
+  const dds_return_t count = get(reader.get(), samples.data(), infos.data(), kMost,
+                                 static_cast<std::uint32_t>(kMost), mask);
   if (count <= 0) return;
   for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
     if (infos[i].valid_data) look(*static_cast<const dds_builtintopic_endpoint_t*>(samples[i]));
@@ -50,10 +50,12 @@ void ForeignEndpoints::look(const dds::Entity& reader,
                             const std::multimap<std::string, std::string>& types) {
   // Those that have ended are let go; the others stay to be read again, as a topic of ours may come
   // later than they.
-  forEach(dds_take_mask, reader, DDS_ANY_SAMPLE_STATE | DDS_ANY_VIEW_STATE | DDS_NOT_ALIVE_DISPOSED_INSTANCE_STATE |
-                                     DDS_NOT_ALIVE_NO_WRITERS_INSTANCE_STATE,
+  forEach(dds_take_mask, reader,
+          DDS_ANY_SAMPLE_STATE | DDS_ANY_VIEW_STATE | DDS_NOT_ALIVE_DISPOSED_INSTANCE_STATE |
+              DDS_NOT_ALIVE_NO_WRITERS_INSTANCE_STATE,
           [](const dds_builtintopic_endpoint_t&) {});
-  forEach(dds_read_mask, reader, DDS_ANY_SAMPLE_STATE | DDS_ANY_VIEW_STATE | DDS_ALIVE_INSTANCE_STATE,
+  forEach(dds_read_mask, reader,
+          DDS_ANY_SAMPLE_STATE | DDS_ANY_VIEW_STATE | DDS_ALIVE_INSTANCE_STATE,
           [&](const dds_builtintopic_endpoint_t& endpoint) {
             const auto [first, last] = types.equal_range(endpoint.topic_name);
             const bool fits = first == last || std::any_of(first, last, [&](const auto& ours) {

@@ -25,21 +25,22 @@ namespace {
 
 constexpr double kStart = 60;  // [s]
 constexpr double kPercent = 100;
-constexpr std::int64_t kFrames = 10;    // of the camera, of each light
-constexpr double kSurelyApart = 4;      // standard errors
-constexpr double kNoticeable = 0.02;    // of gamma
-constexpr double kLocalFault = 0.08;    // of the white
+constexpr std::int64_t kFrames = 10;  // of the camera, of each light
+constexpr double kSurelyApart = 4;    // standard errors
+constexpr double kNoticeable = 0.02;  // of gamma
+constexpr double kLocalFault = 0.08;  // of the white
 
 void print(const calibration::LightFit& fit, const Experiment& experiment) {
   const optics::ProjectorTone tone(fit.gamma, fit.vignetting, experiment.arena_width,
                                    experiment.arena_height);
   fmt::print("gamma    {:.3f} +- {:.4f}\n", fit.gamma, fit.gamma_sigma);
-  fmt::print("white    reads {:.3f} in the middle, {:.1f} % of that where it is weakest\n", fit.scale,
-             kPercent * tone.weakest());
+  fmt::print("white    reads {:.3f} in the middle, {:.1f} % of that where it is weakest\n",
+             fit.scale, kPercent * tone.weakest());
   fmt::print("ambient  {:.4f}\n", fit.ambient);
-  fmt::print("readings {}, {} at full scale left out; they miss the model by {:.2f} % of full scale, "
-             "at most {:.2f} %\n",
-             fit.samples, fit.saturated, kPercent * fit.residual, kPercent * fit.worst);
+  fmt::print(
+      "readings {}, {} at full scale left out; they miss the model by {:.2f} % of full scale, "
+      "at most {:.2f} %\n",
+      fit.samples, fit.saturated, kPercent * fit.residual, kPercent * fit.worst);
   fmt::print("\n{:>6} {:>8} {:>8}\n", "robot", "front", "back");
   std::set<std::int32_t> robots;
   for (const auto& [sensor, gain] : fit.gains) robots.insert(sensor.robot);
@@ -53,8 +54,8 @@ void print(const calibration::LightFit& fit, const Experiment& experiment) {
 }
 
 Experiment labFor(const Experiment& experiment, int rounds) {
-  Experiment lab = labUnderSteadyLight(
-      experiment, "-light", kStart + 2 * LightCalibrator::roundTime() * rounds, 1);
+  Experiment lab = labUnderSteadyLight(experiment, "-light",
+                                       kStart + 2 * LightCalibrator::roundTime() * rounds, 1);
   lab.projector.light_calibration.clear();
   lab.projector.sync_patch = 0;  // nothing but the staircase
   return lab;
@@ -107,38 +108,41 @@ void printCamera(const std::vector<calibration::ToneSight>& sights,
                  const calibration::LightFit& fit, const Experiment& experiment) {
   const optics::ProjectorTone known(fit.gamma, fit.vignetting, experiment.arena_width,
                                     experiment.arena_height);
-  const calibration::ToneFromPictures seen =
-      calibration::fitTone(LightCalibrator::levels(), sights, known, experiment.arena_width,
-                           experiment.arena_height);
+  const calibration::ToneFromPictures seen = calibration::fitTone(
+      LightCalibrator::levels(), sights, known, experiment.arena_width, experiment.arena_height);
   if (!seen.refusal.empty()) {
     fmt::print("camera   says nothing: {}\n", seen.refusal);
     return;
   }
-  fmt::print("camera   gamma {:.3f} +- {:.4f} at {} places, {} saturated left out; misses the model by "
-             "{:.2f} % of full scale\n",
-             seen.gamma, seen.gamma_sigma, seen.places, seen.saturated, kPercent * seen.residual);
+  fmt::print(
+      "camera   gamma {:.3f} +- {:.4f} at {} places, {} saturated left out; misses the model by "
+      "{:.2f} % of full scale\n",
+      seen.gamma, seen.gamma_sigma, seen.places, seen.saturated, kPercent * seen.residual);
   const double sigma = std::hypot(seen.gamma_sigma, fit.gamma_sigma);
   const double apart = std::abs(seen.gamma - fit.gamma);
   if (apart > kSurelyApart * sigma && apart > kNoticeable * fit.gamma) {
-    fmt::print("         that is not the robots' {:.3f}, which counts: is the camera's own curve "
-               "linear (gamma 1, no automatic exposure)?\n",
-               fit.gamma);
+    fmt::print(
+        "         that is not the robots' {:.3f}, which counts: is the camera's own curve "
+        "linear (gamma 1, no automatic exposure)?\n",
+        fit.gamma);
   } else {
     fmt::print("         agrees with the robots' {:.3f}\n", fit.gamma);
   }
-  fmt::print("         white as the robots found it within {:.1f} % rms, the camera's own falloff "
-             "taken out; most at x {:.0f} cm, y {:.0f} cm: {:+.1f} %{}\n",
-             kPercent * seen.white_rms, seen.worst_place.x / units::kCentimetre,
-             seen.worst_place.y / units::kCentimetre, kPercent * seen.white_worst,
-             std::abs(seen.white_worst) > kLocalFault ? " - a shadow, a stain or a reflection there?"
-                                                      : "");
+  fmt::print(
+      "         white as the robots found it within {:.1f} % rms, the camera's own falloff "
+      "taken out; most at x {:.0f} cm, y {:.0f} cm: {:+.1f} %{}\n",
+      kPercent * seen.white_rms, seen.worst_place.x / units::kCentimetre,
+      seen.worst_place.y / units::kCentimetre, kPercent * seen.white_worst,
+      std::abs(seen.white_worst) > kLocalFault ? " - a shadow, a stain or a reflection there?"
+                                               : "");
 }
 
 }  // namespace
 
 ExitCode calibrateLight(const CalibrateLightOptions& options) {
   if (fs::exists(options.out) && !options.force) {
-    throw UserError(options.out.string() + ": exists; --force replaces it, --out takes another name");
+    throw UserError(options.out.string() +
+                    ": exists; --force replaces it, --out takes another name");
   }
   const Experiment experiment = loadExperiment(options.file, options.set);
   fmt::print("rounds   {}, about {:.0f} s each\n", options.rounds, LightCalibrator::roundTime());
@@ -169,7 +173,8 @@ ExitCode calibrateLight(const CalibrateLightOptions& options) {
   }
   const LightCalibration found = toCalibration(fit, experiment);
   if (options.camera.value_or(experiment.camera.tracker == Tracker::kCamera)) {
-    if (const auto sights = filmStaircase(experiment, options)) printCamera(*sights, fit, experiment);
+    if (const auto sights = filmStaircase(experiment, options))
+      printCamera(*sights, fit, experiment);
   }
   fmt::print("\nThe light in the middle of each band:\n{}", marginLines(found, experiment));
   if (options.force) fs::remove(options.out);

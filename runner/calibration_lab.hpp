@@ -18,8 +18,8 @@ namespace lab::runner {
 [[nodiscard]] Experiment labUnderSteadyLight(Experiment experiment, const std::string& suffix,
                                              double duration, double intensity);
 
-/// The lab of a ProjectorCalibrator, dark until it begins: one simulated robot, as an experiment has
-/// one and it is in nobody's way; the camera is nobody else's.
+/// The lab of a ProjectorCalibrator, dark until it begins: one simulated robot, as an experiment
+/// has one and it is in nobody's way; the camera is nobody else's.
 /// @param lights that are shown, each in so many frames
 [[nodiscard]] Experiment filmedLab(Experiment experiment, const std::string& suffix,
                                    std::size_t lights, std::int64_t frames);

@@ -97,8 +97,9 @@ void addCalibrateCamera(CLI::App& calibrate, Chosen& chosen, const fs::path& pro
   command->add_option("--spacing-cm", options->spacing_cm, "Between the two circles of a cap")
       ->check(between(0.5, 50))
       ->capture_default_str();
-  command->add_option("--camera-height-cm", options->camera_height_cm,
-                      "Above the floor, measured to 1 cm: makes it more certain")
+  command
+      ->add_option("--camera-height-cm", options->camera_height_cm,
+                   "Above the floor, measured to 1 cm: makes it more certain")
       ->check(between(10, 5000));
   command->add_option("--corner-px", options->corner_px, "How well the corners are marked")
       ->check(between(0.02, 20))
@@ -106,15 +107,18 @@ void addCalibrateCamera(CLI::App& calibrate, Chosen& chosen, const fs::path& pro
   command->add_option("--film-s", options->film_s, "With an experiment file: how long it is filmed")
       ->check(between(5, 3600))
       ->capture_default_str();
-  command->add_option("--runs", options->runs, "With an experiment file: where run folders are made")
+  command
+      ->add_option("--runs", options->runs, "With an experiment file: where run folders are made")
       ->capture_default_str();
   command->add_option("--set", options->set, "With an experiment file: key=value (repeatable)")
       ->allow_extra_args(false);
-  command->add_flag("--virtual-time", options->virtual_time,
-                    "With an experiment file: as fast as the machine allows; only camera = \"sim\"");
+  command->add_flag(
+      "--virtual-time", options->virtual_time,
+      "With an experiment file: as fast as the machine allows; only camera = \"sim\"");
   command->add_flag("--k3", options->k3, "Fit k3 too: for lenses of short focal length");
   command->add_flag("--force", options->force, "Replace a file that is there");
-  command->callback([&chosen, options] { chosen = [options] { return calibrateCamera(*options); }; });
+  command->callback(
+      [&chosen, options] { chosen = [options] { return calibrateCamera(*options); }; });
 }
 
 void addCalibrateProjector(CLI::App& calibrate, Chosen& chosen, const fs::path& programs) {
@@ -124,8 +128,9 @@ void addCalibrateProjector(CLI::App& calibrate, Chosen& chosen, const fs::path& 
       "projector", "Where its pixels fall at sensor height, by structured light and the camera");
   command->add_option("FILE", options->file, "Experiment file (TOML)")->required();
   command->add_option("--out", options->out, "The calibration")->capture_default_str();
-  command->add_option("--surface-cm", options->surface_cm,
-                      "Of the white board above the floor (default: 5; simulated: sheet_cm)")
+  command
+      ->add_option("--surface-cm", options->surface_cm,
+                   "Of the white board above the floor (default: 5; simulated: sheet_cm)")
       ->check(between(0, 100));
   command->add_option("--projector-cm", options->projector_cm,
                       "x,y,z of its lens: where the board is not at the light sensors' height");
@@ -148,7 +153,8 @@ void addCalibrateLight(CLI::App& calibrate, Chosen& chosen, const fs::path& prog
   auto options = std::make_shared<CalibrateLightOptions>();
   options->programs = programs;
   CLI::App* command = calibrate.add_subcommand(
-      "light", "The projector's gamma and vignetting, and the robots' light sensors, by a staircase");
+      "light",
+      "The projector's gamma and vignetting, and the robots' light sensors, by a staircase");
   command->add_option("FILE", options->file, "Experiment file (TOML)")->required();
   command->add_option("--out", options->out, "The calibration")->capture_default_str();
   command->add_option("--rounds", options->rounds, "Staircases, at different places")
@@ -162,13 +168,15 @@ void addCalibrateLight(CLI::App& calibrate, Chosen& chosen, const fs::path& prog
   command->add_option("--set", options->set, "key=value: instead of the file's (repeatable)")
       ->allow_extra_args(false);
   command->add_flag("--force", options->force, "Replace a file that is there");
-  command->callback([&chosen, options] { chosen = [options] { return calibrateLight(*options); }; });
+  command->callback(
+      [&chosen, options] { chosen = [options] { return calibrateLight(*options); }; });
 }
 
 void addCalibrate(CLI::App& app, Chosen& chosen, const fs::path& programs) {
   auto options = std::make_shared<CalibrateOptions>();
   options->programs = programs;
-  CLI::App* command = app.add_subcommand("calibrate", "Measure robots, camera, projector and light");
+  CLI::App* command =
+      app.add_subcommand("calibrate", "Measure robots, camera, projector and light");
   command->require_subcommand(1);
   addCalibrateCamera(*command, chosen, programs);
   addCalibrateProjector(*command, chosen, programs);
@@ -182,15 +190,17 @@ void addCalibrate(CLI::App& app, Chosen& chosen, const fs::path& programs) {
   motors->add_option("--out", options->out, "Where run folders are made")->capture_default_str();
   motors->add_option("--set", options->set, "key=value: instead of the file's (repeatable)")
       ->allow_extra_args(false);
-  motors->callback([&chosen, options] { chosen = [options] { return calibrateMotors(*options); }; });
+  motors->callback(
+      [&chosen, options] { chosen = [options] { return calibrateMotors(*options); }; });
 }
 
 void addAnalyze(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<AnalyzeOptions>();
   CLI::App* command = app.add_subcommand(
       "analyze", "Summary, report, trajectories, figures from a log or a file of poses");
-  command->add_option("RUN|LOG|POSES.csv", options->input,
-                      "Folder of a run, a log, or a file of poses (docs/track.md)")
+  command
+      ->add_option("RUN|LOG|POSES.csv", options->input,
+                   "Folder of a run, a log, or a file of poses (docs/track.md)")
       ->required();
   command->add_option("--out", options->out, "Folder for the results (default: beside the input)");
   command->add_flag("--figures,!--no-figures", options->figures, "Draw the figures (default: yes)");
@@ -200,8 +210,8 @@ void addAnalyze(CLI::App& app, Chosen& chosen) {
                     "Join the motion around reversals; else they cut (default: yes)");
   command->add_option("--program", options->program,
                       "Poses: what all robots ran: abp, noisy_abp, bp, rtp (default: not known)");
-  command->add_option("--set", options->set,
-                      "Poses: key=value of the program, v_cm_s=3 (repeatable)")
+  command
+      ->add_option("--set", options->set, "Poses: key=value of the program, v_cm_s=3 (repeatable)")
       ->allow_extra_args(false);
   command->add_option("--scale-cm", options->scale_cm, "Poses: one unit of columns x and y in cm")
       ->check(between(1e-9, 1e9));
@@ -212,8 +222,8 @@ void addAnalyze(CLI::App& app, Chosen& chosen) {
 
 void addTheory(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<TheoryOptions>();
-  CLI::App* command =
-      app.add_subcommand("theory", "The exact laws of a program as CSV, beside the paper's formula");
+  CLI::App* command = app.add_subcommand(
+      "theory", "The exact laws of a program as CSV, beside the paper's formula");
   command->add_option("PROGRAM", options->program, "abp, noisy_abp, bp, rtp")->required();
   command->add_option("KEY=VALUE", options->set,
                       "Its keys as in experiment files (v_cm_s=3 epsilon_s=0.25 eta_rad_s=6), and "
@@ -227,9 +237,10 @@ void addTheory(CLI::App& app, Chosen& chosen) {
       ->check(between(0, 360));
   command->add_option("--phase-s", options->phase_s,
                       "Locked clocks: from a window's begin to the next draw");
-  command->add_option("--phases", options->phases,
-                      "Locked clocks: frames fall on so many phases of the hold, one of them "
-                      "--phase-s before a draw (default: at one)")
+  command
+      ->add_option("--phases", options->phases,
+                   "Locked clocks: frames fall on so many phases of the hold, one of them "
+                   "--phase-s before a draw (default: at one)")
       ->check(CLI::Range(1, 100000));
   command->add_option("--turning-deg", options->turning_deg,
                       "LOW,HIGH of an rtp's turning angles (default: -180,180)");
@@ -241,7 +252,8 @@ void addTrack(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<TrackOptions>();
   CLI::App* command =
       app.add_subcommand("track", "Poses of all robots in a movie or in pictures, without a lab");
-  command->add_option("SOURCE", options->source, "Movie, folder or pattern of pictures")->required();
+  command->add_option("SOURCE", options->source, "Movie, folder or pattern of pictures")
+      ->required();
   command->add_option("--calibration", options->calibration, "Of the camera")->required();
   command->add_option("--out", options->out, "File of poses (CSV)")->required();
   command->add_option("--overlay", options->overlay,
@@ -269,12 +281,14 @@ void addReproduce(CLI::App& app, Chosen& chosen) {
       ->check(CLI::Range(0, 1'000'000'000))
       ->capture_default_str();
   command->add_option("--panels", options->panels, "Only these: 2b,3d or whole figures: 4");
-  command->add_option("--ensemble", options->ensemble,
-                      "Films of each set: means with the errors of their scatter, and no fits")
+  command
+      ->add_option("--ensemble", options->ensemble,
+                   "Films of each set: means with the errors of their scatter, and no fits")
       ->check(CLI::Range(1, 999))
       ->capture_default_str();
-  command->add_option("--through", options->through,
-                      "What drives the robots: sim, or firmware on simulated chips")
+  command
+      ->add_option("--through", options->through,
+                   "What drives the robots: sim, or firmware on simulated chips")
       ->check(CLI::IsMember({"sim", "firmware"}))
       ->capture_default_str();
   command->add_option("--jobs", options->jobs, "Films at a time (default: one a core)")

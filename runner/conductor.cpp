@@ -15,9 +15,9 @@
 namespace lab::runner {
 namespace {
 
-constexpr std::int64_t kRobotPeriod_us = 200'000;     // 5 Hz
+constexpr std::int64_t kRobotPeriod_us = 200'000;  // 5 Hz
 constexpr std::int64_t kHandshakePeriod_us = 20'000;
-constexpr std::int64_t kStopPeriod_us = 100'000;      // 10 Hz
+constexpr std::int64_t kStopPeriod_us = 100'000;  // 10 Hz
 // Then the script starts without those that are missing. A board on a serial line needs 1.3 s for
 // its bootloader, up to 2.5 s until it is spoken to, and a second for its table.
 constexpr std::int64_t kEchoPatience_us = 3'000'000;
@@ -30,9 +30,8 @@ constexpr std::int64_t kStartEvery_us = 60'000'000;
 
 bool waitsForEstimates(const Experiment& experiment) {
   return !experiment.stop_when.empty() ||
-         std::ranges::any_of(experiment.light.steps, [](const LightStep& step) {
-           return !step.until.estimate.empty();
-         });
+         std::ranges::any_of(experiment.light.steps,
+                             [](const LightStep& step) { return !step.until.estimate.empty(); });
 }
 
 std::string ownerName(const std::string& sender, std::int64_t instance) {
@@ -239,7 +238,8 @@ void Conductor::endScript(const Turn& turn) {
   }
 }
 
-/// The run ends when the safe light is on the arena and every robot stands, or when that takes long.
+/// The run ends when the safe light is on the arena and every robot stands, or when that takes
+/// long.
 void Conductor::leave() {
   if (phase_ == Phase::kLeaving && safe_light_ && allEchoed()) {
     over_(Ending::kUnmet, leaving_because_);
@@ -256,10 +256,8 @@ void Conductor::take(const robot_status_t& status) {
 
 bool Conductor::hasEchoed(const RobotSpec& robot) const {
   const bool takes_none = robot.body == Body::kReplay;  // a recorded one takes no orders
-  const bool table = !robots_.orders.empty() &&
-                     robots_.orders.front().mode == robot_order_t::TABLE;
-  return takes_none || isObeyedBy(robot.id) ||
-         (table && yielded_.contains(robot.id, loop_.now()));
+  const bool table = !robots_.orders.empty() && robots_.orders.front().mode == robot_order_t::TABLE;
+  return takes_none || isObeyedBy(robot.id) || (table && yielded_.contains(robot.id, loop_.now()));
 }
 
 bool Conductor::isObeyedBy(std::int32_t robot_id) const {

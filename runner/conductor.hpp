@@ -41,9 +41,10 @@ enum class Ending {
   kBroken,  ///< it makes no sense to go on
 };
 
-/// Conducts one experiment. begin() lets the tracker learn which cap is which robot (handshake.hpp),
-/// under full light, then puts the robots under their light table and waits until each has echoed it; then the script's clock starts. Robots, light and record go on until the script's
-/// end, conclude(), or a fault that ends the run.
+/// Conducts one experiment. begin() lets the tracker learn which cap is which robot
+/// (handshake.hpp), under full light, then puts the robots under their light table and waits until
+/// each has echoed it; then the script's clock starts. Robots, light and record go on until the
+/// script's end, conclude(), or a fault that ends the run.
 class Conductor final : public Service {
  public:
   /// @param effective the experiment file with every default filled in, for the record.

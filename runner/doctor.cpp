@@ -84,8 +84,8 @@ Finding ports(const MachineFacts& facts) {
   return {Level::kOk, "an LCM bus is in use; UDP ports that are taken:" + list, ""};
 }
 
-/// A message of several fragments that lost one holds its place in the kernel's queue, until that is
-/// full and nothing long arrives any more.
+/// A message of several fragments that lost one holds its place in the kernel's queue, until that
+/// is full and nothing long arrives any more.
 Finding fragments(const MachineFacts& facts) {
   constexpr int kEnough = 3;  // [s]
   if (!facts.fragment_time) return {Level::kOk, "the system does not say ipfrag_time", ""};
@@ -102,8 +102,9 @@ Finding deviceRights(int count, const std::vector<std::string>& closed, const st
                      const std::string& group) {
   if (count == 0) return {Level::kOk, "no " + what + " is plugged in", ""};
   if (closed.empty()) {
-    return {Level::kOk, std::to_string(count) + " " + what + (count == 1 ? "" : "s") +
-                            ", open to this user", ""};
+    return {Level::kOk,
+            std::to_string(count) + " " + what + (count == 1 ? "" : "s") + ", open to this user",
+            ""};
   }
   std::string list;
   for (const std::string& path : closed) list += (list.empty() ? "" : ", ") + path;

@@ -47,7 +47,8 @@ constexpr std::size_t kLongestLine = 65'536;     // [byte] of a service that end
 constexpr int kLastWords_ms = 1000;
 constexpr int kDrain_ms = 10;
 
-/// Removes a folder when this process is gone, however it went: a process of its own waits for that.
+/// Removes a folder when this process is gone, however it went: a process of its own waits for
+/// that.
 class Folder {
  public:
   Folder() {
@@ -210,8 +211,10 @@ class Agent {
     } else if (what == "end" || what == "kill") {
       Running* service = find(order.at("service"));
       if (service == nullptr || !service->process->running()) return;
-      if (what == "end") service->process->terminate();
-      else kill(service->process->pid(), SIGKILL);
+      if (what == "end")
+        service->process->terminate();
+      else
+        kill(service->process->pid(), SIGKILL);
     } else if (what == "stop") {
       loop_.stop();
     } else if (what != "alive") {
@@ -297,7 +300,8 @@ class Agent {
       tell(*service);
       if (running || service->told) continue;
       service->told = true;
-      lines_.send({{"say", "ended"}, {"service", service->name}, {"how", service->process->ending()}});
+      lines_.send(
+          {{"say", "ended"}, {"service", service->name}, {"how", service->process->ending()}});
     }
     lines_.flush();
     if (lines_.closed() || loop_.now() - heard_ > patience_us_) loop_.stop();

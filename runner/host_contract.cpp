@@ -79,10 +79,14 @@ nlohmann::json toJson(const HostHello& hello) {
 std::optional<HostHello> helloFrom(const nlohmann::json& json) {
   try {
     if (json.value("say", "") != "hello") return std::nullopt;
-    return HostHello{json.at("version"),          json.value("contract_version", 0),
-                     json.value("fingerprints", ""), json.value("revision", ""),
-                     json.value("host", ""),      json.value("ssh_connection", ""),
-                     json.value("multicast", ""), json.value("utime", std::int64_t{0})};
+    return HostHello{json.at("version"),
+                     json.value("contract_version", 0),
+                     json.value("fingerprints", ""),
+                     json.value("revision", ""),
+                     json.value("host", ""),
+                     json.value("ssh_connection", ""),
+                     json.value("multicast", ""),
+                     json.value("utime", std::int64_t{0})};
   } catch (const nlohmann::json::exception&) {
     return std::nullopt;
   }
@@ -95,13 +99,13 @@ std::string refusal(const HostSpec& host, const HostHello& here, const HostHello
   } else if (there.contract_version != here.contract_version ||
              there.fingerprints != here.fingerprints) {
     difference = "other message types";
-  } else if (!there.revision.empty() && !here.revision.empty() &&
-             there.revision != here.revision) {
+  } else if (!there.revision.empty() && !here.revision.empty() && there.revision != here.revision) {
     difference = "another state of the source";
   }
   if (difference.empty()) return {};
   return fmt::format(
-      "host {}: found {} of the lab, {} there and {} here, expected the same on both; bring both to "
+      "host {}: found {} of the lab, {} there and {} here, expected the same on both; bring both "
+      "to "
       "the same (ssh {}, then git pull and ./lab --version in its folder), or name the folder of "
       "the right programs there: hosts.{}.programs",
       host.name, difference, versionText(there), versionText(here), host.ssh, host.name);
@@ -137,20 +141,18 @@ std::string sshTrouble(const HostSpec& host, const std::string& said, const std:
     const char* words;
     std::string meaning;
   };
-  const std::string programs =
-      "build it there (./lab --version in its folder) and set hosts." + host.name +
-      ".programs = \"FOLDER/build/release/bin\"";
+  const std::string programs = "build it there (./lab --version in its folder) and set hosts." +
+                               host.name + ".programs = \"FOLDER/build/release/bin\"";
   const std::vector<Known> all = {
-      {"Could not resolve hostname",
-       "no machine of that name is known: set hosts." + host.name +
-           ".ssh = \"user@address\", or name it in ~/.ssh/config"},
+      {"Could not resolve hostname", "no machine of that name is known: set hosts." + host.name +
+                                         ".ssh = \"user@address\", or name it in ~/.ssh/config"},
       {"IDENTIFICATION HAS CHANGED",
        "it shows another key than before; if the machine was set up anew: ssh-keygen -R " +
            host.ssh.substr(host.ssh.find('@') + 1)},
       {"Host key verification failed",
        "its key is not known yet: ssh " + host.ssh + " once by hand, and accept it"},
-      {"Permission denied", "it does not let this user in without a password: ssh-copy-id " +
-                                host.ssh},
+      {"Permission denied",
+       "it does not let this user in without a password: ssh-copy-id " + host.ssh},
       {"Connection refused",
        "no ssh server answers there: sudo apt-get install openssh-server (there)"},
       {"timed out", "it does not answer: is it switched on, is the cable in?"},
@@ -164,7 +166,8 @@ std::string sshTrouble(const HostSpec& host, const std::string& said, const std:
   const std::string last = lastLine(said);
   const std::string head = "host " + host.name + " (ssh " + host.ssh + "): ";
   const std::string tail = last.empty() ? "" : " [" + last + "]";
-  if (ending == "exit code 126") return head + "the lab there cannot be executed: " + programs + tail;
+  if (ending == "exit code 126")
+    return head + "the lab there cannot be executed: " + programs + tail;
   for (const Known& known : all) {
     if (says(said, known.words)) return head + known.meaning + tail;
   }

@@ -20,7 +20,8 @@ void addFolder(const fs::path& folder, const std::string& name, std::vector<Host
   std::error_code error;
   for (const auto& entry : fs::recursive_directory_iterator(folder, error)) {
     if (!entry.is_regular_file()) continue;
-    files.push_back({(fs::path(name) / fs::relative(entry.path(), folder)).string(), entry.path(), {}});
+    files.push_back(
+        {(fs::path(name) / fs::relative(entry.path(), folder)).string(), entry.path(), {}});
   }
 }
 

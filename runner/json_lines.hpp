@@ -8,7 +8,8 @@
 
 namespace lab::runner {
 
-/// Reads and writes a pair of descriptors, which it makes non-blocking and which stay their owner's.
+/// Reads and writes a pair of descriptors, which it makes non-blocking and which stay their
+/// owner's.
 class JsonLines {
  public:
   JsonLines(int input, int output);

@@ -65,7 +65,8 @@ RunOutcome execute(const LaunchOptions& options, const PreparedRun& run, const s
   }
   std::signal(SIGINT, [](int) { interrupted = 1; });
   std::signal(SIGTERM, [](int) { interrupted = 1; });
-  return runVirtual(run, show, [] { return interrupted != 0; }, pilot);
+  return runVirtual(
+      run, show, [] { return interrupted != 0; }, pilot);
 }
 
 /// What differs between two runs of the same file and seed.
@@ -135,7 +136,8 @@ Launched launch(const LaunchOptions& options, Experiment experiment, const ShowP
                                     fs::absolute(prepared.directory).string()});
   }
   std::fflush(stdout);
-  RunOutcome outcome = execute(options, prepared, url, logger, hosts ? &*hosts : nullptr, show, pilot);
+  RunOutcome outcome =
+      execute(options, prepared, url, logger, hosts ? &*hosts : nullptr, show, pilot);
   registration.reset();
   // The run is kept whatever happens; a report takes seconds and is not left half-written.
   std::signal(SIGINT, SIG_IGN);

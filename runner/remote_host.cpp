@@ -27,7 +27,7 @@ using std::chrono::milliseconds;
 constexpr int kPings = 11;
 constexpr int kStep_ms = 5;
 constexpr int kLeavePatience_ms = 6000;
-constexpr double kDeaf = 2.0;              // [s] then nobody waits for its answer
+constexpr double kDeaf = 2.0;               // [s] then nobody waits for its answer
 constexpr std::size_t kChunk = 256 * 1024;  // [byte] of a file in one line
 constexpr std::size_t kMostWaiting = 8 * kChunk;
 constexpr std::int64_t kMostNoise = 16384;  // [byte]
@@ -107,13 +107,21 @@ void RemoteHost::call() {
   }
   // Silence is judged here, where the run knows how long to wait: ssh is not to hang up by itself.
   const std::vector<std::string> arguments{
-      ssh->string(), "-T", "-o", "BatchMode=yes", "-o", "ConnectTimeout=10",
-      "-o", "ServerAliveInterval=0", "-o", "TCPKeepAlive=no", "-o", "ForwardX11=no",
-      "-o", "ForwardAgent=no", "-o", "ControlPath=none", "-o", "ClearAllForwardings=yes",
-      "-o", "RemoteCommand=none", "-o", "AddressFamily=inet",  // DDS and LCM take no other here
-      spec_.ssh, agentCommand(spec_)};
-  ssh_ = std::make_unique<ChildProcess>("ssh", arguments, "/proc/self/fd/" + std::to_string(errors_),
-                                        ChildProcess::Streams{to[0], from[1]});
+      ssh->string(), "-T",
+      "-o",          "BatchMode=yes",
+      "-o",          "ConnectTimeout=10",
+      "-o",          "ServerAliveInterval=0",
+      "-o",          "TCPKeepAlive=no",
+      "-o",          "ForwardX11=no",
+      "-o",          "ForwardAgent=no",
+      "-o",          "ControlPath=none",
+      "-o",          "ClearAllForwardings=yes",
+      "-o",          "RemoteCommand=none",
+      "-o",          "AddressFamily=inet",  // DDS and LCM take no other here
+      spec_.ssh,     agentCommand(spec_)};
+  ssh_ =
+      std::make_unique<ChildProcess>("ssh", arguments, "/proc/self/fd/" + std::to_string(errors_),
+                                     ChildProcess::Streams{to[0], from[1]});
   close(to[0]);
   close(from[1]);
   input_ = to[1];

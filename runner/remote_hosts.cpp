@@ -32,11 +32,10 @@ double inSeconds(Steady::duration duration) {
 }
 
 std::string utcOf(Steady::time_point time) {
-  const auto wall = std::chrono::system_clock::now() -
-                    std::chrono::duration_cast<std::chrono::system_clock::duration>(
-                        Steady::now() - time);
-  return fmt::format("{:%H:%M:%S}Z",
-                     fmt::gmtime(std::chrono::system_clock::to_time_t(wall)));
+  const auto wall =
+      std::chrono::system_clock::now() -
+      std::chrono::duration_cast<std::chrono::system_clock::duration>(Steady::now() - time);
+  return fmt::format("{:%H:%M:%S}Z", fmt::gmtime(std::chrono::system_clock::to_time_t(wall)));
 }
 
 }  // namespace
@@ -49,8 +48,8 @@ RemoteHosts::RemoteHosts(const Experiment& experiment, const std::vector<std::st
   if (own_name_.empty() || std::ranges::count(hosts, own_name_) != 0) own_name_ += "-runner";
   for (const std::string& host : hosts) {
     Known& known = known_[host];
-    known.remote = std::make_unique<RemoteHost>(hostSpec(experiment, host),
-                                                experiment.link.max_clock_offset);
+    known.remote =
+        std::make_unique<RemoteHost>(hostSpec(experiment, host), experiment.link.max_clock_offset);
     known.remote->call();
   }
   waitFor(RemoteHost::State::kMet, "does not answer");
@@ -107,10 +106,13 @@ void RemoteHosts::findAddresses() {
     }
     throw UserError(
         address.empty()
-            ? "host " + name + ": ssh does not say by which address it came; set link.address, and "
-              "hosts." + name + ".address"
+            ? "host " + name +
+                  ": ssh does not say by which address it came; set link.address, and "
+                  "hosts." +
+                  name + ".address"
             : fmt::format("this machine is {} to some hosts and {} to host {}: set link.address to "
-                          "the one that all of them reach", own_address_, address, name));
+                          "the one that all of them reach",
+                          own_address_, address, name));
   }
 }
 
@@ -178,7 +180,8 @@ void RemoteHosts::take(const link_status_t& status) {
 std::string RemoteHosts::notHeard() const {
   return experiment_.link.security.empty()
              ? "nothing is heard over DDS; does a firewall let UDP through (docs/hosts.md)?"
-             : "nothing is heard over DDS; does a firewall let UDP through (docs/hosts.md), and has "
+             : "nothing is heard over DDS; does a firewall let UDP through (docs/hosts.md), and "
+               "has "
                "the gateway there certificates of the same CA (link.security, docs/security.md)?";
 }
 
@@ -197,10 +200,9 @@ std::string RemoteHosts::notJoined() const {
       const auto peer = says->second.find(other);
       const bool known = peer != says->second.end();
       if (known && peer->second.state == link_peer_t::JOINED) continue;
-      return fmt::format("the buses of {} and {} are not joined: {}", one, other,
-                         known && !peer->second.trouble.empty()
-                             ? peer->second.trouble
-                             : notHeard());
+      return fmt::format(
+          "the buses of {} and {} are not joined: {}", one, other,
+          known && !peer->second.trouble.empty() ? peer->second.trouble : notHeard());
     }
   }
   for (const std::string& one : names()) {
@@ -239,12 +241,11 @@ std::string RemoteHosts::silence(const Known& host) const {
   const bool robots =
       hostOf(experiment_, "sim_svc") == name || hostOf(experiment_, "robot_bridge") == name;
   const std::string since = " since " + utcOf(host.heard);
-  const double stands =
-      std::max(experiment_.hardware.lease, experiment_.hardware.free_run);
-  const std::string meaning =
-      !robots                       ? "nothing is heard of " + services
-      : stands <= inSeconds(kSilent) ? "its robots stand"
-                                    : fmt::format("its robots stand after {:g} s", stands);
+  const double stands = std::max(experiment_.hardware.lease, experiment_.hardware.free_run);
+  const std::string meaning = !robots ? "nothing is heard of " + services
+                              : stands <= inSeconds(kSilent)
+                                  ? "its robots stand"
+                                  : fmt::format("its robots stand after {:g} s", stands);
   if (host.remote->state() != RemoteHost::State::kBegun) {
     const std::string& why = host.remote->trouble();
     return fmt::format("host {} is gone{}{}: {}", name, since, why.empty() ? "" : " (" + why + ")",
@@ -258,8 +259,8 @@ std::string RemoteHosts::silence(const Known& host) const {
     const auto peer = own->second.find(name);
     if (peer != own->second.end() && !peer->second.trouble.empty()) why = peer->second.trouble;
   }
-  return fmt::format("the bus of host {} is cut off{} ({}; ssh still answers): {}", name, since, why,
-                     meaning);
+  return fmt::format("the bus of host {} is cut off{} ({}; ssh still answers): {}", name, since,
+                     why, meaning);
 }
 
 void RemoteHosts::callAgain(Known& host) {

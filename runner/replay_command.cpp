@@ -49,8 +49,10 @@ class Player {
   /// A log of a live lab holds no CLOCK, and its time is not that of the wall any more.
   [[nodiscard]] bool needsClock() const {
     const auto& wanted = options_.channels;
-    const bool asked = wanted.empty() || std::ranges::find(wanted, channels::kClock) != wanted.end();
-    return asked && std::ranges::find(events_, channels::kClock, &LogEvent::channel) == events_.end();
+    const bool asked =
+        wanted.empty() || std::ranges::find(wanted, channels::kClock) != wanted.end();
+    return asked &&
+           std::ranges::find(events_, channels::kClock, &LogEvent::channel) == events_.end();
   }
 
   void sendClock() {

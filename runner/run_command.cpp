@@ -2,8 +2,8 @@
 
 #include <optional>
 
-#include "common/light_file.hpp"
 #include "common/experiment_file.hpp"
+#include "common/light_file.hpp"
 #include "common/projector_file.hpp"
 #include "common/units.hpp"
 #include "report/analyze_run.hpp"
@@ -104,9 +104,10 @@ ExitCode analyze(const AnalyzeOptions& options) {
     return kDone;
   }
   if (!options.program.empty() || !options.set.empty() || options.scale_cm || options.fps) {
-    throw UserError(input.string() +
-                    ": found no file of poses (.csv); --program, --set, --scale-cm and --fps are for "
-                    "these, a log knows what its robots ran");
+    throw UserError(
+        input.string() +
+        ": found no file of poses (.csv); --program, --set, --scale-cm and --fps are for "
+        "these, a log knows what its robots ran");
   }
   tell(report::analyzeRun(input, out, how));
   return kDone;

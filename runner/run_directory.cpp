@@ -6,17 +6,17 @@
 #include <fstream>
 #include <iterator>
 
-#include "common/light_file.hpp"
 #include "common/camera_file.hpp"
 #include "common/experiment_file.hpp"
+#include "common/light_file.hpp"
+#include "common/light_messages.hpp"
 #include "common/motor_file.hpp"
 #include "common/projector_file.hpp"
 #include "light/image.hpp"
 #include "optics/simulated_camera.hpp"
-#include "runner/exit_code.hpp"
-#include "common/light_messages.hpp"
 #include "projector_ctl/projector_messages.hpp"
 #include "projector_ctl/scene.hpp"
+#include "runner/exit_code.hpp"
 
 namespace lab::runner {
 namespace fs = std::filesystem;
@@ -41,9 +41,10 @@ std::vector<fs::path> findRecordings(const Experiment& experiment, const fs::pat
       log = source / robot.log;
       if (fs::is_directory(log)) log /= files::kLog;
       if (!fs::is_regular_file(log)) {
-        throw UserError(fmt::format("robots: robot {} replays {}, where there is no log; give the "
-                                    "folder of a run or a log, relative to the experiment file",
-                                    robot.id, (source / robot.log).string()));
+        throw UserError(
+            fmt::format("robots: robot {} replays {}, where there is no log; give the "
+                        "folder of a run or a log, relative to the experiment file",
+                        robot.id, (source / robot.log).string()));
       }
     }
     recordings.push_back(log);
@@ -98,7 +99,8 @@ void adoptNetwork(Experiment& experiment, const fs::path& source, const fs::path
   }
 }
 
-/// Recordings stay where they are, as they are large: the run's file names them from its own folder.
+/// Recordings stay where they are, as they are large: the run's file names them from its own
+/// folder.
 void adoptRecordings(Experiment& experiment, const std::vector<fs::path>& recordings,
                      const fs::path& run) {
   for (std::size_t i = 0; i < recordings.size(); ++i) {
@@ -124,7 +126,8 @@ std::string cameraInForce(const Experiment& experiment, const fs::path& source) 
   const optics::CameraParameters calibrated = readCameraFile(file).camera;
   if (calibrated.width != camera.width || calibrated.height != camera.height) {
     throw UserError(fmt::format(
-        "{}: found a calibration of {} x {} pixels, expected {} x {} as width_px and height_px say; "
+        "{}: found a calibration of {} x {} pixels, expected {} x {} as width_px and height_px "
+        "say; "
         "change them, or calibrate at that size",
         file.string(), calibrated.width, calibrated.height, camera.width, camera.height));
   }

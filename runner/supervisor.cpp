@@ -20,7 +20,7 @@ namespace {
 constexpr int kMostRestarts = 5;
 constexpr const char* kGatewayService = "dds_gateway";
 constexpr int kServicePatience_ms = 3000;
-constexpr int kLinkSettles_ms = 300;  // the last messages of other hosts are on their way
+constexpr int kLinkSettles_ms = 300;       // the last messages of other hosts are on their way
 constexpr int kLoggerPatience_ms = 10000;  // it writes what it holds before it ends
 
 }  // namespace
@@ -51,7 +51,8 @@ bool Supervisor::loggerWrites() const {
 }
 
 void Supervisor::add(const std::string& name, const std::string& host, bool uses_ports) {
-  Entry& entry = services_.emplace_back(Entry{.name = name, .uses_ports = uses_ports, .host = host});
+  Entry& entry =
+      services_.emplace_back(Entry{.name = name, .uses_ports = uses_ports, .host = host});
   entry.process = startService(entry, run_.directory / files::kExperiment);
 }
 
@@ -158,8 +159,7 @@ bool Supervisor::revive(const std::function<void(const std::string&)>& report,
     const bool own_fault = entry.process->ending() != kWithItsHost;
     const bool again = (entry.restarts += own_fault ? 1 : 0) <= kMostRestarts;
     report(fmt::format("{} died ({}) and {}", titleOf(entry.name, entry.host),
-                       entry.process->ending(),
-                       again ? "was restarted" : "is given up"));
+                       entry.process->ending(), again ? "was restarted" : "is given up"));
     return true;
   };
   if (died(logger_)) {

@@ -62,8 +62,8 @@ class Supervisor {
   };
 
   void add(const std::string& name, const std::string& host, bool uses_ports);
-  [[nodiscard]] std::unique_ptr<ServiceProcess> startService(const Entry& entry,
-                                                             const std::filesystem::path& file) const;
+  [[nodiscard]] std::unique_ptr<ServiceProcess> startService(
+      const Entry& entry, const std::filesystem::path& file) const;
   [[nodiscard]] std::unique_ptr<ServiceProcess> startThere(const Entry& entry,
                                                            const std::filesystem::path& file) const;
   [[nodiscard]] std::vector<std::string> argumentsOf(const Entry& entry) const;

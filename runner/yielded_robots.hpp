@@ -14,9 +14,13 @@ namespace lab::runner {
 /// Without this, two senders would be obeyed in turn.
 class YieldedRobots {
  public:
+  /// Nobody holds a robot longer without a word, whatever lease he writes.
+  static constexpr std::int32_t kLongest_ms = 60'000;
+
   /// A command of another sender.
   void take(const robot_command_t& command, std::int64_t now) {
-    const std::int64_t until = now + std::int64_t{std::max(0, command.lease_ms)} * 1000;
+    const std::int64_t until =
+        now + std::int64_t{std::clamp(command.lease_ms, 0, kLongest_ms)} * 1000;
     for (const robot_order_t& order : command.orders) {
       for (const std::int32_t id : order.robot_ids) until_utime_[id] = until;
     }

@@ -33,8 +33,8 @@ struct Rates {
 
   /// As the project promises: bias, scatter, 95 % intervals.
   void judge(const char* what, double most_bias) const {
-    std::printf("%s, %g films: bias %+.3f +- %.3f %%, sd %.3f of the bound, covered %.1f %%\n", what,
-                relative.n, 100 * (relative.mean() - 1),
+    std::printf("%s, %g films: bias %+.3f +- %.3f %%, sd %.3f of the bound, covered %.1f %%\n",
+                what, relative.n, 100 * (relative.mean() - 1),
                 100 * relative.deviation() / std::sqrt(relative.n), z.deviation(),
                 100 * covered / relative.n);
     EXPECT_NEAR(relative.mean(), 1, most_bias) << what;

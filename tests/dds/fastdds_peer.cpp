@@ -1,5 +1,5 @@
-/// fastdds_peer DOMAIN [PROFILES]: an endpoint of another vendor, over UDP (peer_loop.hpp). Payloads
-/// pass as they are on the wire: the bytes are the tests'. PROFILES goes into
+/// fastdds_peer DOMAIN [PROFILES]: an endpoint of another vendor, over UDP (peer_loop.hpp).
+/// Payloads pass as they are on the wire: the bytes are the tests'. PROFILES goes into
 /// $FASTRTPS_DEFAULT_PROFILES_FILE; without it every interface is used.
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
 
