@@ -386,7 +386,10 @@ void addDoctor(CLI::App& app, Chosen& chosen) {
       const auto add = [&findings](std::vector<Finding> more) {
         std::ranges::move(more, std::back_inserter(findings));
       };
-      add(judgePorts(experiment, portIsFree, ddsPortIsFree));
+      // DDS shares its ports with DDS, and with nobody else.
+      add(judgePorts(
+          experiment, [](int port) { return portIsFree(port); },
+          [](int port) { return portIsFree(port, Sharing::kShared); }));
       add(judgeDds(surveyDds(experiment.gateway, fs::path(*file).parent_path(), kListen_ms)));
       add(examineHosts(experiment));
       print(std::cout, findings);

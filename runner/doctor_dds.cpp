@@ -1,9 +1,6 @@
 #include "runner/doctor_dds.hpp"
 
-#include <arpa/inet.h>
 #include <dds/dds.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -113,21 +110,6 @@ DdsFacts surveyDds(const Gateway& gateway, const std::filesystem::path& director
     facts.problem = error.what();
   }
   return facts;
-}
-
-bool ddsPortIsFree(int port) {
-  const int socket_fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-  if (socket_fd < 0) return false;
-  const int yes = 1;
-  setsockopt(socket_fd, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_port = htons(static_cast<std::uint16_t>(port));
-  address.sin_addr.s_addr = htonl(INADDR_ANY);
-  const bool free =
-      bind(socket_fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
-  close(socket_fd);
-  return free;
 }
 
 std::vector<Finding> judgePorts(const Experiment& experiment,

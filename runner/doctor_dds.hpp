@@ -37,9 +37,6 @@ struct DdsFacts {
 /// reader of another type is none of these where its owner also reads the writer's type.
 [[nodiscard]] std::vector<Finding> judgeDds(const DdsFacts& facts);
 
-/// Whether DDS can open a domain's discovery port: it shares it with DDS, not with others.
-[[nodiscard]] bool ddsPortIsFree(int port);
-
 /// UDP ports that the experiment names and others hold; nothing where all are free.
 [[nodiscard]] std::vector<Finding> judgePorts(const Experiment& experiment,
                                               const std::function<bool(int port)>& lcm_free,

@@ -10,14 +10,15 @@
 #include "runner/exit_code.hpp"
 
 namespace lab::runner {
-bool portIsFree(int port) {
+bool portIsFree(int port, Sharing sharing) {
   const int socket_fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   if (socket_fd < 0) return false;
   sockaddr_in address{};
   address.sin_family = AF_INET;
   address.sin_port = htons(static_cast<std::uint16_t>(port));
   address.sin_addr.s_addr = htonl(INADDR_ANY);
-  // Without SO_REUSEADDR: LCM sets it, and two labs would share the port.
+  const int share = sharing == Sharing::kShared ? 1 : 0;
+  setsockopt(socket_fd, SOL_SOCKET, SO_REUSEADDR, &share, sizeof share);
   const bool free =
       bind(socket_fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
   close(socket_fd);
