@@ -23,14 +23,17 @@ inline constexpr std::string_view kLinkStatus = "LINK_STATUS";
 inline constexpr std::string_view kAnalysis = "ANALYSIS";
 inline constexpr std::string_view kServiceStatus = "SERVICE_STATUS";
 inline constexpr std::string_view kExperimentEvent = "EXPERIMENT_EVENT";
+inline constexpr std::string_view kExperimentCommand = "EXPERIMENT_COMMAND";
+inline constexpr std::string_view kExperimentStatus = "EXPERIMENT_STATUS";
 inline constexpr std::string_view kClock = "CLOCK";
 inline constexpr std::string_view kSimTruth = "SIM_TRUTH";
 
 inline constexpr std::array kAll{
-    kRobotCommand,      kRobotStop,    kRobotStatus,  kRobotSteps,  kRobotCalibration,
-    kCalibrationStatus, kTrackedFrame, kTrackedDetails, kTrackerStatus, kLightCommand,
-    kLightStatus,       kLightSeen,    kLightDelivery, kLinkStatus,   kAnalysis,
-    kServiceStatus,     kExperimentEvent, kClock,     kSimTruth};
+    kRobotCommand,      kRobotStop,       kRobotStatus,       kRobotSteps,       kRobotCalibration,
+    kCalibrationStatus, kTrackedFrame,    kTrackedDetails,    kTrackerStatus,    kLightCommand,
+    kLightStatus,       kLightSeen,       kLightDelivery,     kLinkStatus,       kAnalysis,
+    kServiceStatus,     kExperimentEvent, kExperimentCommand, kExperimentStatus, kClock,
+    kSimTruth};
 
 /// LCM's own probe, sent whenever a subscriber starts: not lab traffic.
 inline constexpr std::string_view kLcmSelfTest = "LCM_SELF_TEST";

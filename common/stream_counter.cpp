@@ -26,7 +26,7 @@ void track(StreamCount& stream, std::int64_t seq, bool counts_messages) {
 bool seqCountsMessages(std::string_view channel) {
   return channel != channels::kRobotCommand && channel != channels::kRobotStop &&
          channel != channels::kLightCommand && channel != channels::kRobotCalibration &&
-         channel != channels::kCalibrationStatus;
+         channel != channels::kCalibrationStatus && channel != channels::kExperimentCommand;
 }
 
 void StreamCounter::count(std::string_view channel, std::string_view sender, std::int64_t instance,

@@ -6,6 +6,8 @@
 #include <array>
 #include <lab/analysis_t.hpp>
 #include <lab/clock_t.hpp>
+#include <lab/experiment_command_t.hpp>
+#include <lab/experiment_status_t.hpp>
 #include <lab/light_command_t.hpp>
 #include <lab/light_delivery_t.hpp>
 #include <lab/light_seen_t.hpp>
@@ -55,6 +57,8 @@ const auto& channelTypes() {
       ChannelType{channels::kAnalysis, analysis_t::getHash()},
       ChannelType{channels::kServiceStatus, service_status_t::getHash()},
       ChannelType{channels::kExperimentEvent, experiment_event_t::getHash()},
+      ChannelType{channels::kExperimentCommand, experiment_command_t::getHash()},
+      ChannelType{channels::kExperimentStatus, experiment_status_t::getHash()},
       ChannelType{channels::kClock, clock_t::getHash()},
       ChannelType{channels::kSimTruth, sim_truth_t::getHash()}};
   return types;
@@ -121,7 +125,9 @@ void ContractCheck::judge(const std::string& log_name) const {
                                   static_cast<std::uint64_t>(channel.foreign_hash), way_out));
   }
   const std::string changed =
-      fingerprints_.empty() ? "" : firstDifference(fingerprintList() + olderFingerprintList(), fingerprints_);
+      fingerprints_.empty()
+          ? ""
+          : firstDifference(fingerprintList() + olderFingerprintList(), fingerprints_);
   if (!changed.empty()) {
     throw ReportError(
         fmt::format("{}: written{} with another {}; {}", log_name, by, changed, way_out));

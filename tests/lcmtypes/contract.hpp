@@ -8,7 +8,9 @@
 #include <functional>
 #include <lab/analysis_t.hpp>
 #include <lab/clock_t.hpp>
+#include <lab/experiment_command_t.hpp>
 #include <lab/experiment_event_t.hpp>
+#include <lab/experiment_status_t.hpp>
 #include <lab/light_command_t.hpp>
 #include <lab/light_delivery_t.hpp>
 #include <lab/light_seen_t.hpp>
@@ -35,7 +37,8 @@ template <class... Types>
 struct TypeList {};
 
 /// What travels on a channel.
-using ChannelTypes = TypeList<analysis_t, clock_t, experiment_event_t, light_command_t,
+using ChannelTypes = TypeList<analysis_t, clock_t, experiment_command_t, experiment_event_t,
+                              experiment_status_t, light_command_t,
                               light_delivery_t, light_seen_t, light_status_t, link_status_t,
                               robot_calibration_t, robot_command_t,
                               robot_status_t, robot_steps_t, robot_stop_t, service_status_t,
@@ -136,6 +139,14 @@ inline auto fields(experiment_event_t& m) {
                   m.fingerprints, m.version, m.step, m.label, m.commanded_utime, m.presented_utime,
                   m.seen_utime, m.first_acted_utime, m.last_acted_utime, m.robots_acted,
                   m.robots_expected, m.ended_by);
+}
+inline auto fields(experiment_command_t& m) {
+  return std::tie(m.utime, m.sender, m.instance, m.seq, m.action, m.value, m.text);
+}
+inline auto fields(experiment_status_t& m) {
+  return std::tie(m.utime, m.sender, m.instance, m.seq, m.run, m.phase, m.elapsed, m.left,
+                  m.at_most, m.rate, m.jumps, m.step, m.label, m.step_left, m.stop, m.commander,
+                  m.command_instance, m.command_seq, m.refusal);
 }
 inline auto fields(light_command_t& m) {
   return std::tie(m.utime, m.sender, m.instance, m.seq, m.priority, m.from_utime, m.ramp,

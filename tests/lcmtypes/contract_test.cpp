@@ -135,7 +135,7 @@ TEST(Contract, NamesEveryChannelTypeByItsFingerprint) {
     EXPECT_EQ(typeWithFingerprint(Message::getHash()), Message::getTypeName());
     EXPECT_THAT(fingerprintList(), testing::HasSubstr(std::string(Message::getTypeName()) + " "));
   });
-  EXPECT_EQ(hashes.size(), 18U);
+  EXPECT_EQ(hashes.size(), 20U);
   EXPECT_EQ(typeWithFingerprint(1), "");
 }
 
