@@ -113,6 +113,12 @@ void Analysis::dispatch(const Frame& frame) {
 void Analysis::take(int id, Robot& robot) {
   for (const Sample& sample : samples_) {
     const ProgramLaw& law = programs_[static_cast<std::size_t>(sample.program)];
+    if (config_.samples_only) {
+      if (sink_) {
+        sink_(id, law, sample);
+      }
+      continue;
+    }
     auto& program = robot.programs[sample.program];
     if (!program) {
       program = std::make_unique<ProgramAnalysis>(law, config_.frame_period, config_.max_lag);

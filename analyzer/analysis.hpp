@@ -37,6 +37,7 @@ struct AnalysisConfig {
   /// Fills ProgramResult::runs. Keeps up to 20 places a second of every RTP, 3 MB an hour, so it is
   /// for films that end, not for live displays.
   bool find_runs = false;
+  bool samples_only = false;  ///< Tracks are stitched and passed on; there are no results.
   bool without_law = false;  ///< Robots with no program (kNone) are analysed: curves, and their speed.
 };
 
@@ -89,6 +90,9 @@ class Analysis {
 
   /// As AnalysisConfig::find_runs; to be said before the first frame.
   void findRuns() { config_.find_runs = true; }
+
+  /// As AnalysisConfig::samples_only; to be said before the first frame.
+  void samplesOnly() { config_.samples_only = true; }
 
   /// Per program with a law, in the order of first appearance: the pool of all its robots, then
   /// each robot by number. Programs without a sample are left out.

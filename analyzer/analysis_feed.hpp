@@ -58,6 +58,13 @@ class AnalysisFeed {
   /// Called with every sample, from within take() and flush(), in time order for each robot.
   void onSample(SampleSink sink);
 
+  /// Called with every sample and the law of its program, likewise, and nothing else is made of
+  /// them: there are no results. To be said before the first frame, instead of onSample().
+  void samplesOnly(std::function<void(int robot, const ProgramLaw& law, const Sample&)> sink) {
+    analysis_.samplesOnly();
+    analysis_.onSample(std::move(sink));
+  }
+
   /// Called with every piece, likewise.
   void onPiece(PieceSink sink);
 

@@ -24,42 +24,26 @@ double kurtosis(double fourth, double second, double n) {
 
 }  // namespace
 
-BlockStore::BlockStore(const std::vector<int>& lags, double block_length)
-    : block_length_(block_length), closed_total_(lags.size()) {
-  open_.lags.resize(lags.size());
-  const auto end = std::upper_bound(lags.begin(), lags.end(), static_cast<int>(NearSums::kLags));
-  near_lags_.assign(lags.begin(), end);
-}
-
-double BlockStore::nearDuration(int lag) const {
-  const auto i = static_cast<std::size_t>(lag) - 1;
-  return i < NearSums::kLags ? closed_duration_[i] + near_.duration[i] : 0;
-}
-
-void BlockStore::addNear(std::vector<LagSums>& lags) const {
-  for (std::size_t i = 0; i < near_lags_.size(); ++i) {
-    lags[i] += near_.of(near_lags_[i]);
-  }
+BlockStore::BlockStore(std::size_t lags, double block_length)
+    : block_length_(block_length), open_end_(block_length), closed_total_(lags) {
+  open_.lags.resize(lags);
 }
 
 void BlockStore::addTime(double dt) {
+  const bool closes = closesAfter(dt);
   open_.time += dt;
   time_ += dt;
-  // Ends are multiples of the length: what a block is too long does not add up when blocks merge.
-  if (time_ < static_cast<double>(closed_.size() + 1) * block_length_) {
-    return;
-  }
+  if (!closes) return;
   close();
   if (closed_.size() == kMaxBlocks) {
     mergePairs();
   }
+  // Ends are multiples of the length: what a block is too long does not add up when blocks merge.
+  open_end_ = static_cast<double>(closed_.size() + 1) * block_length_;
 }
 
 void BlockStore::close() {
   std::vector<LagSums> lags = std::exchange(open_.lags, {});
-  addNear(lags);
-  for (std::size_t i = 0; i < NearSums::kLags; ++i) closed_duration_[i] += near_.duration[i];
-  near_ = NearSums{};
   closed_.push_back(open_);
   open_ = BlockSums{};
   packed_.reserve(packed_.size() + lags.size());
@@ -128,7 +112,6 @@ std::vector<BlockSums> BlockStore::blocks() const {
     makeExact(blocks, i);
   }
   blocks.push_back(open_);
-  addNear(blocks.back().lags);
   return blocks;
 }
 
@@ -151,8 +134,7 @@ void BlockStore::makeExact(std::vector<BlockSums>& blocks, std::size_t i) const 
 }
 
 std::size_t BlockStore::memoryBytes() const {
-  return sizeof(*this) + near_lags_.capacity() * sizeof(int) +
-         (open_.lags.capacity() + closed_total_.capacity()) * sizeof(LagSums) +
+  return sizeof(*this) + (open_.lags.capacity() + closed_total_.capacity()) * sizeof(LagSums) +
          closed_.capacity() * sizeof(BlockSums) + packed_.capacity() * sizeof(Packed);
 }
 

@@ -18,20 +18,17 @@ class BlockStore {
  public:
   static constexpr std::size_t kMaxBlocks = 28;  ///< Even.
 
-  /// The lags (frames), and how long the first block shall be (s).
-  BlockStore(const std::vector<int>& lags, double block_length);
+  /// The number of lags, and how long the first block shall be (s).
+  BlockStore(std::size_t lags, double block_length);
 
   /// Where windows and steps are added.
   [[nodiscard]] BlockSums& open() { return open_; }
 
-  /// Besides, for the first lags: counts as if it were in open(), its durations apart.
-  [[nodiscard]] NearSums& near() { return near_; }
-
-  /// The durations of near() over all blocks, of one lag in frames, s.
-  [[nodiscard]] double nearDuration(int lag) const;
-
   /// Adds free time (s) to the open block; closes it when it is long enough.
   void addTime(double dt);
+
+  /// Whether addTime(dt) would close the open block.
+  [[nodiscard]] bool closesAfter(double dt) const { return time_ + dt >= open_end_; }
 
   [[nodiscard]] double time() const { return time_; }  ///< Of all blocks, s.
 
@@ -55,16 +52,13 @@ class BlockStore {
   static Packed pack(const LagSums& sums);
   static LagSums unpack(const Packed& packed);
   void close();
-  void addNear(std::vector<LagSums>& lags) const;
   void mergePairs();
   void makeExact(std::vector<BlockSums>& blocks, std::size_t lag) const;
 
   double block_length_;
+  double open_end_;  ///< Of the free time, where the open block closes, s.
   double time_ = 0;  ///< Of all blocks.
-  std::vector<int> near_lags_;  ///< The first lags of the grid, as far as NearSums goes.
   BlockSums open_;
-  NearSums near_;
-  std::array<double, NearSums::kLags> closed_duration_{};  ///< Of near(), closed blocks.
   std::vector<LagSums> closed_total_;  ///< Of all closed blocks.
   std::vector<BlockSums> closed_;      ///< Without their lags,
   std::vector<Packed> packed_;         ///< which are here, block by block.

@@ -22,12 +22,6 @@ LagSums& LagSums::operator-=(const LagSums& other) {
   return *this;
 }
 
-LagSums NearSums::of(int lag) const {
-  const auto i = static_cast<std::size_t>(lag) - 1;
-  if (i >= kLags) return {};
-  return {windows, windows, r2[i], a2[i], r4[i], a4[i]};
-}
-
 BlockSums& BlockSums::operator+=(const BlockSums& other) {
   time += other.time;
   forward += other.forward;

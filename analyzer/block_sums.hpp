@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -11,7 +10,6 @@ namespace lab::analysis {
 struct LagSums {
   std::uint32_t windows = 0;
   std::uint32_t angular_windows = 0;
-  // In this order two of them fit into one register.
   double r2 = 0;  ///< Sum of r^2, m^2.
   double a2 = 0;  ///< rad^2.
   double r4 = 0;  ///< m^4.
@@ -19,23 +17,6 @@ struct LagSums {
 
   LagSums& operator+=(const LagSums& other);
   LagSums& operator-=(const LagSums& other);
-};
-
-/// The windows of the lags of 1 to 15 frames that end at the same frames: as LagSums, power by power,
-/// so that they are added side by side. Lags that the grid leaves out are there too.
-struct NearSums {
-  static constexpr std::size_t kLags = 15;
-
-  std::uint32_t windows = 0;  ///< Of each lag, with rotations.
-  // Of the lag of i + 1 frames:
-  std::array<double, kLags> duration{};  ///< s.
-  std::array<double, kLags> r2{};        ///< m^2.
-  std::array<double, kLags> a2{};        ///< rad^2.
-  std::array<double, kLags> r4{};
-  std::array<double, kLags> a4{};
-
-  /// Of one lag in frames; none beyond those that are here.
-  [[nodiscard]] LagSums of(int lag) const;
 };
 
 /// Everything that one block of free time adds to the sums. The statistics of a film are the sums

@@ -1,12 +1,13 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <vector>
 
 #include "analyzer/block_store.hpp"
 #include "analyzer/block_sums.hpp"
+#include "analyzer/frame_history.hpp"
 #include "analyzer/track_stitcher.hpp"
 
 namespace lab::analysis {
@@ -23,6 +24,9 @@ namespace lab::analysis {
 ///
 /// Across a removed reversal frames no longer align: one end of the window is interpolated linearly
 /// between two frames so that it lasts exactly the lag, the end that the choice is not of.
+///
+/// Frames are collected and their windows added lag by lag, two windows side by side. Where a
+/// collection ends depends on the samples alone: asking for data() changes nothing, not a bit.
 class MsdAccumulator {
  public:
   /// Lags in frames, ascending and positive; the nominal frame period in s.
@@ -42,21 +46,15 @@ class MsdAccumulator {
   [[nodiscard]] std::size_t memoryBytes() const;
 
  private:
-  /// A stored sample. Slots count frame periods; a lost frame leaves its slot stale.
-  struct Fix {
-    std::int64_t slot = -1;
-    double time = 0;
-    double x = 0;
-    double y = 0;
-    double theta = 0;
+  static constexpr int kDenseLags = 64;      ///< Below, every frame is at hand.
+  static constexpr std::size_t kSteps = 3;   ///< From every window to every fourth one.
+  static constexpr std::size_t kFixes = 18;  ///< A level's: 16 strides, and some for joins.
+
+  /// Where in the history windows end, in ascending order.
+  struct Ends {
+    std::array<std::uint32_t, FrameHistory::kCollection> at;
+    std::size_t count = 0;
   };
-
-  static constexpr int kDenseLags = 64;            ///< Below, every frame is at hand.
-  static constexpr std::size_t kDenseFixes = 80;   ///< For these, and for what joins shift.
-  static constexpr std::size_t kSteps = 3;         ///< From every window to every fourth one.
-  static constexpr std::size_t kFixes = 18;        ///< A level's: 16 strides, and some for joins.
-  static constexpr std::size_t kWheel = 256;      ///< Slots, a power of two.
-
   /// One octave of lags, and the frames at which their windows begin.
   struct Level {
     std::uint64_t stride = 0;  ///< Frames between these on average, in units of 2^-24.
@@ -64,70 +62,49 @@ class MsdAccumulator {
     std::uint16_t head = 0;    ///< Where it goes.
     std::array<Fix, kFixes> fixes;
   };
-  /// The newest frames, newest first from `newest`, twice over so that no row of them wraps.
-  struct Recent {
-    static constexpr std::size_t kLength = NearSums::kLags + 1;
-
-    void push(const Fix& fix);
-
-    std::array<double, 2 * kLength> time{};
-    std::array<double, 2 * kLength> x{};
-    std::array<double, 2 * kLength> y{};
-    std::array<double, 2 * kLength> theta{};
-    std::size_t newest = 0;
-    std::size_t unbroken = 0;  ///< So many frames of one piece without a gap, the newest included.
-  };
   /// Of a lag above the dense ones.
   struct Cursor {
+    std::int64_t due = 0;  ///< Its next window does not end before this slot.
     int lag = 0;
     std::uint16_t level = 0;
     std::uint16_t start = 0;  ///< Where in its level its next window begins; head: not yet.
   };
 
-  [[nodiscard]] const Fix* find(std::int64_t slot) const;
-  [[nodiscard]] std::optional<Fix> interpolated(double time, std::int64_t guess) const;
-  void beginSegment();
-  void addStep(const Fix& from, const Fix& to, double frames, bool join);
-  void addWindow(std::size_t i, const Fix& start, const Fix& end, double duration, bool angular);
-  /// @return whether all near lags had a window that ended here; then they were added
-  bool addNearWindows(const Fix& end);
-  void addDenseWindows(const Fix& end);
-  void addJoinWindow(std::size_t i, const Fix& end);
+  void beginSegment(const Sample& sample);
+  /// Takes what is more than the next frame: frames lost, a join, a cut of the angle.
+  /// @return false: the sample falls onto the last slot
+  bool resume(const Sample& sample, double dt);
+  void addStep(const Fix& to, double frames, bool join);
 
-  void turnWheel(std::int64_t from, const Fix& end);
-  void schedule(std::size_t task, std::int64_t due);
-  void scheduleAll();
-  [[nodiscard]] std::int64_t keep(Level& level, const Fix& fix) const;
-  [[nodiscard]] std::int64_t endWindows(std::size_t c, const Fix& end);
-  void addEndedAcrossJoin(std::size_t i, const Fix& start, const Fix& end);
+  /// Adds what has been collected.
+  void flush();
+  void addSteps();
+  void addDenseWindows();
+  void addWindows(std::size_t i, const Ends& ends);
+  void addBrokenWindow(std::size_t i, std::size_t end);
+  void endLongWindows(std::size_t c);
+  void addEndedAcrossJoin(std::size_t i, const Fix& start);
+  void beginLongWindows(Level& level) const;
+  void addWindow(std::size_t i, const Fix& start, const Fix& end, double duration);
 
   std::vector<int> lags_;
   double frame_period_;
   std::vector<double> lag_times_;
   BlockStore blocks_;
 
-  Recent recent_;
-  std::array<Fix, kDenseFixes> dense_;
-  std::size_t near_lags_ = 0;   ///< Lags of at most NearSums::kLags frames.
-  std::size_t dense_lags_ = 0;  ///< Lags below kDenseLags.
-  std::array<std::size_t, kSteps> active_{};  ///< By step: how many of them a frame may end.
+  FrameHistory frames_;           ///< Collects frames of one piece and one angular segment.
+  std::size_t unbroken_ = 0;      ///< So many frames before the collection are of them, too.
+  bool first_step_done_ = false;  ///< The step to its first frame has been added.
+  std::size_t dense_lags_ = 0;    ///< Lags below kDenseLags.
   std::vector<Level> levels_;
   std::vector<Cursor> cursors_;  ///< By lag, from dense_lags_ on.
-  /// What is to be done at which slot, by slot modulo the wheel. A task is a cursor's window that
-  /// ends, or behind all cursors a level's frame to keep; 0: none. What lies more than a turn ahead
-  /// is put in again on the way.
-  std::array<std::uint16_t, kWheel> wheel_{};  ///< The first task, from 1,
-  std::vector<std::uint16_t> following_;       ///< and by task the next one in the same slot.
 
   Sample last_;
-  Fix previous_;  ///< The frame before this one, if it lies in the same segment.
-  std::int64_t slot_ = 0;
+  Sample counted_;  ///< Its runs and tumbles and those before are in the blocks.
+  Fix previous_;    ///< The frame before the collection, if it lies in the same segment.
   std::int64_t segment_first_ = 0;
   std::int64_t piece_first_ = 0;
   std::int64_t angular_first_ = 0;
-  std::size_t in_segment_ = 0;  ///< Dense lags that reach back no farther than its begin.
-  std::size_t in_piece_ = 0;
-  std::size_t in_angular_ = 0;
   bool empty_ = true;
   double period_time_ = 0;    ///< The frame period as measured: time per
   double period_frames_ = 0;  ///< this many frames.

@@ -181,6 +181,93 @@ TEST(MsdAccumulator, InterpolatesTheStartOfWindowsAcrossJoins) {
   expectBruteForce(track, kShortLags);
 }
 
+/// Whatever happens to a track, after any number of frames since the last time.
+Track eventfulTrack(int events) {
+  Track track;
+  std::mt19937_64 random(11);
+  std::uniform_int_distribution<int> kind(0, 3);
+  std::uniform_int_distribution<int> frames(1, 150);
+  for (int i = 0; i < events; ++i) {
+    track.walk(frames(random));
+    switch (kind(random)) {
+      case 0: track.lose(frames(random)); break;
+      case 1: track.cut(); break;
+      case 2: track.cutAngle(); break;
+      default: track.join(0.001 * frames(random)); break;
+    }
+  }
+  return track;
+}
+
+TEST(MsdAccumulator, AgreesWithBruteForceWhateverHappensAtAnyFrame) {
+  expectBruteForce(eventfulTrack(100), kShortLags);
+}
+
+TEST(MsdAccumulator, GivesTheSameBitsHoweverOftenItIsAsked) {
+  const std::vector<int> lags{1, 2, 15, 16, 40, 64, 100, 500};
+  MsdAccumulator often(lags, kPeriod);
+  MsdAccumulator once(lags, kPeriod);
+  int asked = 0;
+  const Track track = eventfulTrack(100);
+  for (const Sample& sample : track.samples()) {
+    often.add(sample);
+    once.add(sample);
+    asked += often.data().tracks.empty() ? 0 : 1;
+  }
+  EXPECT_EQ(asked, static_cast<int>(track.samples().size()));
+  const BlockData a = often.data();
+  const BlockData b = once.data();
+  EXPECT_EQ(a.lag_times, b.lag_times);
+  ASSERT_EQ(a.tracks[0].size(), b.tracks[0].size());
+  for (std::size_t block = 0; block < a.tracks[0].size(); ++block) {
+    EXPECT_EQ(a.tracks[0][block].forward, b.tracks[0][block].forward);
+    for (std::size_t i = 0; i < lags.size(); ++i) {
+      const LagSums& x = a.tracks[0][block].lags[i];
+      const LagSums& y = b.tracks[0][block].lags[i];
+      EXPECT_EQ(x.windows, y.windows);
+      EXPECT_EQ(x.r2, y.r2);
+      EXPECT_EQ(x.a2, y.a2);
+      EXPECT_EQ(x.r4, y.r4);
+      EXPECT_EQ(x.a4, y.a4);
+    }
+  }
+}
+
+TEST(MsdAccumulator, KnowsEveryFrameAtOnce) {
+  Track track;
+  track.walk(300);
+  MsdAccumulator dut({1, 7, 100}, kPeriod);
+  unsigned frames = 0;
+  for (const Sample& sample : track.samples()) {
+    dut.add(sample);
+    ++frames;
+    EXPECT_EQ(dut.data().total().lags[0].windows, frames - 1);
+    EXPECT_EQ(dut.data().total().lags[1].windows, frames < 7 ? 0 : frames - 7);
+    EXPECT_EQ(dut.data().total().steps, frames - 1);
+  }
+}
+
+TEST(MsdAccumulator, CountsRunsAndTumblesUpToTheLastFrame) {
+  MsdAccumulator dut({1, 7}, kPeriod);
+  Sample sample;
+  for (int i = 0; i < 500; ++i) {
+    dut.add(sample);
+    if (i == 250) {  // what lies between two segments is in neither
+      ++sample.segment;
+      ++sample.piece;
+      sample.run_time += 5;
+      sample.tumble_count += 100;
+    }
+    sample.free_time += kPeriod;
+    sample.run_time += 0.5 * kPeriod;
+    sample.tumble_count += i % 10 == 0 ? 1 : 0;
+  }
+  const BlockSums total = dut.data().total();
+  EXPECT_NEAR(total.run_span, 498 * kPeriod, 1e-9);
+  EXPECT_NEAR(total.run_time, 0.5 * 498 * kPeriod, 1e-9);
+  EXPECT_EQ(total.tumbles, 49);  // of 50 one fell between the segments
+}
+
 TEST(MsdAccumulator, SkipsTheFrameThatFallsOntoTheLastSlotAfterAJoin) {
   Track track;
   track.walk(40);
