@@ -72,11 +72,19 @@ bool isOdd(const Outcome& o) {
          std::abs(o.scale - 1) > kOddScale;
 }
 
-Outcome plainFrom(const Task& task, GridPoint start, Window& window,
+Outcome plainFrom(Task& task, const ShapeAt& shape_at, GridPoint start, Window& window,
                   std::optional<GridPoint>& point) {
   fit::Disc disc;
   point = fit::settlePlain(task, start, window, disc);
   if (!point) return {};
+  // The outline there, which does not depend on the start any more.
+  const auto before = task.pixels;
+  task.setShape(shape_at(point->pixel()));
+  if (task.pixels != before) {
+    point = fit::settlePlain(task, *point, window, disc);
+    if (!point) return {};
+    task.setShape(shape_at(point->pixel()));
+  }
   const Outcome out = fit::fitPlain(task, window, disc);
   const std::optional<Task> wide = widerFor(task, out);
   if (!wide) return out;
@@ -110,10 +118,15 @@ float DiscShape::radius() const { return 1.0F / std::sqrt(std::abs(m[0] * m[3] -
 
 CircleFit fitCircle(const optics::GreyView& picture, optics::Pixel start, const DiscShape& shape,
                     const optics::Imaging& imaging) {
+  return fitCircle(picture, start, [&](optics::Pixel) { return shape; }, imaging);
+}
+
+CircleFit fitCircle(const optics::GreyView& picture, optics::Pixel start, const ShapeAt& shape_at,
+                    const optics::Imaging& imaging) {
   CircleFit out;
   out.x = start.x;
   out.y = start.y;
-  const Task task(picture, shape, imaging);
+  Task task(picture, shape_at(start), imaging);
   const double radius = static_cast<double>(task.constants.radius);
   if (!picture.contains(start.x, start.y, 0.5 * radius)) {
     out.fault = FitFault::kOutside;
@@ -121,7 +134,7 @@ CircleFit fitCircle(const optics::GreyView& picture, optics::Pixel start, const 
   }
   Window window;
   std::optional<GridPoint> point;
-  Outcome best = plainFrom(task, fit::nearest(start), window, point);
+  Outcome best = plainFrom(task, shape_at, fit::nearest(start), window, point);
   const bool odd = isOdd(best);
   if (odd && !(best.good && !fit::edgeMayCross(task, best, window))) {
     const GridPoint first = fit::nearest(start);
@@ -133,7 +146,7 @@ CircleFit fitCircle(const optics::GreyView& picture, optics::Pixel start, const 
       out.edge = true;
     } else {
       // for what it leaves in the window
-      best = plainFrom(task, fit::nearest(start), window, point);
+      best = plainFrom(task, shape_at, fit::nearest(start), window, point);
     }
   }
   out.fault = faultOf(best, out.edge, task.constants);

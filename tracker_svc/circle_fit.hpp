@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 
 #include "optics/image.hpp"
 #include "optics/imaging.hpp"
@@ -51,5 +52,12 @@ struct CircleFit {
 /// residuals.
 [[nodiscard]] CircleFit fitCircle(const optics::GreyView& picture, optics::Pixel start,
                                   const DiscShape& shape, const optics::Imaging& imaging);
+
+/// The same where the outline depends on the place: as it is at the centre, to half a pixel,
+/// wherever the fit starts.
+/// @param shape_at gives the outline around a pixel
+using ShapeAt = std::function<DiscShape(optics::Pixel)>;
+[[nodiscard]] CircleFit fitCircle(const optics::GreyView& picture, optics::Pixel start,
+                                  const ShapeAt& shape_at, const optics::Imaging& imaging);
 
 }  // namespace lab::tracker

@@ -22,11 +22,18 @@ LAB_INLINE Lanes rootOf(const Lanes& v) {
   return out;
 }
 
-LAB_INLINE Lanes clamped(const Lanes& v, float low, float high) {
+LAB_INLINE Lanes atLeast(const Lanes& v, float low) {
   const Lanes lows = Lanes{} + low;
+  return v > lows ? v : lows;
+}
+
+LAB_INLINE Lanes atMost(const Lanes& v, float high) {
   const Lanes highs = Lanes{} + high;
-  const Lanes above = v > lows ? v : lows;
-  return above < highs ? above : highs;
+  return v < highs ? v : highs;
+}
+
+LAB_INLINE Lanes clamped(const Lanes& v, float low, float high) {
+  return atMost(atLeast(v, low), high);
 }
 
 LAB_INLINE void storeLanes(float* to, const Lanes& lanes) {
@@ -178,17 +185,20 @@ constexpr float kNearlyFull = 240.0F;  // [DN] a clipped pixel never reads less,
 
 /// How far a residual is believed: 1 where it is small, 0 beyond the cutoff.
 LAB_INLINE Lanes beliefOf(const Lanes& square, float over_cutoff) {
-  const Lanes far = clamped(1.0F - square * over_cutoff, 0.0F, 1.0F);
+  const Lanes far = atLeast(1.0F - square * over_cutoff, 0.0F);
   return far * far;
+}
+
+LAB_INLINE Lanes varianceOf(const Lanes& signal, const Constants& constants) {
+  const Lanes lit = atLeast(signal, 0.0F);
+  return constants.floor_variance + lit * (constants.shot_gain + lit * constants.texture);
 }
 
 /// One over the expected variance; 0 where there is no pixel, or a full one.
 LAB_INLINE Lanes certaintyOf(const Lanes& value, const Lanes& signal, const Constants& constants,
                              LaneCounts& counts) {
   const Lanes expected = signal + constants.black;
-  const Lanes lit = signal > 0.0F ? signal : Lanes{};
-  const Lanes variance =
-      constants.floor_variance + lit * (constants.shot_gain + lit * constants.texture);
+  const Lanes variance = varianceOf(signal, constants);
   // Where the model says that the pixel is full, or nearly so, it tells nothing; the model decides,
   // and not the pixel, since picking by what is to be measured would shift the result.
   const LaneMask some = value != kNoPixel;
@@ -200,7 +210,7 @@ LAB_INLINE Lanes certaintyOf(const Lanes& value, const Lanes& signal, const Cons
 }
 
 LAB_INLINE Lanes limitedCost(const Lanes& square) {
-  const Lanes limited = clamped(1.0F - square * (1.0F / (kLimit * kLimit)), 0.0F, 1.0F);
+  const Lanes limited = atLeast(1.0F - square * (1.0F / (kLimit * kLimit)), 0.0F);
   return (1.0F - limited * limited * limited) * (kLimit * kLimit / 3.0F);
 }
 

@@ -10,15 +10,74 @@ LAB_INLINE Lanes whiteAt(const Disc& disc, const Lanes& x, const Lanes& y) {
   return disc.white + disc.slope_x * x + disc.slope_y * y;
 }
 
-// The sums of one block: the slopes from `first` on.
-LAB_INLINE void sumBlock(const Window& window, std::size_t first, LaneSums<kBlock>& lanes) {
+/// What the model needs at every pixel of a pass, in registers or at hand.
+struct Pass {
+  Disc disc;
+  Constants constants;
+  float over_sigma;
+  float over_cutoff;
+  float contrast;
+  float outline;
+};
+
+/// Eight pixels: slopes and certainty to window.slopes, residual to window.residual, its weight to
+/// window.light.
+/// @tparam kAll every lane is a pixel, and none is full: nothing is to be counted
+template <bool kAll>
+LAB_INLINE void lookAtEight(Window& window, int at, const Pass& pass, LaneCounts& counts,
+                            Lanes& squares) {
+  const Disc& disc = pass.disc;
+  const Lanes x = loadLanes(window.x + at);
+  const Lanes y = loadLanes(window.y + at);
+  const Lanes value = loadLanes(window.value + at);
+  Paint paint;
+  paintAt(x, y, disc, pass.constants.rm, pass.outline, pass.over_sigma, paint);
+  const Lanes white = whiteAt(disc, x, y);
+  const Lanes lightness = disc.ratio + pass.contrast * paint.share;
+  const Lanes signal = white * lightness;
+  const Lanes residual = value - pass.constants.black - signal;
+  const Lanes certain = kAll ? 1.0F / varianceOf(signal, pass.constants)
+                             : certaintyOf(value, signal, pass.constants, counts);
+  const Lanes square = residual * residual * certain;
+  const Lanes belief = beliefOf(square, pass.over_cutoff);
+  counts.weight += kAll ? belief : (certain > 0.0F ? belief : Lanes{});
+  squares += square * belief;
+
+  const Lanes rise = white * paint.slope * (pass.contrast * pass.over_sigma);
+  const Lanes outward = rise * paint.over_distance;
+  Slopes& kept = window.slopes[at / kLanes];
+  storeLanes(kept.by[kX], -paint.out_x * outward);
+  storeLanes(kept.by[kY], -paint.out_y * outward);
+  storeLanes(kept.by[kSlopeX], lightness * x);
+  storeLanes(kept.by[kSlopeY], lightness * y);
+  storeLanes(kept.by[kWhite], lightness);
+  storeLanes(kept.by[kScale], rise * (-pass.constants.radius));
+  storeLanes(kept.by[kRatio], white * (1.0F - paint.share));
+  storeLanes(kept.by[kSigma], rise * (disc.sigma * paint.over_distance - paint.z));
+  storeLanes(kept.weight, certain);
+  storeLanes(window.residual + at, residual);
+  storeLanes(window.light + at, certain * belief);
+}
+
+/// The sums of one block, of the slopes from `first` on: fourteen, which leaves two registers.
+LAB_INLINE void sumBlock(const Window& window, std::size_t first, double* normal, double* right) {
+  Lanes normals[10] = {};
+  Lanes rights[kBlock] = {};
   for (int at = 0; at < window.count; at += kLanes) {
     const Slopes& kept = window.slopes[at / kLanes];
-    const Lanes slopes[kBlock] = {loadLanes(kept.by[first]), loadLanes(kept.by[first + 1]),
-                                  loadLanes(kept.by[first + 2]), loadLanes(kept.by[first + 3])};
-    // weight and residual of this pass, as sumBlocks() left them
-    lanes.add(slopes, loadLanes(window.residual + at), loadLanes(window.light + at));
+    std::size_t pair = 0;
+#pragma GCC unroll 4
+    for (std::size_t i = 0; i < kBlock; ++i) {
+      const Lanes weighted = loadLanes(kept.by[first + i]) * loadLanes(window.light + at);
+      rights[i] += weighted * loadLanes(window.residual + at);
+#pragma GCC unroll 4
+      for (std::size_t j = 0; j <= i; ++j) {
+        normals[pair++] += weighted * loadLanes(kept.by[first + j]);
+      }
+    }
   }
+  totalEach(normals, normal);
+  totalEach(rights, right);
 }
 
 }  // namespace
@@ -27,52 +86,27 @@ __attribute__((target_clones("avx2", "default"))) void sumBlocks(Window& window,
                                                                  const Constants& constants,
                                                                  const Disc& disc, float cutoff,
                                                                  Blocks& blocks) {
-  const float over_sigma = 1.0F / disc.sigma;
-  const float over_cutoff = 1.0F / (cutoff * cutoff);
-  const float contrast = 1.0F - disc.ratio;
-  const float outline = constants.radius * disc.scale;
+  const Pass pass{disc,
+                  constants,
+                  1.0F / disc.sigma,
+                  1.0F / (cutoff * cutoff),
+                  1.0F - disc.ratio,
+                  constants.radius * disc.scale};
   LaneCounts counts;
-  for (int at = 0; at < window.count; at += kLanes) {
-    const Lanes x = loadLanes(window.x + at);
-    const Lanes y = loadLanes(window.y + at);
-    const Lanes value = loadLanes(window.value + at);
-    Paint paint;
-    paintAt(x, y, disc, constants.rm, outline, over_sigma, paint);
-    const Lanes white = whiteAt(disc, x, y);
-    const Lanes lightness = disc.ratio + contrast * paint.share;
-    const Lanes signal = white * lightness;
-    const Lanes residual = value - constants.black - signal;
-    const Lanes certain = certaintyOf(value, signal, constants, counts);
-    const Lanes belief = beliefOf(residual * residual * certain, over_cutoff);
-    counts.weight += certain > 0.0F ? belief : Lanes{};
-
-    const Lanes rise = white * paint.slope * (contrast * over_sigma);
-    const Lanes outward = rise * paint.over_distance;
-    Slopes& kept = window.slopes[at / kLanes];
-    storeLanes(kept.by[kX], -paint.out_x * outward);
-    storeLanes(kept.by[kY], -paint.out_y * outward);
-    storeLanes(kept.by[kSlopeX], lightness * x);
-    storeLanes(kept.by[kSlopeY], lightness * y);
-    storeLanes(kept.by[kWhite], lightness);
-    storeLanes(kept.by[kScale], rise * (-constants.radius));
-    storeLanes(kept.by[kRatio], white * (1.0F - paint.share));
-    storeLanes(kept.by[kSigma], rise * (disc.sigma * paint.over_distance - paint.z));
-    storeLanes(kept.weight, certain);
-    storeLanes(window.residual + at, residual);
-    storeLanes(window.light + at, certain * belief);
+  Lanes squares = {};
+  int at = 0;
+  if (window.plain) {
+    for (; at + kLanes < window.count; at += kLanes) {
+      lookAtEight<true>(window, at, pass, counts, squares);
+    }
+    counts.pixels += static_cast<float>(at / kLanes);
   }
-  LaneSums<kBlock> odd;
-  sumBlock(window, 0, odd);
-  LaneSums<kBlock> even;
-  sumBlock(window, kBlock, even);
-  Sums<kBlock> sums;
-  odd.writeTo(sums);
-  blocks.odd = sums.normal;
-  for (std::size_t i = 0; i < kBlock; ++i) blocks.right[i] = sums.right[i];
-  blocks.squares = sums.squares;
-  even.writeTo(sums);
-  blocks.even = sums.normal;
-  for (std::size_t i = 0; i < kBlock; ++i) blocks.right[kBlock + i] = sums.right[i];
+  for (; at < window.count; at += kLanes) {
+    lookAtEight<false>(window, at, pass, counts, squares);
+  }
+  sumBlock(window, 0, blocks.odd.data(), blocks.right.data());
+  sumBlock(window, kBlock, blocks.even.data(), blocks.right.data() + kBlock);
+  blocks.squares = total(squares);
   counts.writeTo(blocks.counts);
 }
 

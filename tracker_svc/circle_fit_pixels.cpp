@@ -208,8 +208,17 @@ __attribute__((target_clones("avx2", "default"))) void Pixels::take(
     } while (at < span.count);
     to += span.count;
   }
-  for (int at = 0; at < window.count; at += kLanes) {
-    storeLanes(window.value + at, numbers(bytes + at));
+  Lanes brightest = {};
+  int at = 0;
+  for (; at + kLanes < window.count; at += kLanes) {
+    const Lanes value = numbers(bytes + at);
+    brightest = value > brightest ? value : brightest;
+    storeLanes(window.value + at, value);
+  }
+  storeLanes(window.value + at, numbers(bytes + at));
+  window.plain = true;
+  for (int lane = 0; lane < kLanes; ++lane) {
+    if (brightest[lane] > kNearlyFull) window.plain = false;
   }
 }
 
@@ -233,6 +242,7 @@ bool Pixels::gather(const optics::GreyView& picture, const GridPoint& point,
   if (phase.within(picture, x, y)) {
     take(picture, phase, x, y, window);
   } else {
+    window.plain = false;
     float* to = window.value;
     for (const Span& span : phase.spans) {
       const int row = y + span.dy;

@@ -110,22 +110,28 @@ void step(Disc& disc, const Row& by, float sigma) {
 
 Task::Task(const optics::GreyView& the_picture, const DiscShape& the_shape,
            const optics::Imaging& imaging)
-    : picture(&the_picture), shape(&the_shape) {
-  constants.radius = the_shape.radius();
-  for (int i = 0; i < 4; ++i) constants.rm[i] = constants.radius * the_shape.m[i];
+    : picture(&the_picture),
+      sigma(static_cast<float>(std::sqrt(imaging.blur * imaging.blur + 1.0 / 12.0))) {
   constants.black = static_cast<float>(imaging.black);
   constants.floor_variance =
       static_cast<float>(imaging.read_noise * imaging.read_noise + 1.0 / 12.0);
   constants.shot_gain = static_cast<float>(imaging.shot_gain);
   constants.texture = kTexture;
-  setSigma(static_cast<float>(std::sqrt(imaging.blur * imaging.blur + 1.0 / 12.0)));
+  setShape(the_shape);
+}
+
+void Task::setShape(const DiscShape& the_shape) {
+  shape = the_shape;
+  constants.radius = shape.radius();
+  for (int i = 0; i < 4; ++i) constants.rm[i] = constants.radius * shape.m[i];
+  setSigma(sigma);
 }
 
 void Task::setSigma(float the_sigma) {
   sigma = the_sigma;
   const float margin =
       std::max(2.0F * sigma, std::min(kMarginSigmas * sigma, kMostMargin * constants.radius));
-  pixels = Pixels::about(*shape, sigma, margin);
+  pixels = Pixels::about(shape, sigma, margin);
 }
 
 bool Task::gather(GridPoint point, Window& window) const {

@@ -15,7 +15,7 @@ namespace lab::tracker::fit {
 /// One circle to be fitted.
 struct Task {
   const optics::GreyView* picture = nullptr;
-  const DiscShape* shape = nullptr;
+  DiscShape shape;
   Constants constants;
   float sigma = 1;   ///< [px] the whole blur, as far as known
   std::shared_ptr<const Pixels> pixels;  ///< that are looked at
@@ -23,6 +23,7 @@ struct Task {
   Task(const optics::GreyView& the_picture, const DiscShape& the_shape,
        const optics::Imaging& imaging);
   void setSigma(float the_sigma);
+  void setShape(const DiscShape& the_shape);
   /// The pixels around the point. @return false where the outline would leave the picture
   bool gather(GridPoint point, Window& window) const;
 };

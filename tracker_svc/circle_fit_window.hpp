@@ -30,6 +30,7 @@ struct Window {
   double base_x = 0;                     ///< [px] in the picture
   double base_y = 0;
   int count = 0;            ///< a multiple of kLanes
+  bool plain = false;       ///< only the last eight have less than eight pixels, and none is full
   const float* x = nullptr;  ///< [px]
   const float* y = nullptr;
   alignas(32) float value[kMostPixels + 2 * kLanes];  ///< [DN]

@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <cstddef>
+#include <cstring>
 #include <numbers>
 
 namespace lab::tracker {
@@ -36,6 +37,7 @@ CircleSearch::CircleSearch(const ScaleMap& scale, const optics::CapGeometry& cap
   black_ = std::clamp(static_cast<int>(std::lround(imaging.black)), 0, 100);
   noise_ = std::clamp(static_cast<int>(std::ceil(kSigmas * static_cast<float>(imaging.read_noise))),
                       1, 100);
+  levels_ = levelsOf(black_, noise_);
   softness_ = static_cast<float>(std::sqrt(imaging.blur * imaging.blur + 1.0 / 12));
   if (scale.largest() <= 0 || width < kWord || height < 1) return;
   const double small = cap.small_radius * static_cast<double>(scale.smallest());
@@ -59,6 +61,7 @@ CircleSearch::CircleSearch(const ScaleMap& scale, const optics::CapGeometry& cap
   cell_columns_ = width_ / kCell + 1;
   cells_.assign(static_cast<std::size_t>(cell_columns_) *
                     static_cast<std::size_t>(height_ / kCell + 1), std::int16_t{-1});
+  covered_.assign(cells_.size(), 0);
   dark_.resize(2 * kBits);
   marks_.assign(static_cast<std::size_t>(height_ / step_ + 1) * blocks, 0);
 }
@@ -89,7 +92,14 @@ void CircleSearch::addSizes(const ScaleMap& scale, const optics::CapGeometry& ca
 
 void CircleSearch::find(const optics::GreyView& picture, std::span<const Region> regions,
                         std::vector<Spot>& spots, std::vector<Refused>* refused) {
+  findRound(picture, regions, spots, refused);
+  findRest(spots, refused);
+}
+
+void CircleSearch::findRound(const optics::GreyView& picture, std::span<const Region> regions,
+                             std::vector<Spot>& spots, std::vector<Refused>* refused) {
   spots.clear();
+  rest_.clear();
   if (word_starts_.empty()) return;
   spots_ = &spots;
   refused_ = refused;
@@ -106,36 +116,117 @@ void CircleSearch::find(const optics::GreyView& picture, std::span<const Region>
   for (int y = (top + padding_ + step_ - 1) / step_ * step_; y <= last; y += step_) {
     testRow(y, std::min(kAhead * step_, last - y) * picture.stride);
   }
-  const auto back = static_cast<float>(padding_);
-  for (Spot& spot : spots) {
-    spot.x -= back;
-    spot.y -= back;
+  bringBack(spots, 0);
+}
+
+void CircleSearch::findRest(std::vector<Spot>& spots, std::vector<Refused>* refused) {
+  const std::size_t first = spots.size();
+  spots_ = &spots;
+  refused_ = refused;
+  for (const Candidate& candidate : rest_) {
+    const int cell = candidate.y / kCell * cell_columns_ + candidate.x / kCell;
+    if (covered_[static_cast<std::size_t>(cell)] != 0) continue;
+    if (known(static_cast<float>(candidate.x), static_cast<float>(candidate.y), candidate.dark)) {
+      continue;
+    }
+    take(candidate);
   }
-  std::erase_if(spots, [&](const Spot& spot) { return !picture.contains(spot.x, spot.y); });
+  rest_.clear();
+  bringBack(spots, first);
   if (refused == nullptr) return;
   for (Refused& one : *refused) {
-    one.x -= back;
-    one.y -= back;
+    one.x -= static_cast<float>(padding_);
+    one.y -= static_cast<float>(padding_);
   }
+}
+
+// From the coordinates of the padded picture to those of the picture.
+void CircleSearch::bringBack(std::vector<Spot>& spots, std::size_t first) const {
+  const auto back = static_cast<float>(padding_);
+  const auto outside = [&](Spot& spot) {
+    spot.x -= back;
+    spot.y -= back;
+    const auto right = static_cast<float>(width_ - 2 * padding_ - 1);
+    const auto bottom = static_cast<float>(height_ - 2 * padding_ - 1);
+    return !(spot.x >= 0 && spot.y >= 0 && spot.x <= right && spot.y <= bottom);
+  };
+  spots.erase(std::remove_if(spots.begin() + static_cast<std::ptrdiff_t>(first), spots.end(),
+                             outside),
+              spots.end());
+}
+
+void CircleSearch::cover(double x, double y, double radius) {
+  // Cells whose middle lies within.
+  if (word_starts_.empty()) return;
+  const auto at_x = static_cast<float>(x + padding_) / kCell - 0.5F;
+  const auto at_y = static_cast<float>(y + padding_) / kCell - 0.5F;
+  const float reach = static_cast<float>(radius) / kCell;
+  const int top = std::max(static_cast<int>(std::ceil(at_y - reach)), 0);
+  const int bottom = std::min(static_cast<int>(at_y + reach), height_ / kCell);
+  for (int j = top; j <= bottom; ++j) {
+    const float aside = static_cast<float>(j) - at_y;
+    const float half = std::sqrt(std::max(reach * reach - aside * aside, 0.0F));
+    const int first = std::clamp(static_cast<int>(std::ceil(at_x - half)), 0, cell_columns_);
+    const int last = std::min(static_cast<int>(at_x + half), cell_columns_ - 1);
+    if (first > last) continue;
+    std::memset(covered_.data() + j * cell_columns_ + first, 1,
+                static_cast<std::size_t>(last - first + 1));
+  }
+}
+
+void CircleSearch::aimAt(const optics::GreyView& picture) {
+  aim(inner_, PaddedPicture::within(picture, padding_));
+}
+
+std::optional<Spot> CircleSearch::circleAt(optics::Pixel place, bool big) const {
+  // [radii] where it is looked for
+  constexpr double kAside[9][2] = {{0, 0},     {1, 0},      {-1, 0},     {0, 1},      {0, -1},
+                                   {0.7, 0.7}, {-0.7, 0.7}, {0.7, -0.7}, {-0.7, -0.7}};
+  if (word_starts_.empty()) return std::nullopt;
+  const auto word = std::min(static_cast<std::size_t>(std::max(place.x, 0.0)) / kWord,
+                             word_starts_.size() - 1);
+  const int middle_y = static_cast<int>(std::lround(place.y)) + padding_;
+  if (middle_y < 0 || middle_y >= height_) return std::nullopt;
+  const std::size_t at = static_cast<std::size_t>(middle_y) / kBand * word_starts_.size() + word;
+  Candidate candidate{.to = neighbours_[at], .sizes = sizes_[at]};
+  if (candidate.to.across == 0) return std::nullopt;
+  const auto radius = static_cast<double>(big ? candidate.sizes.big : candidate.sizes.small);
+  for (const auto& aside : kAside) {
+    candidate.x = static_cast<int>(std::lround(place.x + radius * aside[0])) + padding_;
+    candidate.y = static_cast<int>(std::lround(place.y + radius * aside[1])) + padding_;
+    if (&planeAt(candidate.x, candidate.y) != &inner_) continue;
+    if (!isDark(inner_, candidate)) continue;
+    Spot spot;
+    if (shapeAround(inner_, candidate, spot) != Shape::kRound) continue;
+    if (big ? !spot.can_be_big : !spot.can_be_small) continue;
+    spot.x -= static_cast<float>(padding_);
+    spot.y -= static_cast<float>(padding_);
+    return spot;
+  }
+  return std::nullopt;
 }
 
 void CircleSearch::open(const optics::GreyView& picture, std::span<const Region> regions) {
   aim(inner_, PaddedPicture::within(picture, padding_));
   aim(edges_, padded_.begin(picture, padding_));
   // Words at an edge, and all around their candidates, are read in the padded picture.
-  const int band = padding_ + 2 * reach_ + kWord;
+  const int rows = padding_ + 2 * reach_ + 1;
+  const int columns = padding_ + 2 * reach_ + kWord;
   const int grow = reach_ + kWord;
-  const int far_x = width_ - band;
-  const int far_y = height_ - band;
+  const int far_x = width_ - columns;
+  const int far_y = height_ - rows;
+  const int first = padding_ - reach_;  // nothing is read farther out
   for (const Region& region : regions) {
-    const Region all{region.left + padding_ - grow, region.top + padding_ - grow,
-                     region.right + padding_ + grow, region.bottom + padding_ + grow};
-    const int top = std::max(all.top, band);
+    const Region all{std::max(region.left + padding_ - grow, first),
+                     std::max(region.top + padding_ - grow, first),
+                     std::min(region.right + padding_ + grow, width_ - 1 - first),
+                     std::min(region.bottom + padding_ + grow, height_ - 1 - first)};
+    const int top = std::max(all.top, rows);
     const int bottom = std::min(all.bottom, far_y - 1);
-    padded_.fill({all.left, all.top, all.right, std::min(all.bottom, band - 1)});
-    padded_.fill({all.left, std::max(all.top, far_y), all.right, all.bottom});
-    padded_.fill({all.left, top, std::min(all.right, band - 1), bottom});
-    padded_.fill({std::max(all.left, far_x), top, all.right, bottom});
+    padded_.fill({all.left, all.top, all.right, std::min(all.bottom, rows - 1)});
+    padded_.fill({all.left, std::max({all.top, far_y, rows}), all.right, all.bottom});
+    padded_.fill({all.left, top, std::min(all.right, columns - 1), bottom});
+    padded_.fill({std::max({all.left, far_x, columns}), top, all.right, bottom});
   }
 }
 
@@ -191,7 +282,6 @@ void CircleSearch::mark(const optics::GreyView& picture, const Region& region) {
 void CircleSearch::testRow(int y, std::ptrdiff_t ahead) {
   const std::size_t blocks = edge_words_.size();
   std::uint64_t* marks = marks_.data() + static_cast<std::size_t>(y / step_) * blocks;
-  const Levels levels = levelsOf(black_, noise_);
   const std::size_t first = static_cast<std::size_t>(y / kBand) * word_starts_.size();
   const bool at_edge = y < padding_ + reach_ || y >= height_ - padding_ - reach_;
   for (std::size_t block = 0; block < blocks; ++block) {
@@ -203,12 +293,12 @@ void CircleSearch::testRow(int y, std::ptrdiff_t ahead) {
     const Neighbours* to = neighbours_.data() + first + block * kBits;
     int found = 0;
     if (edge != 0) {
-      found = darkWords(edges_.view.row(y), edges_.view.stride, starts, to, edge, 0, levels,
+      found = darkWords(edges_.view.row(y), edges_.view.stride, starts, to, edge, 0, levels_,
                         dark_.data());
     }
     if (edge != wanted) {
       found += darkWords(inner_.view.row(y), inner_.view.stride, starts, to, wanted & ~edge,
-                         ahead, levels, dark_.data() + found);
+                         ahead, levels_, dark_.data() + found);
     }
     for (int i = 0; i < found; ++i) {
       DarkWord& word = dark_[static_cast<std::size_t>(i)];
@@ -232,12 +322,42 @@ void CircleSearch::takeWord(const DarkWord& word, int y) {
     candidate.white = word.white[middle];
     candidate.dark = planeAt(candidate.x, y).view.row(y)[candidate.x];
     if (!known(static_cast<float>(candidate.x), static_cast<float>(y), candidate.dark)) {
-      take(candidate);
+      if (!takeRound(candidate)) rest_.push_back(candidate);
     }
     const int end = begin + length;
     dark = end < kWord ? dark >> end : 0;
     done += end;
   }
+}
+
+bool CircleSearch::takeRound(const Candidate& candidate) {
+  const Plane& plane = planeAt(candidate.x, candidate.y);
+  Spot spot;
+  if (candidate.white - candidate.dark < kFaint * noise_ || !isRound(plane, candidate) ||
+      shapeAround(plane, candidate, spot) != Shape::kRound) {
+    return false;
+  }
+  if (!known(spot.x, spot.y, candidate.dark)) add(spot, candidate.sizes);
+  return true;
+}
+
+bool CircleSearch::isRound(const Plane& plane, const Candidate& candidate) {
+  const std::uint8_t* at = plane.view.row(candidate.y) + candidate.x;
+  const std::ptrdiff_t stride = plane.view.stride;
+  const std::ptrdiff_t near = candidate.to.near;
+  const std::ptrdiff_t across = candidate.to.across;
+  const std::ptrdiff_t diagonal = candidate.to.diagonal;
+  const int level = (candidate.dark + candidate.white) / 2;
+  int inside = 0;
+  for (const std::ptrdiff_t to : {near, near * stride}) {
+    inside = std::max<int>(inside, std::max(at[to], at[-to]));
+  }
+  int outside = 255;
+  for (const std::ptrdiff_t to :
+       {across, across * stride, diagonal * (stride + 1), diagonal * (stride - 1)}) {
+    outside = std::min<int>(outside, std::min(at[to], at[-to]));
+  }
+  return inside < level && level < outside;
 }
 
 void CircleSearch::take(const Candidate& candidate) {
@@ -258,10 +378,27 @@ void CircleSearch::take(const Candidate& candidate) {
   } else if (shape == Shape::kOther && !settle(plane, candidate, spot)) {
     return;
   }
-  if (known(spot.x, spot.y, candidate.dark)) return;
+  if (!known(spot.x, spot.y, candidate.dark)) add(spot, candidate.sizes);
+}
+
+void CircleSearch::add(Spot spot, const Sizes& sizes) {
   spots_->push_back(spot);
-  const Sizes& sizes = candidate.sizes;
   remember(spot, (spot.can_be_big ? sizes.big : sizes.small) + 1, 0);
+}
+
+bool CircleSearch::isDark(const Plane& plane, Candidate& candidate) const {
+  const std::uint8_t* at = plane.view.row(candidate.y) + candidate.x;
+  const std::ptrdiff_t stride = plane.view.stride;
+  const std::ptrdiff_t across = candidate.to.across;
+  const std::ptrdiff_t diagonal = candidate.to.diagonal;
+  candidate.dark = at[0];
+  candidate.white = 0;
+  for (const std::ptrdiff_t to :
+       {across, across * stride, diagonal * (stride + 1), diagonal * (stride - 1)}) {
+    candidate.white = std::max<int>(candidate.white, std::min(at[to], at[-to]));
+  }
+  return 2 * (candidate.dark - black_) + noise_ <= candidate.white - black_ &&
+         candidate.white - candidate.dark >= kFaint * noise_;
 }
 
 bool CircleSearch::standsOut(const Plane& plane, const Candidate& candidate, int noise) {
@@ -289,6 +426,7 @@ void CircleSearch::forget() {
     }
   }
   claims_.clear();
+  std::fill(covered_.begin(), covered_.end(), std::uint8_t{0});
 }
 
 bool CircleSearch::known(float x, float y, int dark) const {

@@ -48,6 +48,24 @@ class CircleSearch {
   void find(const optics::GreyView& picture, std::span<const Region> regions,
             std::vector<Spot>& spots, std::vector<Refused>* refused);
 
+  /// find() in two halves. The first gives what is a whole circle at first sight and keeps what
+  /// else is dark; the second looks at that closely, but not where cover() said that a cap is
+  /// known: most of it is the rims and sides of caps.
+  void findRound(const optics::GreyView& picture, std::span<const Region> regions,
+                 std::vector<Spot>& spots, std::vector<Refused>* refused);
+  void findRest(std::vector<Spot>& spots, std::vector<Refused>* refused);
+
+  /// Nothing is left to be found here.
+  /// @param radius [px]
+  void cover(double x, double y, double radius);
+
+  /// What the next circleAt() look at.
+  void aimAt(const optics::GreyView& picture);
+
+  /// The circle around a place, if it shows all of its outline, may be of that size, and neither
+  /// lies in the dark nor at the edge of the picture: what find() would take for such a circle.
+  [[nodiscard]] std::optional<Spot> circleAt(optics::Pixel place, bool big) const;
+
   /// The circle of the given size that a spot is part of, in the picture that find() was given last
   /// and that is still there; empty where the outline is not there.
   [[nodiscard]] std::optional<Spot> centredAs(const Spot& spot, bool big) const;
@@ -97,8 +115,15 @@ class CircleSearch {
   void mark(const optics::GreyView& picture, const Region& region);
   void testRow(int y, std::ptrdiff_t ahead);
   void takeWord(const DarkWord& word, int y);
+  [[nodiscard]] bool takeRound(const Candidate& candidate);
   void take(const Candidate& candidate);
+  void add(Spot spot, const Sizes& sizes);
+  void bringBack(std::vector<Spot>& spots, std::size_t first) const;
+  /// Dark inside of the small circle and bright around the big one, on all sides.
+  [[nodiscard]] static bool isRound(const Plane& plane, const Candidate& candidate);
   [[nodiscard]] static bool standsOut(const Plane& plane, const Candidate& candidate, int noise);
+  /// Sets dark and white. @return whether it is clearly darker than what is around it
+  [[nodiscard]] bool isDark(const Plane& plane, Candidate& candidate) const;
   [[nodiscard]] Shape shapeAround(const Plane& plane, const Candidate& candidate,
                                   Spot& spot) const;
   [[nodiscard]] Ring lookAround(const Plane& plane, float x, float y, float radius,
@@ -119,6 +144,7 @@ class CircleSearch {
   int black_ = 0;    // [DN]
   float softness_ = 0;  // [px] standard deviation of blur and pixel
   int noise_ = 0;    // [DN] a difference that read noise alone does not make
+  Levels levels_;
   std::vector<int> word_starts_;
   std::vector<std::uint64_t> edge_words_;  // bits: words that reach beyond the picture
   std::vector<Neighbours> neighbours_;     // by band, by word
@@ -133,7 +159,9 @@ class CircleSearch {
   int cell_columns_ = 0;
   std::vector<std::int16_t> cells_;  // last circle that covers each cell, -1: none
   std::vector<Claim> claims_;
+  std::vector<std::uint8_t> covered_;  // by cell
   std::vector<DarkWord> dark_;       // of the row that is tested
+  std::vector<Candidate> rest_;      // to be looked at closely
   std::vector<std::uint64_t> marks_;  // by tested row, bits: words to be tested
 };
 

@@ -67,6 +67,7 @@ struct Viewer {
   std::string head;                 ///< of the part that is being written
   std::shared_ptr<const Bytes> body;
   bool stream = false;
+  bool jpeg = false;   ///< of a still: it is wanted so
   bool ready = false;  ///< waits for a picture
 };
 using Handle = std::shared_ptr<Viewer>;
@@ -165,7 +166,8 @@ void DebugView::Server::answer(const Handle& viewer) {
     say(viewer, "405 Method Not Allowed", "text/plain", "only GET\n");
   } else if (path == "/") {
     say(viewer, "200 OK", "text/html; charset=utf-8", kPage);
-  } else if (path == "/frame.png") {
+  } else if (path == "/frame.png" || path == "/frame.jpg") {
+    viewer->jpeg = path == "/frame.jpg";
     limit(viewer, kStillPatience);
     makeReady(viewer);
   } else if (path == "/stream.mjpg") {
@@ -181,7 +183,8 @@ void DebugView::Server::answer(const Handle& viewer) {
                         }
                       });
   } else {
-    say(viewer, "404 Not Found", "text/plain", "there is /, /frame.png and /stream.mjpg\n");
+    say(viewer, "404 Not Found", "text/plain",
+        "there is /, /frame.png, /frame.jpg and /stream.mjpg\n");
   }
 }
 
@@ -253,11 +256,12 @@ void DebugView::Server::distribute() {
   const std::set<Handle> now = viewers;
   for (const Handle& viewer : now) {
     if (!viewer->ready) continue;
-    std::shared_ptr<const Bytes>& picture = viewer->stream ? jpeg : png;
+    const bool as_jpeg = viewer->stream || viewer->jpeg;
+    std::shared_ptr<const Bytes>& picture = as_jpeg ? jpeg : png;
     try {
       if (image.pixels.empty()) image = paint();
       if (!picture) {
-        picture = std::make_shared<Bytes>(viewer->stream ? jpegBytes(image) : pngBytes(image));
+        picture = std::make_shared<Bytes>(as_jpeg ? jpegBytes(image) : pngBytes(image));
       }
       send(viewer, picture);
     } catch (const std::exception&) {
@@ -280,7 +284,8 @@ void DebugView::Server::send(const Handle& viewer, std::shared_ptr<const Bytes> 
         fmt::format("Content-Type: image/jpeg\r\nContent-Length: {}\r\n\r\n", viewer->body->size());
     tail = "\r\n--picture\r\n";
   } else {
-    viewer->head = responseHead("200 OK", "image/png", viewer->body->size());
+    viewer->head = responseHead("200 OK", viewer->jpeg ? "image/jpeg" : "image/png",
+                                viewer->body->size());
   }
   const std::array<asio::const_buffer, 3> parts{asio::buffer(viewer->head),
                                                 asio::buffer(*viewer->body), asio::buffer(tail)};

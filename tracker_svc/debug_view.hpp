@@ -8,8 +8,8 @@
 
 namespace lab::tracker {
 
-/// A small HTTP server with a page, its moving picture (/stream.mjpg) and a still (/frame.png). It
-/// can be reached from this machine alone.
+/// A small HTTP server with a page, its moving picture (/stream.mjpg) and a still (/frame.png,
+/// /frame.jpg). It can be reached from this machine alone.
 ///
 /// It has a thread of its own: painting, encoding, and viewers who read slowly or not at all, cost
 /// the caller nothing. A viewer gets the newest picture once the one before has gone out; all

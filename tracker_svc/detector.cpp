@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <numbers>
-#include <numeric>
 #include <optional>
 #include <tuple>
 #include <utility>
@@ -24,8 +22,7 @@ constexpr double kMostUncertain = 0.06;   // [radii] standard deviation of a cen
 constexpr float kLeastRim = 0.05F;        // [1] contrast around a cap; bare floor has 0 +- 0.03
 constexpr float kUsualRim = 0.15F;        // [1]
 constexpr double kOverlap = 1.7;          // [cap radii] between two axes, at least
-
-double wrapped(double angle) { return std::remainder(angle, 2 * std::numbers::pi); }
+constexpr double kClear = 0.6;            // [big radii] from a neighbour's circle's centre
 
 }  // namespace
 
@@ -56,61 +53,10 @@ const std::vector<Detection>& Detector::search(const optics::GreyView& picture,
   found_.clear();
   if (!canRead(picture)) return found_;
   const Region all{0, 0, picture.width - 1, picture.height - 1};
+  seen_.clear();
   look(picture, {&all, 1}, rejected);
   found_ = seen_;
   for (const Rescued& one : rescue(picture, expected)) found_.push_back(one.pose);
-  return found_;
-}
-
-const std::vector<Detection>& Detector::follow(const optics::GreyView& picture,
-                                               std::span<const Expected> expected) {
-  found_.assign(expected.size(), Detection{});
-  if (!canRead(picture)) return found_;
-  regions_.clear();
-  // All of both circles, and the neighbours that they are held against.
-  const double around = std::max(std::abs(cap_.big_offset), std::abs(cap_.small_offset)) +
-                        1.5 * cap_.big_radius;
-  for (const Expected& cap : expected) {
-    optics::PlaneScale scale;
-    const optics::Pixel at = camera_.project(cap.x, cap.y, cap_.height, scale);
-    const double half = around + std::max(cap.reach, 0.0);
-    const double across = half * std::hypot(scale.ux, scale.uy) + 2;
-    const double along = half * std::hypot(scale.vx, scale.vy) + 2;
-    if (!picture.contains(at.x, at.y, -across - along)) continue;
-    regions_.push_back({static_cast<int>(at.x - across), static_cast<int>(at.y - along),
-                        static_cast<int>(at.x + across), static_cast<int>(at.y + along)});
-  }
-  look(picture, regions_, nullptr);
-
-  struct Match {
-    double square;  // of their distance
-    std::size_t expected;
-    std::size_t seen;
-  };
-  std::vector<Match> matches;
-  for (std::size_t i = 0; i < expected.size(); ++i) {
-    for (std::size_t j = 0; j < seen_.size(); ++j) {
-      const double dx = seen_[j].x - expected[i].x;
-      const double dy = seen_[j].y - expected[i].y;
-      const double square = dx * dx + dy * dy;
-      if (!(square <= expected[i].reach * expected[i].reach)) continue;
-      if (std::abs(wrapped(seen_[j].theta - expected[i].theta)) > expected[i].turn) continue;
-      matches.push_back({square, i, j});
-    }
-  }
-  std::sort(matches.begin(), matches.end(), [](const Match& a, const Match& b) {
-    return std::tie(a.square, a.expected, a.seen) < std::tie(b.square, b.expected, b.seen);
-  });
-  std::vector<bool> given(seen_.size(), false);
-  for (const Match& match : matches) {
-    if (given[match.seen] || found_[match.expected].quality > 0) continue;
-    given[match.seen] = true;
-    found_[match.expected] = seen_[match.seen];
-  }
-  const auto missing = [](const Detection& cap) { return cap.quality <= 0; };
-  if (std::ranges::any_of(found_, missing)) {
-    for (const Rescued& one : rescue(picture, expected)) found_[one.expected] = one.pose;
-  }
   return found_;
 }
 
@@ -122,61 +68,86 @@ bool Detector::canRead(const optics::GreyView& picture) const {
 void Detector::look(const optics::GreyView& picture, std::span<const Region> regions,
                     std::vector<Rejection>* rejected) {
   refused_.clear();
-  search_.find(picture, regions, spots_, rejected != nullptr ? &refused_ : nullptr);
+  std::vector<Refused>* refused = rejected != nullptr ? &refused_ : nullptr;
+  search_.findRound(picture, regions, spots_, refused);
+  for (const Detection& pose : seen_) cover(pose);
   circles_.assign(2 * spots_.size(), Circle{});
-  gatherCouples(picture, rejected);
-
-  std::vector<Couple> good;
-  for (Couple& couple : couples_) {
-    if (measure(picture, couple, rejected)) good.push_back(couple);
-  }
-  good.resize(chooseCouples(good, static_cast<int>(spots_.size())));
-  couples_.clear();
-  lookAgain(picture, good, rejected);
-  if (!couples_.empty()) {
-    for (Couple& couple : couples_) {
-      if (measure(picture, couple, rejected)) good.push_back(couple);
-    }
-    good.resize(chooseCouples(good, static_cast<int>(spots_.size())));
-  }
-  const std::size_t count = good.size();
-  seen_.clear();
-  for (std::size_t i = 0; i < count; ++i) {
-    const Detection pose = poseOf(good[i], good[i].rim);
-    const bool overlaps = std::any_of(seen_.begin(), seen_.end(), [&](const Detection& other) {
-      return std::hypot(pose.x - other.x, pose.y - other.y) < kOverlap * cap_.cap_radius;
-    });
-    if (!overlaps) seen_.push_back(pose);
-    if (overlaps && rejected != nullptr) {
-      rejected->push_back({pose.middle, Reason::kTaken, good[i].cost, 0});
-    }
-  }
+  taken_.assign(spots_.size(), 0);
+  gatherCouples(picture, 0, rejected);
+  settleCouples(picture, rejected);
+  // What shows only a part of its outline, as far as it is no part of a cap that is known by now.
+  const std::size_t first = spots_.size();
+  search_.findRest(spots_, refused);
+  circles_.resize(2 * spots_.size());
+  taken_.resize(spots_.size(), 0);
+  gatherCouples(picture, first, rejected);
+  settleCouples(picture, rejected);
+  lookAgain(picture, rejected);
+  settleCouples(picture, rejected);
   if (rejected != nullptr) explainTheRest(*rejected);
 }
 
-void Detector::gatherCouples(const optics::GreyView& picture, std::vector<Rejection>* rejected) {
+void Detector::settleCouples(const optics::GreyView& picture, std::vector<Rejection>* rejected) {
+  std::erase_if(couples_, [&](Couple& couple) { return !measure(picture, couple, rejected); });
+  couples_.resize(chooseCouples(couples_, static_cast<int>(spots_.size())));
+  for (const Couple& couple : couples_) {
+    taken_[static_cast<std::size_t>(couple.big)] = 1;
+    taken_[static_cast<std::size_t>(couple.small)] = 1;
+    const Detection pose = poseOf(couple, couple.rim);
+    if (!overlapsSeen(pose)) {
+      seen_.push_back(pose);
+      cover(pose);
+    } else if (rejected != nullptr) {
+      rejected->push_back({pose.middle, Reason::kTaken, couple.cost, 0});
+    }
+  }
+}
+
+bool Detector::overlapsSeen(const Detection& pose) const {
+  const double least = kOverlap * cap_.cap_radius;
+  return std::ranges::any_of(seen_, [&](const Detection& other) {
+    const double dx = pose.x - other.x;
+    const double dy = pose.y - other.y;
+    return dx * dx + dy * dy < least * least;
+  });
+}
+
+void Detector::cover(const Detection& pose) {
+  // As far as no middle of a neighbour's circle can be.
+  const double offset = std::max(std::abs(cap_.big_offset), std::abs(cap_.small_offset));
+  const double radius = 2 * cap_.robot_radius - offset - kClear * cap_.big_radius;
+  const LocalScale scale = scale_.at(pose.middle.x, pose.middle.y);
+  search_.cover(pose.middle.x, pose.middle.y, radius * static_cast<double>(scale.mean));
+}
+
+void Detector::gatherCouples(const optics::GreyView& picture, std::size_t first,
+                             std::vector<Rejection>* rejected) {
   couples_.clear();
+  if (first == spots_.size()) return;
   // Sorted by row, each spot needs to be held against few others only.
-  std::vector<std::size_t> order(spots_.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::sort(order.begin(), order.end(),
-            [&](std::size_t a, std::size_t b) { return spots_[a].y < spots_[b].y; });
+  order_.clear();
+  for (std::size_t i = 0; i < spots_.size(); ++i) {
+    if (taken_[i] == 0) order_.push_back(i);
+  }
+  std::sort(order_.begin(), order_.end(), [&](std::size_t a, std::size_t b) {
+    return std::tie(spots_[a].y, a) < std::tie(spots_[b].y, b);
+  });
   const float reach = (static_cast<float>(cap_.spacing()) + kRoughSpacing) * scale_.largest();
-  std::vector<std::pair<std::size_t, std::size_t>> near;
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    const Spot& one = spots_[order[i]];
-    for (std::size_t j = i + 1; j < order.size(); ++j) {
-      const Spot& other = spots_[order[j]];
+  for (std::size_t i = 0; i < order_.size(); ++i) {
+    const Spot& one = spots_[order_[i]];
+    for (std::size_t j = i + 1; j < order_.size(); ++j) {
+      const Spot& other = spots_[order_[j]];
       const float dx = other.x - one.x;
       const float dy = other.y - one.y;
       if (dy > reach) break;
-      if (dx * dx + dy * dy > reach * reach) continue;
-      if (one.can_be_big && other.can_be_small) near.emplace_back(order[i], order[j]);
-      if (other.can_be_big && one.can_be_small) near.emplace_back(order[j], order[i]);
+      if (dx * dx + dy * dy > reach * reach || std::max(order_[i], order_[j]) < first) continue;
+      if (one.can_be_big && other.can_be_small) tryCouple(picture, order_[i], order_[j], rejected);
+      if (other.can_be_big && one.can_be_small) tryCouple(picture, order_[j], order_[i], rejected);
     }
   }
-  std::sort(near.begin(), near.end());
-  for (const auto& [big, small] : near) tryCouple(picture, big, small, rejected);
+  std::sort(couples_.begin(), couples_.end(), [](const Couple& a, const Couple& b) {
+    return std::tie(a.big, a.small) < std::tie(b.big, b.small);
+  });
 }
 
 void Detector::tryCouple(const optics::GreyView& picture, std::size_t big_spot,
@@ -204,30 +175,33 @@ void Detector::tryCouple(const optics::GreyView& picture, std::size_t big_spot,
   couples_.push_back({static_cast<int>(big_spot), static_cast<int>(small_spot), 0, rim});
 }
 
-void Detector::lookAgain(const optics::GreyView& picture, const std::vector<Couple>& chosen,
-                         std::vector<Rejection>* rejected) {
+void Detector::lookAgain(const optics::GreyView& picture, std::vector<Rejection>* rejected) {
   // A light edge may have made a circle look like a smaller one beside it. Two leftovers that are
   // about as far apart as the circles of a cap are centred again, as circles of the right sizes.
-  const std::size_t count = spots_.size();
-  std::vector<bool> taken(count, false);
-  for (const Couple& couple : chosen) {
-    taken[static_cast<std::size_t>(couple.big)] = true;
-    taken[static_cast<std::size_t>(couple.small)] = true;
+  couples_.clear();
+  order_.clear();
+  for (std::size_t i = 0; i < spots_.size(); ++i) {
+    if (taken_[i] == 0) order_.push_back(i);
   }
   const float most = (static_cast<float>(cap_.spacing()) + kAgain) * scale_.largest();
   const float least = (static_cast<float>(cap_.spacing()) - kAgain) * scale_.smallest();
-  for (std::size_t i = 0; i < count; ++i) {
-    for (std::size_t j = 0; j < count && !taken[i]; ++j) {
+  for (const std::size_t i : order_) {
+    std::optional<Spot> big;
+    bool looked = false;
+    for (const std::size_t j : order_) {
       const float dx = spots_[i].x - spots_[j].x;
       const float dy = spots_[i].y - spots_[j].y;
       const float square = dx * dx + dy * dy;
-      if (i == j || taken[j] || square > most * most || square < least * least) continue;
-      const std::optional<Spot> big = search_.centredAs(spots_[i], true);
-      const std::optional<Spot> small = big ? search_.centredAs(spots_[j], false) : big;
+      if (i == j || square > most * most || square < least * least) continue;
+      if (!looked) big = search_.centredAs(spots_[i], true);
+      looked = true;
+      if (!big) break;
+      const std::optional<Spot> small = search_.centredAs(spots_[j], false);
       if (!small) continue;
       spots_.push_back(*big);
       spots_.push_back(*small);
       circles_.resize(2 * spots_.size());
+      taken_.resize(spots_.size(), 0);
       tryCouple(picture, spots_.size() - 2, spots_.size() - 1, rejected);
     }
   }
@@ -254,9 +228,12 @@ const Detector::Circle& Detector::fitFrom(const optics::GreyView& picture, optic
   circle = Circle{};
   circle.fitted = true;
   const double radius = big ? cap_.big_radius : cap_.small_radius;
-  const LocalScale scale = scale_.at(start.x, start.y);
-  circle.fit = fitCircle(picture, start, discShape(scale, radius), imaging_);
+  const auto shapeAt = [this, radius](optics::Pixel at) {
+    return discShape(scale_.at(at.x, at.y), radius);
+  };
+  circle.fit = fitCircle(picture, start, shapeAt, imaging_);
   if (circle.fit.fault != FitFault::kNone) return circle;
+  const LocalScale scale = scale_.at(circle.fit.x, circle.fit.y);
   const auto bent = static_cast<float>(radius * radius);
   const optics::Pixel centre{circle.fit.x - static_cast<double>(scale.bend[0] * bent),
                              circle.fit.y - static_cast<double>(scale.bend[1] * bent)};
@@ -324,6 +301,17 @@ bool Detector::measure(const optics::GreyView& picture, Couple& couple,
       rejected->push_back({{(big.fit.x + small.fit.x) / 2, (big.fit.y + small.fit.y) / 2},
                            Reason::kSpacing, static_cast<float>(spacing),
                            static_cast<float>(cap_.spacing() + (off > 0 ? doubt : -doubt))});
+    }
+    return false;
+  }
+  // Once more, where the fits have it: so the same wherever they began.
+  const double share = cap_.big_offset / cap_.spacing();
+  const optics::Pixel middle = camera_.project(big.place.x - share * dx, big.place.y - share * dy,
+                                               cap_.height);
+  couple.rim = rimContrast(picture, middle, scale_.at(middle.x, middle.y), cap_, imaging_);
+  if (couple.rim < kLeastRim) {
+    if (rejected != nullptr) {
+      rejected->push_back({middle, Reason::kNoCap, couple.rim, kLeastRim});
     }
     return false;
   }

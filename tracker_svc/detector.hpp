@@ -107,11 +107,19 @@ class Detector {
   [[nodiscard]] bool canRead(const optics::GreyView& picture) const;
   void look(const optics::GreyView& picture, std::span<const Region> regions,
             std::vector<Rejection>* rejected);
-  void gatherCouples(const optics::GreyView& picture, std::vector<Rejection>* rejected);
+  /// Couples of spots that are not taken, one of them at least `first` or later.
+  void gatherCouples(const optics::GreyView& picture, std::size_t first,
+                     std::vector<Rejection>* rejected);
   void tryCouple(const optics::GreyView& picture, std::size_t big, std::size_t small,
                  std::vector<Rejection>* rejected);
-  void lookAgain(const optics::GreyView& picture, const std::vector<Couple>& chosen,
-                 std::vector<Rejection>* rejected);
+  void lookAgain(const optics::GreyView& picture, std::vector<Rejection>* rejected);
+  /// Fits the couples, and adds the best of them to what is seen.
+  void settleCouples(const optics::GreyView& picture, std::vector<Rejection>* rejected);
+  [[nodiscard]] bool overlapsSeen(const Detection& pose) const;
+  void cover(const Detection& pose);
+  /// Adds the cap to what is seen if it is where it is expected, by fits that begin there.
+  [[nodiscard]] bool seeExpected(const optics::GreyView& picture, const Expected& expected);
+  void fetch(const optics::GreyView& picture, const Expected& expected) const;
   [[nodiscard]] Circle& circleOf(int spot, bool big);
   [[nodiscard]] const Circle& circleOf(int spot, bool big) const;
   const Circle& fit(const optics::GreyView& picture, int spot, bool big);
@@ -138,6 +146,8 @@ class Detector {
   std::vector<Refused> refused_;
   std::vector<Circle> circles_;  // two for each spot: as a big one, as a small one
   std::vector<Couple> couples_;
+  std::vector<char> taken_;      // by spot: it belongs to a cap
+  std::vector<std::size_t> order_;  // of spots, by row
   std::vector<Region> regions_;
   std::vector<Detection> seen_;
   std::vector<Rescued> rescued_;

@@ -107,6 +107,18 @@ TEST(DebugView, GivesOnePngToWhoAsksForAFrame) {
   EXPECT_NE(answer.find("\r\n\r\n\x89PNG"), std::string::npos);
 }
 
+TEST(DebugView, GivesOneJpegToWhoAsksForThat) {
+  DebugView view(0);
+  Browser browser(view.port(), get("/frame.jpg"));
+  ASSERT_TRUE(becomesWanted(view));
+
+  view.show([] { return flat(40, 30); });
+
+  const std::string answer = browser.all();
+  EXPECT_NE(answer.find("Content-Type: image/jpeg"), std::string::npos);
+  EXPECT_NE(answer.find("\r\n\r\n\xff\xd8"), std::string::npos);
+}
+
 TEST(DebugView, StreamsOnePictureAfterTheOther) {
   DebugView view(0);
   Browser browser(view.port(), get("/stream.mjpg"));

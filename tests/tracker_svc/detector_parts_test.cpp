@@ -2,7 +2,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 #include <numbers>
+#include <optional>
 #include <vector>
 
 #include "optics/simulated_camera.hpp"
@@ -127,6 +129,66 @@ TEST(CircleSearch, DoesNotSeeLightEdgesStripesAndLines) {
     search.find(image.view(), {&all, 1}, spots, nullptr);
     EXPECT_TRUE(spots.empty()) << kind;
   }
+}
+
+TEST(CircleSearch, FindsACircleAroundAPlaceInIt) {
+  const optics::CapGeometry cap;
+  const ScaleMap map(camera(), cap);
+  optics::GreyImage image(kWidth, kHeight, 200);
+  paintDisc(image, 0.15, 0.2, cap.big_radius, 18);
+  paintDisc(image, 0.35, 0.2, cap.small_radius, 18);
+  CircleSearch search(map, cap, {}, kWidth, kHeight);
+  search.aimAt(image.view());
+  for (const bool big : {true, false}) {
+    const double radius = big ? cap.big_radius : cap.small_radius;
+    const double x = big ? 0.15 : 0.35;
+    const optics::Pixel centre = camera().project(x, 0.2, cap.height);
+    for (int i = 0; i < 8; ++i) {  // up to nearly two radii beside its centre
+      const double away = (0.2 + 0.2 * i) * radius;
+      const double angle = 0.9 * i;
+      const optics::Pixel place = camera().project(x + away * std::cos(angle),
+                                                   0.2 + away * std::sin(angle), cap.height);
+      const std::optional<Spot> spot = search.circleAt(place, big);
+      ASSERT_TRUE(spot.has_value()) << big << " " << i;
+      EXPECT_NEAR(static_cast<double>(spot->x), centre.x, 0.5);
+      EXPECT_NEAR(static_cast<double>(spot->y), centre.y, 0.5);
+      EXPECT_FALSE(search.circleAt(place, !big).has_value()) << big << " " << i;
+    }
+  }
+  for (const optics::Pixel nothing : {optics::Pixel{320, 60}, {0, 0}, {-50, 100}, {100, 9000}}) {
+    EXPECT_FALSE(search.circleAt(nothing, true).has_value());
+  }
+}
+
+TEST(CircleSearch, LooksNoCloserWhereACapIsKnown) {
+  const optics::CapGeometry cap;
+  const ScaleMap map(camera(), cap);
+  // The corner of something lit lies on each circle: no whole circle at first sight.
+  optics::GreyImage image(kWidth, kHeight, 200);
+  paintDisc(image, 0.15, 0.2, cap.big_radius, 18);
+  paintDisc(image, 0.35, 0.2, cap.big_radius, 18);
+  const optics::Pixel one = camera().project(0.15, 0.2, cap.height);
+  const optics::Pixel other = camera().project(0.35, 0.2, cap.height);
+  for (const optics::Pixel& at : {one, other}) {
+    for (int v = static_cast<int>(at.y) + 2; v < static_cast<int>(at.y) + 50; ++v) {
+      for (int u = static_cast<int>(at.x) + 2; u < static_cast<int>(at.x) + 50; ++u) {
+        image.row(v)[u] = static_cast<std::uint8_t>(image.row(v)[u] / 8);
+      }
+    }
+  }
+  CircleSearch search(map, cap, {}, kWidth, kHeight);
+  std::vector<Spot> spots;
+  const Region all{0, 0, kWidth - 1, kHeight - 1};
+  search.find(image.view(), {&all, 1}, spots, nullptr);
+  EXPECT_EQ(spots.size(), 2U);
+  search.findRound(image.view(), {&all, 1}, spots, nullptr);
+  EXPECT_TRUE(spots.empty());
+  search.cover(one.x, one.y, 3 * cap.big_radius * static_cast<double>(map.at(one.x, one.y).mean));
+  search.findRest(spots, nullptr);
+  ASSERT_EQ(spots.size(), 1U);
+  EXPECT_NEAR(static_cast<double>(spots[0].x), other.x, 3);
+  search.find(image.view(), {&all, 1}, spots, nullptr);  // forgotten with the next picture
+  EXPECT_EQ(spots.size(), 2U);
 }
 
 TEST(CapCheck, TellsACapFromTheFloor) {

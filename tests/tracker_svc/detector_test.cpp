@@ -239,6 +239,28 @@ TEST(Detector, FollowsToTheSameBits) {
   for (std::size_t i = all.size(); i < followed.size(); ++i) EXPECT_EQ(followed[i].quality, 0);
 }
 
+TEST(Detector, FollowsToTheSameBitsFromAnyPlaceNearby) {
+  const Scene scene(40, 8);
+  const optics::GreyImage image = scene.paint();
+  const optics::GreyView picture{image.pixels.data(), kWidth, kHeight, kWidth};
+  Detector detector = scene.detector();
+  const std::vector<Detection> all = detector.search(picture);
+  ASSERT_EQ(all.size(), 40U);
+  for (const double angle : {0.5, 2.5, 4.5}) {
+    for (const double away : {0.0, 0.001, 0.003, 0.006, 0.012}) {
+      std::vector<Expected> expected;
+      for (const Detection& one : all) {
+        expected.push_back({one.x + away * std::cos(angle), one.y + away * std::sin(angle),
+                            one.theta + 20 * away, 0.02, 0.5});
+      }
+      const std::vector<Detection>& followed = detector.follow(picture, expected);
+      int same = 0;
+      for (std::size_t i = 0; i < all.size(); ++i) same += sameBits(all[i], followed[i]) ? 1 : 0;
+      EXPECT_EQ(same, 40) << angle << " " << away;
+    }
+  }
+}
+
 TEST(Detector, FollowTakesNoCapThatIsTurnedTooFar) {
   const Scene scene(1, 6);
   Detector detector = scene.detector();
