@@ -6,6 +6,7 @@
 #include <cctype>
 #include <cmath>
 
+#include "common/installation.hpp"
 #include "common/version.hpp"
 #include "report/delivery.hpp"
 #include "report/gnuplot.hpp"
@@ -260,16 +261,18 @@ std::string provenance(const RunRecord& record) {
   html += fmt::format(
       "<p>Run with Active Lab {}, analyzed with {}; message contract {}. {}Everything on this page "
       "was made from the log alone; to make it again, to the same bytes:</p>\n"
-      "<pre>./lab analyze RUN</pre>\n",
+      "<pre>{} analyze RUN</pre>\n",
       escapeHtml(record.version.empty() ? "of unknown version" : record.version), kVersion,
       record.contract_version == 0 ? "not stated" : std::to_string(record.contract_version),
       record.calibration.empty()
           ? ""
-          : fmt::format("Projector calibration {}. ", escapeHtml(record.calibration)));
+          : fmt::format("Projector calibration {}. ", escapeHtml(record.calibration)),
+      installation().command);
   if (record.experiment && record.log.virtual_time) {
-    html +=
+    html += fmt::format(
         "<p>The run itself took place in virtual time; to repeat it, to the same bytes:</p>\n"
-        "<pre>./lab run RUN/experiment.toml --virtual-time</pre>\n";
+        "<pre>{} run RUN/experiment.toml --virtual-time</pre>\n",
+        installation().command);
   }
   if (!record.experiment_text.empty()) {
     html += fmt::format(

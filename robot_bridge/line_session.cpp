@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "common/installation.hpp"
+
 namespace lab::bridge {
 namespace {
 
@@ -63,7 +65,8 @@ void LineSession::countErrors() {
 }
 
 std::string LineSession::reason(int baud) const {
-  const std::string update = "; update what is older: ./lab flash, or the lab itself";
+  const std::string update =
+      "; update what is older: " + installation().command + " flash, or the lab itself";
   switch (verdict_) {
     case Verdict::kForeignVersion:
       return fmt::format("a robot that speaks protocol version {}, this lab speaks {}{}",

@@ -34,7 +34,7 @@ void addFaults(CLI::App& app, lab::emulator::FreeRunSettings& run) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app{"Runs the robot's program, unmodified, on simulated ATmega328P chips."};
+  CLI::App app{"The robot's program, unmodified, on simulated ATmega328P chips", "robot_emulator"};
   lab::emulator::FreeRunSettings run;
   run.elf = besideThisProgram("robot_firmware.elf");
   int socket = -1;

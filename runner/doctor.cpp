@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <ostream>
 
+#include "common/installation.hpp"
+
 namespace lab::runner {
 namespace {
 
@@ -63,6 +65,14 @@ Finding program(bool found, const std::string& name, const std::string& package,
           "sudo apt-get install --no-install-recommends " + package};
 }
 
+/// Packages leave out what not everybody needs; a build lacks it where a library was missing.
+Finding part(bool found, const std::string& name, const std::string& consequence,
+             const std::string& build) {
+  if (found) return {Level::kOk, name + " is there", ""};
+  return {Level::kWarning, name + " is not there: " + consequence,
+          installation().wayTo(name, build)};
+}
+
 Finding clockState(const MachineFacts& facts) {
   if (facts.clock_disciplined.value_or(false)) return {Level::kOk, "the clock is disciplined", ""};
   return {Level::kWarning,
@@ -74,7 +84,7 @@ Finding clockState(const MachineFacts& facts) {
 Finding processors(const MachineFacts& facts) {
   const std::string what = std::to_string(facts.cpus) + (facts.cpus == 1 ? " CPU" : " CPUs");
   if (facts.cpus != 1) return {Level::kOk, what, ""};
-  return {Level::kWarning, what + ": a lab in real time may run late", "./lab run --virtual-time"};
+  return {Level::kWarning, what + ": a lab in real time may run late", installation().command + " run --virtual-time"};
 }
 
 Finding ports(const MachineFacts& facts) {
@@ -152,6 +162,10 @@ std::vector<Finding> judge(const MachineFacts& facts, const DoctorOptions& optio
       display(facts),
       program(facts.has_ssh, "ssh", "openssh-client", Level::kWarning,
               "no service can be placed on another host"),
+      part(facts.has_gateway, "dds_gateway", "no ROS 2, and no other hosts over DDS",
+           "./lab --version  # builds it"),
+      part(facts.has_emulator, "robot_emulator", "no robots with body = \"firmware\"",
+           "sudo apt-get install gcc-avr avr-libc libsimavr-dev && ./lab --version  # builds it"),
   };
   for (const std::filesystem::path& file : facts.stale_registrations) {
     findings.push_back({Level::kWarning, "a lab ended without taking back " + file.string(),

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/asio_loop.hpp"
+#include "common/installation.hpp"
 #include "common/serial_devices.hpp"
 #include "runner/commands.hpp"
 #include "runner/robot_adoption.hpp"
@@ -25,8 +26,9 @@ fs::path firmwareOf(const FlashOptions& options) {
   const fs::path hex = options.programs / "robot_firmware.hex";
   if (!fs::exists(hex)) {
     throw UserError(fmt::format(
-        "{}: not there, it was not built; apt-get install gcc-avr avr-libc, then ./lab flash again",
-        hex.string()));
+        "{}: not there; {}", hex.string(),
+        installation().wayTo("robot_firmware.hex", "it was not built: apt-get install gcc-avr avr-libc, "
+                                           "then ./lab flash again")));
   }
   return hex;
 }

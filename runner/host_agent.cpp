@@ -23,6 +23,7 @@
 #include "common/asio_loop.hpp"
 #include "common/channels.hpp"
 #include "common/codec.hpp"
+#include "common/installation.hpp"
 #include "common/lcm_bus.hpp"
 #include "runner/child_process.hpp"
 #include "runner/exit_code.hpp"
@@ -258,7 +259,8 @@ class Agent {
     if (name.empty() || name.find('/') != std::string::npos) throw UserError("no service: " + name);
     const fs::path program = programs_ / name;
     if (access(program.c_str(), X_OK) != 0) {
-      throw UserError(program.string() + " is not there: build the lab there (./lab --version)");
+      throw UserError(program.string() + " is not there: " +
+                      installation().wayTo(name, "build the lab there (./lab --version)"));
     }
     std::vector<std::string> arguments{
         program.string(), "--experiment",

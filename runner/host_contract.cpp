@@ -11,6 +11,7 @@
 #include <sstream>
 
 #include "common/fingerprints.hpp"
+#include "common/installation.hpp"
 #include "common/units.hpp"
 #include "common/version.hpp"
 #include "runner/machine.hpp"
@@ -105,10 +106,10 @@ std::string refusal(const HostSpec& host, const HostHello& here, const HostHello
   if (difference.empty()) return {};
   return fmt::format(
       "host {}: found {} of the lab, {} there and {} here, expected the same on both; bring both "
-      "to "
-      "the same (ssh {}, then git pull and ./lab --version in its folder), or name the folder of "
-      "the right programs there: hosts.{}.programs",
-      host.name, difference, versionText(there), versionText(here), host.ssh, host.name);
+      "to the same (ssh {}, then {}), or name the folder of the right programs there: "
+      "hosts.{}.programs",
+      host.name, difference, versionText(there), versionText(here), host.ssh,
+      installation().wayTo("lab", "git pull and ./lab --version in its folder"), host.name);
 }
 
 void ClockMeasurement::add(std::int64_t asked, std::int64_t there, std::int64_t answered) {
@@ -141,8 +142,9 @@ std::string sshTrouble(const HostSpec& host, const std::string& said, const std:
     const char* words;
     std::string meaning;
   };
-  const std::string programs = "build it there (./lab --version in its folder) and set hosts." +
-                               host.name + ".programs = \"FOLDER/build/release/bin\"";
+  const std::string programs = installation().wayTo(
+      "lab", "build it there (./lab --version in its folder) and set hosts." + host.name +
+                 ".programs = \"FOLDER/build/release/bin\"");
   const std::vector<Known> all = {
       {"Could not resolve hostname", "no machine of that name is known: set hosts." + host.name +
                                          ".ssh = \"user@address\", or name it in ~/.ssh/config"},
@@ -176,7 +178,10 @@ std::string sshTrouble(const HostSpec& host, const std::string& said, const std:
 }
 
 std::string agentCommand(const HostSpec& host) {
-  if (host.programs.empty()) return "exec lab host-agent";
+  // Of the host's own package, where this lab comes from one.
+  if (host.programs.empty()) {
+    return installation().packaged ? "exec active-lab host-agent" : "exec lab host-agent";
+  }
   // In single quotes for the shell there, which is to resolve a leading ~ all the same.
   std::string folder = host.programs;
   std::string home;

@@ -24,6 +24,7 @@
 #include <system_error>
 #include <thread>
 
+#include "common/installation.hpp"
 #include "runner/network.hpp"
 
 namespace lab::runner {
@@ -238,6 +239,8 @@ MachineFacts survey(const fs::path& runs, const fs::path& registrations) {
   facts.clock_disciplined = clockDisciplined();
   facts.cpus = std::thread::hardware_concurrency();
   facts.has_ssh = findProgram("ssh").has_value();
+  facts.has_gateway = fs::exists(installation().programs / "dds_gateway");
+  facts.has_emulator = fs::exists(installation().programs / "robot_emulator");
   int seconds = 0;
   if (std::istringstream(textOf("/proc/sys/net/ipv4/ipfrag_time")) >> seconds) {
     facts.fragment_time = seconds;

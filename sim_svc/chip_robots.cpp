@@ -5,6 +5,8 @@
 #include <cstring>
 #include <stdexcept>
 
+#include "common/installation.hpp"
+
 namespace lab::sim {
 namespace {
 
@@ -82,8 +84,11 @@ ChipRobots::ChipRobots(const World& world, std::vector<ChipRobotSetup> setups,
     if (std::filesystem::exists(programs / file)) continue;
     throw std::runtime_error(who + " has body = \"firmware\", which needs " +
                              (programs / file).string() +
-                             ": not there; install gcc-avr, avr-libc and libsimavr-dev and "
-                             "build again, or say body = \"wire\"");
+                             ": not there; " +
+                             installation().wayTo(file,
+                                                  "install gcc-avr, avr-libc and libsimavr-dev "
+                                                  "and build again") +
+                             ", or say body = \"wire\"");
   }
   try {
     start(world.timeUs());

@@ -24,6 +24,8 @@ MachineFacts healthyMachine() {
   facts.clock_disciplined = true;
   facts.cpus = 4;
   facts.has_ssh = true;
+  facts.has_gateway = true;
+  facts.has_emulator = true;
   facts.fragment_time = 1;
   facts.has_display = true;
   return facts;
@@ -44,7 +46,7 @@ Finding onlyComplaint(const MachineFacts& facts) {
 TEST(Doctor, HasNoComplaintAboutAHealthyMachine) {
   const std::vector<Finding> findings = judge(healthyMachine(), {.runs = "r", .registrations = ""});
 
-  EXPECT_EQ(findings.size(), 15U);
+  EXPECT_EQ(findings.size(), 17U);
   EXPECT_THAT(complaints(healthyMachine()), IsEmpty());
   EXPECT_EQ(exitCode(findings), 0);
 }

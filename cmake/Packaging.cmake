@@ -1,0 +1,117 @@
+# What is installed where, and the Debian packages made of it (docs/install.md). One component a
+# package: main, gateway, emulator. common/installation.cpp knows the same folders.
+set(programs lib/active-lab/bin)
+set(documents share/doc/active-lab)
+set(staged "${CMAKE_BINARY_DIR}/packaging")
+# Programs are built by who asks for packages; installing builds nothing.
+set(CMAKE_SKIP_INSTALL_ALL_DEPENDENCY ON)
+
+# Programs are not in PATH but for the one command; each finds the others beside itself.
+install(TARGETS lab analyzer projector_ctl robot_bridge sim_svc tracker_svc
+  RUNTIME DESTINATION ${programs} COMPONENT main)
+if(TARGET dashboard)
+  install(TARGETS dashboard RUNTIME DESTINATION ${programs} COMPONENT main)
+endif()
+install(TARGETS dds_gateway RUNTIME DESTINATION ${programs} COMPONENT gateway)
+file(MAKE_DIRECTORY "${staged}")
+file(CREATE_LINK ../lib/active-lab/bin/lab "${staged}/active-lab" SYMBOLIC)
+install(FILES "${staged}/active-lab" DESTINATION bin COMPONENT main)
+if(TARGET firmware)
+  install(FILES "${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/robot_firmware.hex"
+    DESTINATION ${programs} COMPONENT main)
+endif()
+if(TARGET robot_emulator)
+  install(TARGETS robot_emulator RUNTIME DESTINATION ${programs} COMPONENT emulator)
+  install(FILES "${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/robot_firmware.elf"
+    DESTINATION ${programs} COMPONENT emulator)
+endif()
+
+# Texts say `./lab`, as a clone's user types it; a package's user types `active-lab NAME`.
+install(CODE "execute_process(COMMAND \"${PROJECT_SOURCE_DIR}/packaging/stage_texts.sh\"
+  \"${PROJECT_SOURCE_DIR}\" \"${staged}/texts\" COMMAND_ERROR_IS_FATAL ANY)" COMPONENT main)
+install(DIRECTORY "${staged}/texts/experiments" DESTINATION share/active-lab COMPONENT main)
+install(DIRECTORY "${staged}/texts/examples" "${staged}/texts/docs"
+  DESTINATION ${documents} COMPONENT main USE_SOURCE_PERMISSIONS)
+install(FILES "${staged}/texts/CHANGELOG.md"
+  DESTINATION ${documents} COMPONENT main)
+
+# Beside the programs.
+install(FILES packaging/70-active-lab.rules DESTINATION lib/udev/rules.d COMPONENT main)
+install(FILES packaging/active-lab.bash DESTINATION share/bash-completion/completions
+  RENAME active-lab COMPONENT main)
+install(FILES packaging/active-lab.desktop DESTINATION share/applications COMPONENT main)
+install(FILES packaging/active-lab.svg DESTINATION share/icons/hicolor/scalable/apps COMPONENT main)
+file(READ LICENSE license)
+string(REGEX REPLACE "^[^\n]*\n[^\n]*\n[^\n]*\n\n" "" license "${license}")  # title, holders
+string(STRIP "${license}" license)
+string(REPLACE "\n\n" "\n.\n" license "${license}")
+string(REPLACE "\n" "\n " license "${license}")
+configure_file(packaging/copyright.in "${staged}/copyright" @ONLY)
+install(FILES "${staged}/copyright" DESTINATION ${documents} COMPONENT main)
+install(FILES "${staged}/copyright" DESTINATION share/doc/active-lab-gateway COMPONENT gateway)
+
+# lab_man_page(component page program): out of --help of the installed program, which is how it says
+# what its users type.
+function(lab_man_page component page program)
+  install(CODE "execute_process(COMMAND \"${PROJECT_SOURCE_DIR}/packaging/man_page.sh\" ${page}
+    ${PROJECT_VERSION} \"${PROJECT_SOURCE_DIR}\"
+    \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${programs}/${program}\"
+    \"${staged}/${page}.1.gz\" COMMAND_ERROR_IS_FATAL ANY)" COMPONENT ${component})
+  install(FILES "${staged}/${page}.1.gz" DESTINATION share/man/man1 COMPONENT ${component})
+endfunction()
+lab_man_page(main active-lab lab)
+foreach(service analyzer projector_ctl robot_bridge sim_svc tracker_svc dashboard)
+  if(TARGET ${service})
+    lab_man_page(main active-lab-${service} ${service})
+  endif()
+endforeach()
+lab_man_page(gateway active-lab-dds_gateway dds_gateway)
+if(TARGET robot_emulator)
+  lab_man_page(emulator active-lab-robot_emulator robot_emulator)
+  configure_file(packaging/copyright.emulator.in "${staged}/emulator/copyright" @ONLY)
+  install(FILES "${staged}/emulator/copyright" DESTINATION share/doc/active-lab-emulator
+    COMPONENT emulator)
+endif()
+
+# The packages.
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_NAME active-lab)
+set(CPACK_PACKAGE_VENDOR "Active Lab")
+set(CPACK_PACKAGE_CONTACT "Active Lab contributors <contributors@active-lab.invalid>")
+set(CPACK_PACKAGE_DIRECTORY "${CMAKE_BINARY_DIR}/packages")
+set(CPACK_RESOURCE_FILE_LICENSE "${PROJECT_SOURCE_DIR}/LICENSE")
+set(CPACK_STRIP_FILES ON)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_COMPONENTS_GROUPING IGNORE)
+set(CPACK_COMPONENTS_ALL main gateway)
+if(TARGET robot_emulator)
+  list(APPEND CPACK_COMPONENTS_ALL emulator)
+endif()
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_PACKAGE_PRIORITY optional)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
+
+set(CPACK_DEBIAN_MAIN_PACKAGE_NAME active-lab)
+# `run` refuses to start without a logger, or without what draws its report.
+set(CPACK_DEBIAN_MAIN_PACKAGE_DEPENDS "liblcm-bin, gnuplot-nox | gnuplot")
+set(CPACK_DEBIAN_MAIN_PACKAGE_RECOMMENDS "iproute2, avrdude")
+set(CPACK_DEBIAN_MAIN_PACKAGE_SUGGESTS
+  "active-lab-gateway, active-lab-emulator, ffmpeg, openssh-client, chrony, www-browser")
+set(CPACK_COMPONENT_MAIN_DESCRIPTION "instrument for robots driven by light
+Drives small robots with light, tracks them, and says while it runs, with error
+bars, whether their motion is the motion that was programmed. Everything can be
+simulated.")
+set(same_main "active-lab (= ${PROJECT_VERSION})")
+set(CPACK_DEBIAN_GATEWAY_PACKAGE_NAME active-lab-gateway)
+set(CPACK_DEBIAN_GATEWAY_PACKAGE_DEPENDS "${same_main}")
+set(CPACK_COMPONENT_GATEWAY_DESCRIPTION "Active Lab in ROS 2 and on several computers
+Bridges a running lab to ROS 2, and joins the parts of one lab on several
+computers, over DDS.")
+set(CPACK_DEBIAN_EMULATOR_PACKAGE_NAME active-lab-emulator)
+set(CPACK_DEBIAN_EMULATOR_PACKAGE_DEPENDS "${same_main}")
+set(CPACK_COMPONENT_EMULATOR_DESCRIPTION "simulated chips for Active Lab's robots
+Runs the robots' own firmware on simulated ATmega328P chips. This program links
+libsimavr and is under the GPL, version 3 or later.")
+include(CPack)
