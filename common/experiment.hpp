@@ -362,6 +362,15 @@ struct ServicePlace {
   bool operator==(const ServicePlace&) const = default;
 };
 
+/// The page in a browser (docs/dashboard.md).
+struct Dashboard {
+  std::string address;                ///< to listen on, empty: this machine only
+  int port = 8480;                    ///< the first one tried
+  bool control_from_elsewhere = false;  ///< else buttons work from this machine only
+
+  bool operator==(const Dashboard&) const = default;
+};
+
 /// For practising with what a network does.
 struct Faults {
   double message_loss = 0;  ///< [1] each message to each listener, in virtual time
@@ -380,6 +389,7 @@ struct Experiment {
   Network network;
   Gateway gateway;
   Link link;
+  Dashboard dashboard;
   std::map<std::string, HostSpec> hosts;
   std::map<std::string, ServicePlace> services;  ///< those that are placed
   RobotHardware hardware;

@@ -1,4 +1,7 @@
+#include <arpa/inet.h>
+
 #include <algorithm>
+#include <array>
 #include <string>
 
 #include "common/experiment_check.hpp"
@@ -141,6 +144,26 @@ void checkGateway(const Experiment& e, Problems& problems) {
   }
 }
 
+bool isNumericAddress(const std::string& address) {
+  std::array<unsigned char, sizeof(in6_addr)> bytes{};
+  return inet_pton(AF_INET, address.c_str(), bytes.data()) == 1 ||
+         inet_pton(AF_INET6, address.c_str(), bytes.data()) == 1;
+}
+
+void checkDashboard(const Dashboard& dashboard, Problems& problems) {
+  if (!dashboard.address.empty() && !isNumericAddress(dashboard.address)) {
+    problems.add("dashboard.address",
+                 "found " + tomlString(dashboard.address) +
+                     ", allowed \"\" (this machine only) or an address in numbers, as "
+                     "\"192.168.0.5\"; \"ip addr\" lists those of this machine");
+  }
+  if (dashboard.control_from_elsewhere && isOnlyHere(dashboard)) {
+    problems.add("dashboard.control_from_elsewhere",
+                 "found true with a page that only this machine sees, needed for it: "
+                 "dashboard.address");
+  }
+}
+
 void checkCommandRobots(const ExperimentForm& form, Problems& problems) {
   const std::vector<std::int32_t>& wanted = form.common.gateway.command_robots;
   for (std::size_t i = 0; i < wanted.size(); ++i) {
@@ -160,6 +183,7 @@ void checkNetworks(const ExperimentForm& form, Problems& problems) {
     checkGateway(form.common, problems);
     if (!problems.concern("robots")) checkCommandRobots(form, problems);
   }
+  if (!problems.concern("dashboard")) checkDashboard(form.common.dashboard, problems);
   if (problems.concern("hosts") || problems.concern("services")) return;
   // The form keeps robots as entries: places speak of their bodies only.
   Experiment e = form.common;

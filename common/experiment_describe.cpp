@@ -316,6 +316,17 @@ std::string describeRos(const Experiment& e) {
                                    : std::string("may look, not drive"));
 }
 
+/// Who else sees the page, and may use its buttons.
+std::string describeDashboard(const Dashboard& dashboard) {
+  if (isOnlyHere(dashboard)) return {};
+  return line("dashboard", "listens on " + dashboard.address +
+                               ", unencrypted: who reaches it sees the lab and its runs") +
+         line("", dashboard.control_from_elsewhere
+                      ? "warning: who has the printed address, or reads along on that network, "
+                        "drives robots and light"
+                      : "and may not drive it: buttons work on this machine only");
+}
+
 /// "bench: sim_svc, robot_bridge (ssh pi@robot-bench)"
 std::string describeHosts(const Experiment& e) {
   const std::vector<std::string> hosts = otherHosts(e);
@@ -353,6 +364,7 @@ std::string describeExperiment(const Experiment& e) {
   text += describeReversal(e.reversal);
   text += describeCamera(e);
   text += describeRos(e);
+  text += describeDashboard(e.dashboard);
   text += describeHosts(e);
   text += line("log", at_most + "about " + describeSize(expectedLogBytes(e)));
   return text;

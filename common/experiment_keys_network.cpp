@@ -2,7 +2,7 @@
 
 #include "common/experiment_key_tools.hpp"
 
-/// The keys of everything between processes: the bus, ROS 2, other hosts.
+/// The keys of everything between processes: the bus, ROS 2, other hosts, browsers.
 namespace lab::keys {
 namespace {
 
@@ -78,6 +78,19 @@ void visitLink(KeyVisitor& v, Link& link) {
            link.patience);
 }
 
+void visitDashboard(KeyVisitor& v, Dashboard& dashboard) {
+  v.text({"address",
+          "of this machine to listen on, \"0.0.0.0\": on all of them; \"\": nobody elsewhere sees "
+          "the page"},
+         {.most = kLongestAddress}, dashboard.address);
+  std::int64_t port = dashboard.port;
+  v.integer({"port", "of the page; the next free one is taken"}, 1024, 65535, port);
+  dashboard.port = static_cast<int>(port);
+  v.flag({"control_from_elsewhere",
+          "whether who has the printed address may drive the lab from other machines too"},
+         dashboard.control_from_elsewhere);
+}
+
 void visitHost(KeyVisitor& v, HostSpec& host) {
   v.text({"ssh", "as ssh takes it, \"pi@robot-bench\"; \"\": NAME"}, {.most = 200}, host.ssh);
   v.text({"address", "of that host on the way to this one; \"\": as ssh goes"},
@@ -101,6 +114,8 @@ void visitNetworks(KeyVisitor& v, Experiment& e) {
   v.table({"network", "The message bus"}, [&] { visitBus(v, e.network); });
   v.table({"gateway", "ROS 2"}, [&] { visitGateway(v, e.gateway); });
   v.table({"link", "How hosts are joined"}, [&] { visitLink(v, e.link); });
+  v.table({"dashboard", "The page in a browser (docs/dashboard.md)"},
+          [&] { visitDashboard(v, e.dashboard); });
   visitNamed(v, {"hosts", "Other computers that services run on; NAME is yours"},
              {.most = 32, .bare = true}, e.hosts, [&](const std::string& name, HostSpec& host) {
                host.name = name;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <lab/analysis_t.hpp>
+#include <lab/experiment_status_t.hpp>
 #include <lab/light_command_t.hpp>
 #include <lab/light_status_t.hpp>
 #include <lab/robot_command_t.hpp>
@@ -27,6 +28,7 @@ constexpr double kCommandRate = 5;  // [1/s] ROBOT_COMMAND
 constexpr double kLightCommandRate = 2;
 constexpr double kLightStatusRate = 10;
 constexpr double kTruthRate = 10;
+constexpr double kExperimentStatusRate = 2;
 constexpr double kStepBytes = 70;  // of one draw in ROBOT_STEPS, with its share of the message
 constexpr double kHousekeeping = 1500;  // bytes/s of SERVICE_STATUS, EXPERIMENT_EVENT and CLOCK
 
@@ -140,6 +142,7 @@ double expectedLogBytes(const Experiment& experiment) {
       experiment.camera.fps * (frameBytes(robots) + detailsBytes(experiment, robots)) +
       experiment.hardware.status_rate * statusBytes(robots) + kTruthRate * truthBytes(robots) +
       light + kHousekeeping +
+      kExperimentStatusRate * eventBytes(channels::kExperimentStatus, experiment_status_t{}) +
       kCommandRate * eventBytes(channels::kRobotCommand, lightTableCommand(experiment)) +
       (robots + 1.0) * static_cast<double>(experiment.programs.size()) * analysisBytes() +
       stepsPerSecond(experiment) * kStepBytes;

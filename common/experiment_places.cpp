@@ -26,4 +26,9 @@ HostSpec hostSpec(const Experiment& experiment, const std::string& host) {
   return spec;
 }
 
+bool isOnlyHere(const Dashboard& dashboard) {
+  const std::string& address = dashboard.address;
+  return address.empty() || address.starts_with("127.") || address == "::1";
+}
+
 }  // namespace lab

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "common/uniform_light.hpp"
 #include "dds_gateway/command_desk.hpp"
 
 namespace lab::gateway {
@@ -29,16 +30,11 @@ class LightDesk {
   static constexpr double kLongestHold = 86400;  // [s]
 
   [[nodiscard]] bool isOwned(dds::WriterId writer, std::int64_t now) const;
-  void giveBack();
 
   std::int64_t timeout_us_;
   dds::WriterId owner_ = 0;
   std::int64_t heard_utime_ = 0;
-  std::int64_t until_utime_ = 0;  ///< 0: for good
-  light_command_t command_{};
-  int farewells_ = 0;  ///< that are still to be sent: one may be lost
-  bool showing_ = false;
-  std::int64_t sent_utime_ = 0;
+  UniformLight light_;
 };
 
 }  // namespace lab::gateway

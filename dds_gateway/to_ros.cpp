@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "common/units.hpp"
-#include "dds_gateway/utf8.hpp"
+#include "common/utf8.hpp"
 
 namespace lab::gateway {
 namespace {

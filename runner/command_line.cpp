@@ -9,11 +9,14 @@
 #include <iterator>
 
 #include "common/experiment_file.hpp"
-#include "common/version.hpp"
+#include "common/installation.hpp"
+#include "runner/build_facts.hpp"
+#include "runner/command_line_parts.hpp"
 #include "runner/commands.hpp"
 #include "runner/doctor.hpp"
 #include "runner/doctor_dds.hpp"
 #include "runner/doctor_hosts.hpp"
+#include "runner/experiment_lookup.hpp"
 #include "runner/host_agent.hpp"
 #include "runner/lab_registry.hpp"
 #include "runner/network.hpp"
@@ -22,7 +25,6 @@ namespace lab::runner {
 namespace {
 
 namespace fs = std::filesystem;
-using Chosen = std::function<int()>;
 
 /// A number that is one: CLI11's own ranges let nan pass.
 CLI::Validator between(double low, double high) {
@@ -35,12 +37,21 @@ CLI::Validator between(double low, double high) {
           "NUMBER"};
 }
 
+/// A file, or the name of a shipped experiment.
+void addExperiment(CLI::App& command, fs::path& file) {
+  command.add_option("FILE", file, "Experiment: a file (TOML), or the name of a shipped one")
+      ->required()
+      ->transform([](const std::string& named) {
+        return findExperiment(named, installation().experiments).string();
+      });
+}
+
 /// Each adds one subcommand. CLI11 fills the options in while parsing; `chosen` is called after it.
 void addRun(CLI::App& app, Chosen& chosen, const fs::path& programs) {
   auto options = std::make_shared<RunOptions>();
   options->programs = programs;
   CLI::App* command = app.add_subcommand("run", "Run an experiment: services, script, log, report");
-  command->add_option("FILE", options->file, "Experiment file (TOML)")->required();
+  addExperiment(*command, options->file);
   command->add_flag("--virtual-time", options->virtual_time,
                     "One process, as fast as the machine allows, the same to the bit");
   command->add_option("--seed", options->seed, "Instead of the file's seed");
@@ -48,6 +59,10 @@ void addRun(CLI::App& app, Chosen& chosen, const fs::path& programs) {
   command->add_option("--set", options->set, "key=value: instead of the file's (repeatable)")
       ->allow_extra_args(false);
   command->add_flag("!--no-report", options->report, "Keep the log, analyse later");
+  command->add_flag("--web,!--no-web", options->web,
+                    "A page in a browser (default: in real time, where CI is not set)");
+  command->add_option("--web-address-file", options->web_address,
+                      "Where the page's address is written too, for you alone");
   command->callback([&chosen, options] { chosen = [options] { return run(*options); }; });
 }
 
@@ -55,7 +70,7 @@ void addCheck(CLI::App& app, Chosen& chosen) {
   auto file = std::make_shared<fs::path>();
   auto set = std::make_shared<std::vector<std::string>>();
   CLI::App* command = app.add_subcommand("check", "Validate an experiment; say what would start");
-  command->add_option("FILE", *file, "Experiment file (TOML)")->required();
+  addExperiment(*command, *file);
   command->add_option("--set", *set, "key=value: instead of the file's (repeatable)")
       ->allow_extra_args(false);
   command->callback([&chosen, file, set] { chosen = [=] { return check(*file, *set); }; });
@@ -65,7 +80,7 @@ void addPreview(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<PreviewOptions>();
   CLI::App* command =
       app.add_subcommand("preview", "The light script as pictures, without running anything");
-  command->add_option("FILE", options->file, "Experiment file (TOML)")->required();
+  addExperiment(*command, options->file);
   command->add_option("--out", options->out, "Folder for NAME_light.png and NAME_light.mp4")
       ->capture_default_str();
   command->add_option("--set", options->set, "key=value: instead of the file's (repeatable)")
@@ -126,7 +141,7 @@ void addCalibrateProjector(CLI::App& calibrate, Chosen& chosen, const fs::path& 
   options->programs = programs;
   CLI::App* command = calibrate.add_subcommand(
       "projector", "Where its pixels fall at sensor height, by structured light and the camera");
-  command->add_option("FILE", options->file, "Experiment file (TOML)")->required();
+  addExperiment(*command, options->file);
   command->add_option("--out", options->out, "The calibration")->capture_default_str();
   command
       ->add_option("--surface-cm", options->surface_cm,
@@ -155,7 +170,7 @@ void addCalibrateLight(CLI::App& calibrate, Chosen& chosen, const fs::path& prog
   CLI::App* command = calibrate.add_subcommand(
       "light",
       "The projector's gamma and vignetting, and the robots' light sensors, by a staircase");
-  command->add_option("FILE", options->file, "Experiment file (TOML)")->required();
+  addExperiment(*command, options->file);
   command->add_option("--out", options->out, "The calibration")->capture_default_str();
   command->add_option("--rounds", options->rounds, "Staircases, at different places")
       ->check(CLI::Range(1, 100))
@@ -183,7 +198,7 @@ void addCalibrate(CLI::App& app, Chosen& chosen, const fs::path& programs) {
   addCalibrateLight(*command, chosen, programs);
   CLI::App* motors = command->add_subcommand(
       "motors", "Gain and dead band of each wheel, and the wheel base, by driving");
-  motors->add_option("FILE", options->file, "Experiment file (TOML)")->required();
+  addExperiment(*motors, options->file);
   motors->add_flag("--virtual-time", options->virtual_time,
                    "One process, as fast as the machine allows, the same to the bit");
   motors->add_option("--robot", options->robots, "Only these (default: all)");
@@ -300,8 +315,9 @@ void addReproduce(CLI::App& app, Chosen& chosen) {
   command->callback([&chosen, options] { chosen = [options] { return reproduce(*options); }; });
 }
 
-void addReplay(CLI::App& app, Chosen& chosen) {
+void addReplay(CLI::App& app, Chosen& chosen, const fs::path& programs) {
   auto options = std::make_shared<ReplayOptions>();
+  options->programs = programs;
   CLI::App* command =
       app.add_subcommand("replay", "Play a log onto a bus of its own; space pauses");
   command->add_option("LOG", options->log, "Log, or folder of a run")->required();
@@ -315,6 +331,7 @@ void addReplay(CLI::App& app, Chosen& chosen) {
       ->allow_extra_args(false);
   command->add_option("--port", options->port, "UDP port of the bus (default: a free one)")
       ->check(CLI::Range(1024, 65535));
+  command->add_flag("--web", options->web, "On a page in a browser, with a slider");
   command->callback([&chosen, options] { chosen = [options] { return replay(*options); }; });
 }
 
@@ -376,7 +393,10 @@ void addDoctor(CLI::App& app, Chosen& chosen) {
       app.add_subcommand("doctor", "What is wrong with this machine, and the line that fixes it");
   auto file = std::make_shared<std::string>();
   command->add_option("--out", options->runs, "Where run folders are made")->capture_default_str();
-  command->add_option("FILE", *file, "Experiment file (TOML): its hosts are visited too");
+  command->add_option("FILE", *file, "Experiment: its hosts are visited too")
+      ->transform([](const std::string& named) {
+        return findExperiment(named, installation().experiments).string();
+      });
   command->callback([&chosen, options, file] {
     chosen = [options, file] {
       constexpr int kListen_ms = 1200;  // whoever is there says so every second
@@ -404,28 +424,45 @@ void addHostAgent(CLI::App& app, Chosen& chosen, const fs::path& programs) {
   command->callback([&chosen, programs] { chosen = [programs] { return hostAgent(programs); }; });
 }
 
+/// What only the script at the root of a clone does: whoever looks for it here is told so.
+void addCloneOnly(CLI::App& app, Chosen& chosen) {
+  for (const char* name : {"test", "package"}) {
+    CLI::App* command = app.add_subcommand(name, "")->group("")->prefix_command();
+    command->callback([&chosen, name] {
+      chosen = [name]() -> int {
+        throw UserError(std::string(name) + " is for a clone of the source: ./lab " + name +
+                        " in its folder");
+      };
+    });
+  }
+}
+
 }  // namespace
 
 int runCommandLine(int argc, char** argv) {
-  CLI::App app{"Active Lab: active matter with light-driven robots, real or simulated", "lab"};
-  app.set_version_flag("--version", kVersion);
+  CLI::App app{"Active Lab: active matter with light-driven robots, real or simulated",
+               installation().command};
+  app.set_version_flag("--version", buildFacts(), "Version, commit, compiler and libraries");
   app.require_subcommand(1);
   Chosen chosen;
-  addRun(app, chosen, fs::canonical("/proc/self/exe").parent_path());
+  addRun(app, chosen, installation().programs);
   addCheck(app, chosen);
   addPreview(app, chosen);
-  addCalibrate(app, chosen, fs::canonical("/proc/self/exe").parent_path());
+  addCalibrate(app, chosen, installation().programs);
   addAnalyze(app, chosen);
   addTheory(app, chosen);
   addTrack(app, chosen);
   addReproduce(app, chosen);
-  addReplay(app, chosen);
+  addReplay(app, chosen, fs::canonical("/proc/self/exe").parent_path());
   addLight(app, chosen);
   addStop(app, chosen);
-  addFlash(app, chosen, fs::canonical("/proc/self/exe").parent_path());
+  addWishes(app, chosen);
+  addWeb(app, chosen, fs::canonical("/proc/self/exe").parent_path());
+  addFlash(app, chosen, installation().programs);
   addSpy(app, chosen);
   addDoctor(app, chosen);
-  addHostAgent(app, chosen, fs::canonical("/proc/self/exe").parent_path());
+  addHostAgent(app, chosen, installation().programs);
+  addCloneOnly(app, chosen);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -20,6 +20,8 @@ struct RunOptions {
   std::optional<std::uint64_t> seed;
   bool virtual_time = false;
   bool report = true;
+  std::optional<bool> web;            ///< a page in a browser, not given: as wantsDashboard() says
+  std::filesystem::path web_address;  ///< file for its address too, empty: none
 };
 ExitCode run(const RunOptions& options);
 
@@ -155,6 +157,8 @@ struct ReplayOptions {
   bool loop = false;
   std::vector<std::string> channels;  ///< empty: all
   int port = 0;                       ///< 0: a free one
+  bool web = false;                   ///< on a page in a browser
+  std::filesystem::path programs;     ///< folder of the page's program
 };
 ExitCode replay(const ReplayOptions& options);
 
@@ -172,6 +176,24 @@ struct StopOptions {
   bool clear = false;  ///< release the latch instead
 };
 ExitCode stop(const StopOptions& options);
+
+/// What is wanted of a running experiment or of a log that is played.
+struct WishOptions {
+  std::string lab;    ///< empty: the only one
+  std::string text;   ///< a remark, or why
+};
+ExitCode pauseScript(const WishOptions& options);
+ExitCode resumeScript(const WishOptions& options);
+ExitCode markRun(const WishOptions& options);
+ExitCode endRun(const WishOptions& options);
+
+struct WebOptions {
+  int port = 0;                          ///< the first one tried, 0: the usual one
+  std::filesystem::path runs = "runs";  ///< folder of past runs
+  std::filesystem::path programs;       ///< folder of the page's program
+  bool open = false;                    ///< in the user's browser
+};
+ExitCode web(const WebOptions& options);
 
 struct FlashOptions {
   std::string port;

@@ -5,6 +5,7 @@
 
 #include "common/channels.hpp"
 #include "common/experiment_messages.hpp"
+#include "common/experiment_places.hpp"
 #include "common/fingerprints.hpp"
 #include "common/json_section.hpp"
 #include "common/light_file.hpp"
@@ -27,6 +28,7 @@ constexpr std::int64_t kSecond_us = 1'000'000;
 // The network may lose one message; what happens once is said more than once.
 constexpr int kRepeatEvent = 3;
 constexpr std::int64_t kStartEvery_us = 60'000'000;
+constexpr std::int64_t kStatusPeriod_us = 500'000;  // 2 Hz
 
 bool waitsForEstimates(const Experiment& experiment) {
   return !experiment.stop_when.empty() ||
@@ -45,14 +47,17 @@ Conductor::Conductor(const ServiceContext& context, std::string effective,
     : node_(context.node),
       loop_(context.loop),
       experiment_(context.experiment),
+      run_(context.directory.filename().string()),
       effective_(std::move(effective)),
       over_(std::move(over)),
+      wishes_([this](const experiment_command_t& wish) { return obey(wish); }),
       robots_(lightTableCommand(context.experiment)),
       handshake_(context.experiment),
       light_(context.node, context.loop, context.experiment, context.directory,
              {.record = [this](const experiment_event_t& event) { record(event); },
               .fault = [this](const std::string& what) { fault(what); },
               .shown = [this] { lightShown(); },
+              .began = [this] { sendStatus(); },
               .chosen_by_light =
                   [this] {
                     return !robots_.orders.empty() &&
@@ -76,6 +81,8 @@ Conductor::Conductor(const ServiceContext& context, std::string effective,
                                 [this](const robot_stop_t& stop) { take(stop); });
   node_.subscribe<robot_command_t>(channels::kRobotCommand,
                                    [this](const robot_command_t& command) { take(command); });
+  node_.subscribe<experiment_command_t>(channels::kExperimentCommand,
+                                        [this](const experiment_command_t& wish) { take(wish); });
   if (waitsForEstimates(experiment_)) {
     node_.subscribe<analysis_t>(channels::kAnalysis,
                                 [this](const analysis_t& analysis) { take(analysis); });
@@ -99,6 +106,7 @@ void Conductor::begin() {
   loop_.every(kRobotPeriod_us, now, [this] { sendRobots(); });
   light_.begin();
   loop_.every(kStopPeriod_us, now, [this] { repeatStops(); });
+  loop_.every(kStatusPeriod_us, now, [this] { sendStatus(); });
 }
 
 void Conductor::shakeHands() {
@@ -209,8 +217,7 @@ void Conductor::command(robot_command_t command) {
 
 void Conductor::startScript() {
   phase_ = Phase::kScript;
-  script_start_ = loop_.now();
-  stop_rules_.begin(script_start_);
+  stop_rules_.begin(loop_.now());
   light_.startScript();
 }
 
@@ -228,10 +235,11 @@ void Conductor::endScript(const Turn& turn) {
     over_(Ending::kUnmet, turn.fault);
   } else {
     phase_ = Phase::kLeaving;
-    ended_ = units::seconds(loop_.now() - script_start_);
+    ended_ = light_.script().elapsed(loop_.now());
     leaving_because_ = turn.fault;
     command(standCommand(experiment_));
     light_.showEverywhere(experiment_.light.safe_intensity, "safe");
+    sendStatus();
     loop_.at(loop_.now() + kLightPatience_us, [this] {
       if (phase_ == Phase::kLeaving) over_(Ending::kUnmet, leaving_because_);
     });
@@ -340,7 +348,8 @@ void Conductor::take(const service_status_t& status) {
   const bool own = status.sender == node_.identity().name;
   if (own || phase_ == Phase::kIdle || status.last_error.empty()) return;
   if (!complaints_.insert(status.sender + ": " + status.last_error).second) return;
-  fault(status.sender + ": " + status.last_error);
+  const std::string what = status.sender + ": " + status.last_error;
+  status.sender == kOnlooker ? mark(what) : fault(what);
 }
 
 void Conductor::latch(const robot_stop_t& stop) {
@@ -383,22 +392,24 @@ void Conductor::stopRobots(const std::string& why) {
 void Conductor::conclude(const std::string& why) {
   if (phase_ == Phase::kConcluded) return;
   light_.close();
-  if (phase_ == Phase::kScript) ended_ = units::seconds(loop_.now() - script_start_);
+  if (phase_ == Phase::kScript) ended_ = light_.script().elapsed(loop_.now());
   phase_ = Phase::kConcluded;
   command(standCommand(experiment_));
   experiment_event_t event{};
   event.kind = experiment_event_t::END;
   event.text = why;
   record(std::move(event));
+  for (int copy = 0; copy < kRepeatEvent; ++copy) sendStatus();
 }
 
 Progress Conductor::progress() const {
   Progress progress;
   const std::int64_t now = loop_.now();
-  if (phase_ == Phase::kScript) progress.elapsed = units::seconds(now - script_start_);
+  if (phase_ == Phase::kScript) progress.elapsed = light_.script().elapsed(now);
   if (phase_ == Phase::kConcluded || phase_ == Phase::kLeaving) progress.elapsed = ended_;
   progress.left = std::max(0.0, experiment_.duration - progress.elapsed);
   progress.at_most = mayEndEarly(experiment_);
+  progress.paused = phase_ == Phase::kScript && light_.script().paused();
   if (phase_ == Phase::kScript) progress.stop = stop_rules_.progress();
   progress.light = light_.label();
   progress.robots_seen = static_cast<std::size_t>(

@@ -4,6 +4,8 @@
 
 #include <cstdint>
 #include <functional>
+#include <lab/experiment_command_t.hpp>
+#include <lab/experiment_status_t.hpp>
 #include <lab/robot_command_t.hpp>
 #include <lab/robot_stop_t.hpp>
 #include <lab/service_status_t.hpp>
@@ -18,15 +20,17 @@
 #include "runner/handshake.hpp"
 #include "runner/light_part.hpp"
 #include "runner/stop_rules.hpp"
+#include "runner/wish_desk.hpp"
 #include "runner/yielded_robots.hpp"
 
 namespace lab::runner {
 
 /// How the run stands, for the progress line.
 struct Progress {
-  double elapsed = 0;                         ///< [s] of the script
+  double elapsed = 0;                         ///< [s] of the script, without pauses
   double left = 0;                            ///< [s]
   bool at_most = false;                       ///< the run may end earlier
+  bool paused = false;                        ///< the script's clock stands
   std::string stop;                           ///< how far the rules of stop_when are
   std::string light;                          ///< label of the step shown
   std::size_t robots_seen = 0;                ///< by the tracker, in the last second
@@ -37,6 +41,7 @@ struct Progress {
 /// How a run ends.
 enum class Ending {
   kDone,    ///< as it should
+  kWished,  ///< somebody ended it by hand
   kUnmet,   ///< a condition of the script, or stop_when, was not met: marked
   kBroken,  ///< it makes no sense to go on
 };
@@ -44,7 +49,8 @@ enum class Ending {
 /// Conducts one experiment. begin() lets the tracker learn which cap is which robot
 /// (handshake.hpp), under full light, then puts the robots under their light table and waits until
 /// each has echoed it; then the script's clock starts. Robots, light and record go on until the
-/// script's end, conclude(), or a fault that ends the run.
+/// script's end, conclude(), a wish (EXPERIMENT_COMMAND), or a fault that ends the run. How it
+/// stands is said in EXPERIMENT_STATUS.
 class Conductor final : public Service {
  public:
   /// @param effective the experiment file with every default filled in, for the record.
@@ -88,6 +94,12 @@ class Conductor final : public Service {
   void take(const robot_command_t& command);
   void take(const analysis_t& analysis);
   void take(const service_status_t& status);
+  void take(const experiment_command_t& wish);
+  [[nodiscard]] std::string obey(const experiment_command_t& wish);
+  [[nodiscard]] std::string pauseScript(const std::string& who);
+  [[nodiscard]] std::string resumeScript(const std::string& who);
+  [[nodiscard]] experiment_status_t status() const;
+  void sendStatus();
   void latch(const robot_stop_t& stop);
   void repeatStops();
   void shakeHands();
@@ -110,12 +122,14 @@ class Conductor final : public Service {
   Node& node_;
   Loop& loop_;
   const Experiment& experiment_;
+  std::string run_;  ///< its name
   std::string effective_;
   std::string light_calibration_;  ///< its file's text, for the record; empty: none
   std::function<void(Ending, const std::string&)> over_;
 
   Phase phase_ = Phase::kIdle;
-  std::int64_t script_start_ = 0;
+  std::int64_t paused_utime_ = 0;  ///< of the last pause
+  WishDesk wishes_;
   double ended_ = 0;  ///< [s] of the script, once it has ended
   std::string leaving_because_;
   bool safe_light_ = false;  ///< while leaving: the safe light is shown

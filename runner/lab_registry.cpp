@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <charconv>
 #include <cstdlib>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -28,6 +29,15 @@ std::optional<RunningLab> read(const fs::path& file) {
   } catch (const nlohmann::json::exception&) {
     return std::nullopt;  // no registration of ours
   }
+}
+
+/// A dead runner's own file: "4711.web".
+bool isLeftOver(const fs::path& file) {
+  const std::string stem = file.stem().string();
+  int pid = 0;
+  const auto [end, error] = std::from_chars(stem.data(), stem.data() + stem.size(), pid);
+  const bool named_by_pid = error == std::errc{} && end == stem.data() + stem.size();
+  return file.extension() != ".json" && named_by_pid && !lives(pid);
 }
 
 /// In /tmp anyone may have made the folder first: it must be ours and closed to others.
@@ -58,6 +68,7 @@ std::vector<RunningLab> runningLabs() {
   std::vector<RunningLab> labs;
   std::error_code error;
   for (const fs::directory_entry& entry : fs::directory_iterator(registryDirectory(), error)) {
+    if (isLeftOver(entry.path())) fs::remove(entry.path(), error);
     if (entry.path().extension() != ".json") continue;
     const auto lab = read(entry.path());
     if (lab && lives(lab->pid)) {
@@ -79,6 +90,11 @@ RunningLab findLab(const std::string& name) {
   if (labs.empty()) throw UserError("no lab runs on this machine: start one with lab run FILE");
   throw UserError(name.empty() ? "several labs run; say which with --lab NAME: " + names
                                : "no lab named " + name + " runs; these do: " + names);
+}
+
+fs::path ownFile(const std::string& ending) {
+  claim(registryDirectory());
+  return registryDirectory() / (std::to_string(getpid()) + ending);
 }
 
 PortLock::PortLock(int port) {

@@ -27,6 +27,12 @@ struct RunningLab {
 /// @throws UserError when there is none, or several and no name, with their names.
 [[nodiscard]] RunningLab findLab(const std::string& name);
 
+/// Where a runner keeps something of its own while it lives: <pid><ending> in the registry, closed
+/// to others. What dead runners left there is removed by runningLabs().
+/// @param ending ".web"
+/// @throws UserError when the folder cannot be made.
+[[nodiscard]] std::filesystem::path ownFile(const std::string& ending);
+
 /// A bus that belongs to one lab for as long as the object lives: two labs that start at the same
 /// moment cannot hear each other yet.
 class PortLock {

@@ -3,12 +3,15 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "common/experiment_places.hpp"
+#include "common/installation.hpp"
 #include "common/lcm_bus.hpp"
 #include "common/units.hpp"
 #include "common/version.hpp"
@@ -44,6 +47,27 @@ void requireDisk(const Experiment& experiment, const fs::path& folder) {
                   folder.string(), need / 1'000'000, have / 1'000'000));
 }
 
+/// Packages leave out what only some experiments need.
+void requireParts(const Experiment& experiment, bool virtual_time) {
+  std::vector<std::string> names;
+  const auto here = [&](const std::string& service) {
+    return virtual_time || hostOf(experiment, service).empty();
+  };
+  for (const ServiceDescription& service : labServices(experiment)) {
+    if (!virtual_time && here(service.name)) names.push_back(service.name);
+  }
+  const bool chips = std::ranges::any_of(
+      experiment.robots, [](const RobotSpec& robot) { return robot.body == Body::kFirmware; });
+  if (chips && here("sim_svc")) names.insert(names.end(), {"robot_emulator", "robot_firmware.elf"});
+  for (const std::string& name : names) {
+    const fs::path file = installation().programs / name;
+    if (fs::exists(file)) continue;
+    throw UserError(fmt::format(
+        "this experiment needs {}, which is not there: {}", file.string(),
+        installation().wayTo(name, "install gcc-avr, avr-libc, libsimavr-dev and build again")));
+  }
+}
+
 /// With ttl 0 the kernel holds messages back only while the interface stays as it was.
 void warnUnpinned() {
   if (const std::string warning = unpinnedWarning(); !warning.empty()) {
@@ -60,7 +84,9 @@ RunOutcome execute(const LaunchOptions& options, const PreparedRun& run, const s
                     .programs = options.programs,
                     .lcm_logger = logger,
                     .hosts = hosts,
-                    .port = run.experiment.network.port},
+                    .port = run.experiment.network.port,
+                    .web = options.web,
+                    .web_address = options.web_address},
                    show, pilot);
   }
   std::signal(SIGINT, [](int) { interrupted = 1; });
@@ -109,6 +135,7 @@ Launched launch(const LaunchOptions& options, Experiment experiment, const ShowP
         "\"sim\", or run in real time",
         camera.source));
   }
+  requireParts(experiment, options.virtual_time);
   requireDisk(experiment, options.out);
   if (!options.virtual_time) {
     logger = requireProgram("lcm-logger", "liblcm-bin");

@@ -18,6 +18,8 @@ struct LaunchOptions {
   std::filesystem::path programs;  ///< folder of the services' programs
   std::vector<std::string> set;    ///< key=value, for the record
   bool virtual_time = false;
+  bool web = false;                   ///< with a page in a browser, in real time
+  std::filesystem::path web_address{};  ///< file for its address too, empty: none
 };
 
 struct Launched {

@@ -64,8 +64,21 @@ void LightPart::showEverywhere(double intensity, const std::string& label) {
 void LightPart::startScript() {
   playing_ = true;
   player_.begin(loop_.now());
+  setTimers();
+}
+
+/// Those set before a pause come too early, and find nothing to do.
+void LightPart::setTimers() {
   loop_.at(player_.endUtime(), [this] { look(); });
   lookWhenDue();
+}
+
+void LightPart::pause() { player_.pause(loop_.now()); }
+
+void LightPart::resume() {
+  player_.resume(loop_.now());
+  setTimers();
+  look();
 }
 
 void LightPart::close() {
@@ -115,6 +128,7 @@ void LightPart::show(const Turn& turn) {
   loop_.at(loop_.now() + kDeliveryPatience_us, [this, seq = command_.seq] {
     if (command_.seq == seq) closeWatch();
   });
+  hooks_.began();
 }
 
 std::optional<program_t> LightPart::expectedProgram() const {

@@ -28,6 +28,7 @@ class LightPart {
     std::function<void(const experiment_event_t&)> record;
     std::function<void(const std::string&)> fault;
     std::function<void()> shown;          ///< a frame of the light commanded last has been shown
+    std::function<void()> began;          ///< a step of the script was commanded
     std::function<bool()> chosen_by_light;  ///< whether robots take their programs from the light
     std::function<void(const Turn&)> end;   ///< of the script: no kStep
   };
@@ -45,6 +46,13 @@ class LightPart {
   /// The script's clock starts now.
   void startScript();
 
+  /// The script's clock stands and goes on: script_player.hpp.
+  void pause();
+  void resume();
+
+  /// Where the script is.
+  [[nodiscard]] const ScriptPlayer& script() const { return player_; }
+
   /// The script goes no further; what is known of its last step is recorded.
   void close();
 
@@ -59,6 +67,7 @@ class LightPart {
   void take(const light_status_t& status);
   void look();
   void lookWhenDue();
+  void setTimers();
   void show(const Turn& turn);
   void send();
   void finishWatch();

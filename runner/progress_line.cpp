@@ -21,6 +21,16 @@ std::int64_t steady_us() {
       .count();
 }
 
+/// Prints, even where nobody reads any more (lab run ... | head): the run goes on without a line.
+template <class Print>
+void withoutReader(const Print& print) {
+  try {
+    print();
+  } catch (const std::system_error&) {
+    if (std::freopen("/dev/null", "w", stdout) == nullptr) return;
+  }
+}
+
 }  // namespace
 
 std::string progressText(const Progress& progress) {
@@ -28,8 +38,9 @@ std::string progressText(const Progress& progress) {
   for (const auto& [name, robots] : progress.robots_running) {
     programs += fmt::format("{}{} {}", programs.empty() ? "" : ", ", robots, name);
   }
-  return fmt::format("{}{} left{} | light {} | {} robot{} seen | {} | {} lost",
-                     progress.at_most ? "at most " : "", leftText(progress.left),
+  return fmt::format("{}{}{} left{} | light {} | {} robot{} seen | {} | {} lost",
+                     progress.paused ? "paused, " : "", progress.at_most ? "at most " : "",
+                     leftText(progress.left),
                      progress.stop.empty() ? "" : " | " + progress.stop,
                      progress.light.empty() ? "-" : progress.light, progress.robots_seen,
                      progress.robots_seen == 1 ? "" : "s", programs.empty() ? "no robot" : programs,
@@ -44,12 +55,14 @@ ProgressLine::~ProgressLine() {
 }
 
 void ProgressLine::show(const Progress& progress) {
-  try {
-    print(progress);
-  } catch (const std::system_error&) {
-    // Nobody reads any more (lab run ... | head): the run goes on without a line.
-    if (std::freopen("/dev/null", "w", stdout) == nullptr) return;
-  }
+  withoutReader([&] { print(progress); });
+}
+
+void printLine(std::string_view text) {
+  withoutReader([text] {
+    fmt::print("{}{}\n", isatty(STDOUT_FILENO) == 1 ? "\r\033[K" : "", text);
+    std::fflush(stdout);
+  });
 }
 
 void ProgressLine::print(const Progress& progress) {

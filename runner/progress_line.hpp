@@ -28,4 +28,7 @@ class ProgressLine {
 /// "12 s left | light: ABP | 3 of robots seen: 2 abp, 1 bp | 0 messages lost"
 [[nodiscard]] std::string progressText(const Progress& progress);
 
+/// Prints a line over the progress line, which comes again below.
+void printLine(std::string_view text);
+
 }  // namespace lab::runner

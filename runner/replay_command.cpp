@@ -5,17 +5,24 @@
 #include <csignal>
 #include <cstdio>
 #include <lab/clock_t.hpp>
+#include <lab/robot_state_t.hpp>
+#include <optional>
 
 #include "common/asio_loop.hpp"
 #include "common/channels.hpp"
+#include "common/experiment_places.hpp"
 #include "common/lcm_bus.hpp"
-#include "common/units.hpp"
+#include "common/node.hpp"
 #include "report/log_source.hpp"
 #include "runner/commands.hpp"
+#include "runner/dashboard_process.hpp"
 #include "runner/lab_registry.hpp"
-#include "runner/log_player.hpp"
+#include "runner/log_deck.hpp"
 #include "runner/network.hpp"
+#include "runner/progress_line.hpp"
 #include "runner/raw_terminal.hpp"
+#include "runner/run_directory.hpp"
+#include "runner/wish_desk.hpp"
 
 namespace lab::runner {
 namespace fs = std::filesystem;
@@ -24,21 +31,41 @@ namespace {
 constexpr std::int64_t kTick_us = 2'000;
 constexpr std::int64_t kShow_us = 250'000;
 constexpr std::int64_t kClock_us = 20'000;
+constexpr std::int64_t kStatus_us = 200'000;  // 5 Hz
+constexpr std::int64_t kLookAfter_us = 100'000;
+constexpr const char* kName = "replay";
 
 /// Sends a log's messages onto a bus of its own.
 class Player {
  public:
-  Player(const std::vector<LogEvent>& events, const ReplayOptions& options, const std::string& url)
+  /// @param page in a browser, nullptr: none
+  Player(const std::vector<LogEvent>& events, const ReplayOptions& options, const std::string& url,
+         const std::string& run, DashboardProcess* page)
       : events_(events),
         options_(options),
+        page_(page),
         bus_(url),
-        clock_(events.front().utime, loop_.now(), options.speed) {}
+        node_(bus_, loop_, {kName, robot_state_t::REPLAY, loop_.now()}),
+        deck_(events, run, options.speed,
+              options.loop ? AtEnd::kAgain : page != nullptr ? AtEnd::kStand : AtEnd::kOver,
+              loop_.now()) {
+    node_.subscribe<experiment_command_t>(channels::kExperimentCommand,
+                                          [this](const experiment_command_t& wish) {
+                                            if (deck_.isRecorded(wish)) return;
+                                            wishes_.take(wish);
+                                            sendStatus();
+                                            if (deck_.over()) loop_.stop();
+                                          });
+  }
 
   void execute() {
+    loop_.onReadable(bus_.fileDescriptor(), [this] { bus_.drain(); });
     loop_.onSignals({SIGINT, SIGTERM}, [this](int) { loop_.stop(); });
     if (terminal_.active()) loop_.onReadable(STDIN_FILENO, [this] { key(); });
     loop_.every(kTick_us, loop_.now(), [this] { send(); });
     if (needsClock()) loop_.every(kClock_us, loop_.now(), [this] { sendClock(); });
+    loop_.every(kStatus_us, loop_.now(), [this] { sendStatus(); });
+    if (page_ != nullptr) loop_.every(kLookAfter_us, loop_.now(), [this] { lookAfterPage(); });
     loop_.every(kShow_us, loop_.now(), [this] { show(); });
     loop_.run();
     show();
@@ -46,68 +73,88 @@ class Player {
   }
 
  private:
+  /// Whether the channel is among those that the user wants.
+  [[nodiscard]] bool isAsked(std::string_view channel) const {
+    const auto& wanted = options_.channels;
+    return wanted.empty() || std::ranges::find(wanted, channel) != wanted.end();
+  }
+
   /// A log of a live lab holds no CLOCK, and its time is not that of the wall any more.
   [[nodiscard]] bool needsClock() const {
-    const auto& wanted = options_.channels;
-    const bool asked =
-        wanted.empty() || std::ranges::find(wanted, channels::kClock) != wanted.end();
-    return asked &&
+    return isAsked(channels::kClock) &&
            std::ranges::find(events_, channels::kClock, &LogEvent::channel) == events_.end();
   }
 
   void sendClock() {
     clock_t message{};
-    message.utime = std::min(clock_.logTime(loop_.now()), events_.back().utime);
-    message.sender = "replay";
-    message.instance = started_;
-    message.seq = ++clock_seq_;
-    message.rate = clock_.paused() ? 0 : options_.speed;
-    bus_.publish(channels::kClock, encode(message));
+    message.utime = deck_.logTime(loop_.now());
+    message.rate = deck_.rate();
+    node_.publish(channels::kClock, message);
+  }
+
+  void sendStatus() {
+    if (!isAsked(channels::kExperimentStatus)) return;
+    experiment_status_t status = deck_.status(loop_.now());
+    wishes_.write(status);
+    node_.publish(channels::kExperimentStatus, status);
+  }
+
+  void lookAfterPage() {
+    page_->lookAfter([](const std::string& what) { printLine("web      " + what); });
   }
 
   void key() {
     char letter = 0;
     if (read(STDIN_FILENO, &letter, 1) != 1 || letter != ' ') return;
-    clock_.paused() ? clock_.resume(loop_.now()) : clock_.pause(loop_.now());
+    deck_.pauseOrResume(loop_.now());
+    sendStatus();
   }
 
   void send() {
-    const std::int64_t until = clock_.logTime(loop_.now());
-    for (; next_ < events_.size() && events_[next_].utime <= until; ++next_) {
-      const LogEvent& event = events_[next_];
-      bus_.publish(event.channel, asReplay(event.channel, event.data));
-    }
-    if (next_ < events_.size()) return;
-    if (!options_.loop) {
+    const std::int64_t now = loop_.now();
+    if (deck_.advance(now)) sendStatus();
+    if (deck_.over()) {
       loop_.stop();
       return;
     }
-    next_ = 0;
-    clock_ = ReplayClock(events_.front().utime, loop_.now(), options_.speed);
+    deck_.play(now, [this](const LogEvent& event) {
+      node_.forward(event.channel, asReplay(event.channel, event.data));
+    });
   }
 
   /// A quiet stretch of a log must not look like a hang: the time runs on.
   void show() const {
-    const std::int64_t first = events_.front().utime;
-    const std::int64_t last = events_.back().utime;
-    const std::int64_t now = std::min(clock_.logTime(loop_.now()), last);
     fmt::print("{}replay   {:.1f} of {:.1f} s, {} of {} messages{}{}",
-               terminal_.active() ? "\r\033[K" : "", units::seconds(now - first),
-               units::seconds(last - first), next_, events_.size(),
-               clock_.paused() ? ", paused (space goes on)" : "", terminal_.active() ? "" : "\n");
+               terminal_.active() ? "\r\033[K" : "", deck_.elapsed(loop_.now()), deck_.length(),
+               deck_.sent(), events_.size(), deck_.paused() ? ", paused (space goes on)" : "",
+               terminal_.active() ? "" : "\n");
     std::fflush(stdout);
   }
 
   const std::vector<LogEvent>& events_;
   const ReplayOptions& options_;
+  DashboardProcess* page_;
   AsioLoop loop_;
   LcmBus bus_;
-  ReplayClock clock_;
+  Node node_;
+  LogDeck deck_;
+  WishDesk wishes_{
+      [this](const experiment_command_t& wish) { return deck_.obey(wish, loop_.now()); }};
   RawTerminal terminal_;
-  std::size_t next_ = 0;
-  std::int64_t started_ = loop_.now();
-  std::int64_t clock_seq_ = 0;
 };
+
+/// @param run the folder of the run
+void startPage(std::optional<DashboardProcess>& page, const ReplayOptions& options,
+               const fs::path& run, const std::string& url) {
+  const fs::path experiment = run / files::kExperiment;
+  page.emplace(DashboardOptions{.program = options.programs / kOnlooker,
+                                .url = url,
+                                .experiment = fs::exists(experiment) ? experiment : fs::path(),
+                                .runs = run.parent_path(),
+                                .address_file = ownFile(".web"),
+                                .output = ownFile(".web.txt")});
+  page->start([](const std::string& what) { printLine("web      " + what); });
+}
 
 }  // namespace
 
@@ -125,7 +172,12 @@ ExitCode replay(const ReplayOptions& options) {
   const Registration registration(
       {name, url, getpid(), fs::absolute(log).parent_path().string(), true});
   fmt::print("lab      {}\nbus      {}\n", name, url);
-  Player(events, options, url).execute();
+  std::fflush(stdout);
+  std::optional<DashboardProcess> page;
+  if (options.web) startPage(page, options, fs::absolute(log).parent_path(), url);
+  Player(events, options, url, fs::absolute(log).parent_path().filename().string(),
+         page ? &*page : nullptr)
+      .execute();
   return kDone;
 }
 

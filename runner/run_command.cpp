@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <cstdlib>
 #include <optional>
 
 #include "common/experiment_file.hpp"
@@ -9,6 +10,7 @@
 #include "report/analyze_run.hpp"
 #include "report/report_error.hpp"
 #include "runner/commands.hpp"
+#include "runner/dashboard_process.hpp"
 #include "runner/launch.hpp"
 #include "runner/progress_line.hpp"
 #include "runner/run_directory.hpp"
@@ -33,6 +35,7 @@ bool isPoseFile(const fs::path& path) {
 }  // namespace
 
 ExitCode run(const RunOptions& options) {
+  const bool web = wantsDashboard(options.web, options.virtual_time, std::getenv("CI"));
   std::vector<std::string> set = options.set;
   if (options.seed) set.push_back("seed=" + std::to_string(*options.seed));
   Experiment experiment = loadExperiment(options.file, set);
@@ -46,7 +49,9 @@ ExitCode run(const RunOptions& options) {
               .out = options.out,
               .programs = options.programs,
               .set = options.set,
-              .virtual_time = options.virtual_time},
+              .virtual_time = options.virtual_time,
+              .web = web,
+              .web_address = options.web_address},
              std::move(experiment), [&line](const Progress& progress) { line->show(progress); });
 
   line.reset();

@@ -12,8 +12,12 @@
 #include "common/asio_loop.hpp"
 #include "common/channels.hpp"
 #include "common/experiment_file.hpp"
+#include "common/experiment_places.hpp"
 #include "common/lcm_bus.hpp"
+#include "runner/dashboard_process.hpp"
 #include "runner/exit_code.hpp"
+#include "runner/lab_registry.hpp"
+#include "runner/progress_line.hpp"
 #include "runner/remote_hosts.hpp"
 #include "runner/resume.hpp"
 #include "runner/supervisor.hpp"
@@ -104,6 +108,7 @@ class LiveRun {
     waitUntil([this] { return supervisor_.loggerWrites(); }, [this] { node_.ready(); },
               [this] { return "lcm-logger writes nothing" + lookInto(); });
     if (hosts() != nullptr) joinBuses();
+    startPage();
     supervisor_.startServices();
     waitUntil([this] { return supervisor_.missing().empty(); }, [] {},
               [this] {
@@ -113,6 +118,28 @@ class LiveRun {
     node_.start();
     if (seat_) seat_->begin();
     started_ = true;
+  }
+
+  /// It hears of the run from its first word, and nobody waits for it.
+  void startPage() {
+    if (!options_.web) return;
+    page_.emplace(DashboardOptions{.program = options_.programs / kOnlooker,
+                                   .url = options_.url,
+                                   .experiment = run_.directory / files::kExperiment,
+                                   .runs = fs::absolute(run_.directory).parent_path(),
+                                   .address_file = ownFile(".web"),
+                                   .address_copy = options_.web_address,
+                                   .output = supervisor_.logFolder() / "dashboard.txt"});
+    page_->start([this](const std::string& what) { sayOfPage(what); });
+  }
+
+  void lookAfterPage() {
+    if (page_) page_->lookAfter([this](const std::string& what) { sayOfPage(what); });
+  }
+
+  void sayOfPage(const std::string& what) {
+    printLine("web      " + what);
+    if (started_) conductor_.mark(what);
   }
 
   /// Nobody speaks before everybody can hear it.
@@ -149,6 +176,7 @@ class LiveRun {
         throw UserError(text);
       }
       meanwhile();
+      lookAfterPage();
       if (hosts() != nullptr) hosts()->attend();
       loop_.poll();
       std::this_thread::sleep_for(std::chrono::milliseconds(kTick_ms));
@@ -156,6 +184,7 @@ class LiveRun {
   }
 
   void endProcesses() {
+    page_.reset();
     supervisor_.endServices();
     supervisor_.endLogger();
     if (hosts() != nullptr) hosts()->leave();
@@ -174,6 +203,7 @@ class LiveRun {
 
   void lookAfter() {
     if (finishing_) return;
+    lookAfterPage();
     const bool all_up = supervisor_.revive(
         [this](const std::string& what) { conductor_.fault(what); }, [this] { return resume(); });
     if (!all_up) closeEarly("a process would not stay up");
@@ -199,6 +229,7 @@ class LiveRun {
       closeEarly(why);
       return;
     }
+    outcome_.interrupted = outcome_.interrupted || ending == Ending::kWished;
     outcome_.closed_early = outcome_.closed_early || ending == Ending::kUnmet;
     finish(why);
   }
@@ -227,6 +258,7 @@ class LiveRun {
     supervisor_.endServices();
     if (seat_) seat_->end();
     node_.close();
+    page_.reset();  // it has shown how the run ended
     for (int waited = 0; waited < kBusSettles_ms; waited += kTick_ms) {
       bus_.drain();
       std::this_thread::sleep_for(std::chrono::milliseconds(kTick_ms));
@@ -244,6 +276,7 @@ class LiveRun {
   Conductor conductor_;
   std::optional<PilotSeat> seat_;
   Supervisor supervisor_;
+  std::optional<DashboardProcess> page_;
   RunOutcome outcome_;
   bool started_ = false;
   bool finishing_ = false;

@@ -13,6 +13,8 @@ struct LiveOptions {
   std::filesystem::path lcm_logger;        ///< stock lcm-logger
   RemoteHosts* hosts = nullptr;            ///< other hosts, met already; nullptr: none
   int port = 0;                            ///< of the bus
+  bool web = false;                        ///< with a page in a browser
+  std::filesystem::path web_address;       ///< file for its address too, empty: none
   std::int64_t disk_reserve = 50'000'000;  ///< [bytes] a run is closed when less is left
 };
 

@@ -53,7 +53,9 @@ RunOutcome runVirtual(const PreparedRun& run, const ShowProgress& show,
   Conductor conductor({node, loop, run.experiment, run.directory}, run.effective,
                       [&](Ending ending, const std::string& because) {
                         why = because;
-                        outcome.closed_early = ending != Ending::kDone;
+                        outcome.interrupted = ending == Ending::kWished;
+                        outcome.closed_early =
+                            ending == Ending::kUnmet || ending == Ending::kBroken;
                         loop.stop();
                       });
   std::optional<PilotSeat> seat;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 #include "common/units.hpp"
@@ -13,6 +14,32 @@ void ScriptPlayer::begin(std::int64_t utime) {
   state_ = State::kStarting;
   start_utime_ = utime;
   end_utime_ = utime + units::microseconds(experiment_.duration);
+}
+
+void ScriptPlayer::pause(std::int64_t now) {
+  if (!paused_utime_) paused_utime_ = now;
+}
+
+void ScriptPlayer::resume(std::int64_t now) {
+  if (!paused_utime_) return;
+  const std::int64_t pause = now - *paused_utime_;
+  start_utime_ += pause;
+  step_utime_ += pause;
+  end_utime_ += pause;
+  paused_utime_.reset();
+}
+
+double ScriptPlayer::elapsed(std::int64_t now) const {
+  if (state_ == State::kWaiting) return 0;
+  return units::seconds(std::max<std::int64_t>(0, paused_utime_.value_or(now) - start_utime_));
+}
+
+double ScriptPlayer::stepLeft(std::int64_t now) const {
+  const auto end = state_ == State::kPlaying ? stepEnd() : std::nullopt;
+  if (!end || order_.isLast() || *end >= end_utime_) {
+    return std::numeric_limits<double>::quiet_NaN();
+  }
+  return units::seconds(std::max<std::int64_t>(0, *end - paused_utime_.value_or(now)));
 }
 
 void ScriptPlayer::take(const tracked_frame_t& frame) {
@@ -42,6 +69,7 @@ std::optional<std::int64_t> ScriptPlayer::stepEnd() const {
 }
 
 std::optional<std::int64_t> ScriptPlayer::due() const {
+  if (paused()) return std::nullopt;
   if (state_ == State::kStarting) return start_utime_;
   if (state_ != State::kPlaying) return std::nullopt;
   return std::min(stepEnd().value_or(end_utime_), end_utime_);
@@ -69,6 +97,7 @@ Turn ScriptPlayer::finish(Turn::Kind kind, std::string ended_by, std::string fau
 }
 
 std::optional<Turn> ScriptPlayer::turn(std::int64_t now) {
+  if (paused()) return std::nullopt;
   if (state_ == State::kStarting && now >= start_utime_) {
     state_ = State::kPlaying;
     return show(start_utime_, {}, {});

@@ -43,6 +43,15 @@ class ScriptPlayer {
 
   void begin(std::int64_t utime);
 
+  /// The script's clock stands: no step ends, and what is left of it and of the run stays. What a
+  /// step waits for may come about meanwhile; the next one then begins with resume().
+  void pause(std::int64_t now);
+
+  /// Everything that is still to come is later by the pause.
+  void resume(std::int64_t now);
+
+  [[nodiscard]] bool paused() const { return paused_utime_.has_value(); }
+
   void take(const tracked_frame_t& frame);
   void take(const robot_status_t& status);
   void take(const analysis_t& analysis);
@@ -53,11 +62,20 @@ class ScriptPlayer {
   [[nodiscard]] std::optional<Turn> turn(std::int64_t now);
 
   /// When turn() will have something to say at the latest.
-  /// Nothing before begin() and behind the last turn.
+  /// Nothing before begin(), in a pause and behind the last turn.
   [[nodiscard]] std::optional<std::int64_t> due() const;
 
-  /// When the run ends at the latest.
+  /// When the run ends at the latest, if no pause follows.
   [[nodiscard]] std::int64_t endUtime() const { return end_utime_; }
+
+  /// [s] of the script since begin(), without pauses.
+  [[nodiscard]] double elapsed(std::int64_t now) const;
+
+  /// [s] until the next step at the latest, nan: none follows.
+  [[nodiscard]] double stepLeft(std::int64_t now) const;
+
+  /// Of the step shown, counts from 0 over the whole run; -1: none.
+  [[nodiscard]] int number() const { return state_ == State::kPlaying ? number_ : -1; }
 
  private:
   [[nodiscard]] const LightStep& step() const { return experiment_.light.steps[order_.index()]; }
@@ -76,7 +94,8 @@ class ScriptPlayer {
   int number_ = 0;
   std::int64_t start_utime_ = 0;
   std::int64_t end_utime_ = 0;
-  std::int64_t step_utime_ = 0;  ///< when the step shown now began
+  std::int64_t step_utime_ = 0;  ///< when the step shown now began; later by the pauses since
+  std::optional<std::int64_t> paused_utime_;
 };
 
 }  // namespace lab::runner

@@ -81,6 +81,18 @@ TEST(Description, SaysWhoMayLookAndWhoMayDrive) {
   EXPECT_THAT(describeExperiment(experiment), HasSubstr("drive robots: 1"));
 }
 
+TEST(Description, SaysWhoElseSeesThePage) {
+  Experiment experiment = small();
+  EXPECT_THAT(describeExperiment(experiment), testing::Not(HasSubstr("dashboard")));
+  experiment.dashboard.address = "127.0.0.2";
+  EXPECT_THAT(describeExperiment(experiment), testing::Not(HasSubstr("dashboard")));
+  experiment.dashboard.address = "0.0.0.0";
+  EXPECT_THAT(describeExperiment(experiment), HasSubstr("listens on 0.0.0.0, unencrypted"));
+  EXPECT_THAT(describeExperiment(experiment), HasSubstr("buttons work on this machine only"));
+  experiment.dashboard.control_from_elsewhere = true;
+  EXPECT_THAT(describeExperiment(experiment), HasSubstr("drives robots and light"));
+}
+
 TEST(Description, NamesRunsOfIds) {
   EXPECT_THAT(describeExperiment(small("[[robots]]\nid = 5\ncount = 3\n[[robots]]\nid = 9\n")),
               HasSubstr("5 simulated (1, 5 to 7, 9)"));

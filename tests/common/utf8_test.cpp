@@ -1,8 +1,8 @@
-#include "dds_gateway/utf8.hpp"
+#include "common/utf8.hpp"
 
 #include <gtest/gtest.h>
 
-namespace lab::gateway {
+namespace lab {
 namespace {
 
 std::string repaired(std::string text) {
@@ -38,4 +38,4 @@ TEST(Utf8, TheStandardsExample) {
 }
 
 }  // namespace
-}  // namespace lab::gateway
+}  // namespace lab

@@ -1,10 +1,10 @@
-#include "dds_gateway/utf8.hpp"
+#include "common/utf8.hpp"
 
 #include <cstddef>
 #include <cstdint>
 #include <string_view>
 
-namespace lab::gateway {
+namespace lab {
 namespace {
 
 constexpr const char* kReplacement = "\xEF\xBF\xBD";
@@ -61,4 +61,4 @@ void repairUtf8(std::string& text) {
   text = std::move(repaired);
 }
 
-}  // namespace lab::gateway
+}  // namespace lab

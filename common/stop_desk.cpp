@@ -1,0 +1,93 @@
+#include "common/stop_desk.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace lab {
+namespace {
+
+constexpr std::size_t kMostKnown = 64;
+
+}  // namespace
+
+void StopDesk::ask(std::string by, std::string reason, std::int64_t seq, std::int8_t clear,
+                   std::int64_t now) {
+  robot_stop_t request{};
+  request.seq = seq;
+  request.clear = clear;
+  request.reason = std::move(reason);
+  begin(request, std::move(by), true, now);
+}
+
+void StopDesk::begin(const robot_stop_t& request, std::string by, bool own, std::int64_t now) {
+  known_.push_back(request.seq);
+  if (known_.size() > kMostKnown) known_.pop_front();
+  asked_ = true;
+  own_ = own;
+  by_ = std::move(by);
+  request_ = request;
+  begun_utime_ = now;
+  sent_utime_ = 0;
+  took_us_.reset();
+  for (auto& [robot, obeys] : obeys_) obeys = false;
+}
+
+void StopDesk::take(const robot_stop_t& stop, std::int64_t now) {
+  if (std::ranges::find(known_, stop.seq) != known_.end()) return;
+  begin(stop, stop.sender, false, now);
+}
+
+void StopDesk::take(const robot_status_t& status, std::int64_t now) {
+  for (const robot_state_t& robot : status.robots) {
+    if (robot.origin == robot_state_t::REPLAY) {
+      obeys_.erase(robot.robot_id);
+      continue;
+    }
+    obeys_[robot.robot_id] = isObeyedBy(robot);
+  }
+  if (!took_us_ && confirmed()) took_us_ = now - begun_utime_;
+}
+
+bool StopDesk::isObeyedBy(const robot_state_t& robot) const {
+  const bool stopped = (robot.flags & robot_state_t::FLAG_STOPPED) != 0;
+  return asked_ && stopped == (request_.clear == 0) && robot.stop_seq == request_.seq;
+}
+
+bool StopDesk::isAsked(std::int32_t robot) const {
+  const auto& ids = request_.robot_ids;
+  return asked_ && (ids.empty() || std::ranges::find(ids, robot) != ids.end());
+}
+
+std::vector<std::int32_t> StopDesk::unconfirmed() const {
+  std::vector<std::int32_t> ids;
+  for (const auto& [robot, obeys] : obeys_) {
+    if (!obeys && isAsked(robot)) ids.push_back(robot);
+  }
+  return ids;
+}
+
+std::size_t StopDesk::total() const {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(obeys_, [this](const auto& robot) { return isAsked(robot.first); }));
+}
+
+bool StopDesk::confirmed() const { return total() > 0 && unconfirmed().empty(); }
+
+StopDesk::State StopDesk::state() const {
+  if (!asked_) return State::kFree;
+  if (request_.clear != 0) return confirmed() ? State::kFree : State::kReleasing;
+  return confirmed() ? State::kStopped : State::kStopping;
+}
+
+std::optional<robot_stop_t> StopDesk::due(std::int64_t now) {
+  const bool young = now - begun_utime_ < kMeetEveryRobot_us;
+  if (!asked_ || !own_ || (confirmed() && !young)) return std::nullopt;
+  const bool may_tire = request_.clear != 0 || total() == 0;
+  if (may_tire && now - begun_utime_ > kPatience_us) return std::nullopt;
+  if (sent_utime_ != 0 && now - sent_utime_ < kRepeat_us) return std::nullopt;
+  sent_utime_ = now;
+  request_.utime = now;
+  return request_;
+}
+
+}  // namespace lab

@@ -1,0 +1,94 @@
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <spawn.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <fstream>
+
+#include "common/asio_loop.hpp"
+#include "common/experiment_places.hpp"
+#include "common/lcm_bus.hpp"
+#include "runner/commands.hpp"
+#include "runner/dashboard_process.hpp"
+#include "runner/lab_registry.hpp"
+#include "runner/machine.hpp"
+#include "runner/network.hpp"
+#include "runner/progress_line.hpp"
+
+namespace lab::runner {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr std::int64_t kLookAfter_us = 100'000;
+
+/// Shows a page in the user's browser, which lives on without us. Its address holds the token, and
+/// a command line is for everybody to read: the browser is led there by a file.
+void openInBrowser(const std::string& address, const fs::path& leads_there) {
+  const auto opener = findProgram("xdg-open");
+  if (!opener) {
+    printLine("web      there is no xdg-open: open the address yourself");
+    return;
+  }
+  writePrivately(leads_there, fmt::format("<!DOCTYPE html><meta charset=\"utf-8\">"
+                                          "<meta http-equiv=\"refresh\" content=\"0;url={}\">\n",
+                                          address));
+  std::string program = opener->string();
+  std::string page = leads_there.string();
+  char* arguments[] = {program.data(), page.data(), nullptr};
+  posix_spawnattr_t attributes;
+  posix_spawnattr_init(&attributes);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSID);
+  posix_spawn_file_actions_t files;
+  posix_spawn_file_actions_init(&files);
+  for (const int stream : {0, 1, 2}) {
+    posix_spawn_file_actions_addopen(&files, stream, "/dev/null", O_RDWR, 0);
+  }
+  pid_t pid = 0;
+  if (posix_spawn(&pid, program.c_str(), &files, &attributes, arguments, environ) != 0) {
+    printLine("web      xdg-open cannot be started: open the address yourself");
+  }
+  posix_spawn_file_actions_destroy(&files);
+  posix_spawnattr_destroy(&attributes);
+}
+
+/// What the page's program said, for somebody who has nothing else to look into.
+void showOutput(const fs::path& output) {
+  std::ifstream file(output);
+  for (std::string line; std::getline(file, line);) fmt::print(stderr, "{}\n", line);
+}
+
+}  // namespace
+
+ExitCode web(const WebOptions& options) {
+  const fs::path output = ownFile(".web.txt");
+  const fs::path leads_there = ownFile(".web.html");
+  AsioLoop loop;
+  DashboardProcess page({.program = options.programs / kOnlooker,
+                         .url = lcmUrl(choosePort(0)),
+                         .runs = fs::absolute(options.runs),
+                         .port = options.port,
+                         .address_file = ownFile(".web"),
+                         .output = output});
+  const auto say = [](const std::string& what) { printLine("web      " + what); };
+  bool opened = !options.open;
+  page.start(say);
+  loop.onSignals({SIGINT, SIGTERM, SIGHUP}, [&loop](int) { loop.stop(); });
+  loop.every(kLookAfter_us, loop.now(), [&] {
+    page.lookAfter(say);
+    if (page.givenUp()) loop.stop();
+    if (opened || page.address().empty()) return;
+    opened = true;
+    openInBrowser(page.address(), leads_there);
+  });
+  loop.run();
+  const bool failed = page.givenUp();
+  page.end();
+  if (failed) showOutput(output);
+  std::error_code error;
+  fs::remove(output, error);
+  fs::remove(leads_there, error);
+  return failed ? kFailed : kDone;
+}
+
+}  // namespace lab::runner
