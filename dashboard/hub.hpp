@@ -17,6 +17,9 @@ namespace lab::dashboard {
 /// since it last looked, once, in the order of the changes; what changed twice meanwhile comes once.
 /// A slow reader therefore skips, and no reader costs the publisher memory. A text is made once,
 /// however many read it. Safe to use from any thread.
+///
+/// A topic whose name begins with a dot is not sent to the page by itself, which has to ask:
+/// ".light", the raster of topic `light` as bytes (GET /api/light).
 class Hub {
  public:
   using Text = std::shared_ptr<const std::string>;

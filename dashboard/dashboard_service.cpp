@@ -1,0 +1,184 @@
+#include "dashboard/dashboard_service.hpp"
+
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <utility>
+
+#include "common/channels.hpp"
+#include "common/installation.hpp"
+#include "common/light_messages.hpp"
+#include "common/units.hpp"
+#include "dashboard/address_file.hpp"
+
+namespace lab::dashboard {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kName = "dashboard";
+constexpr std::int64_t kMove_us = 25'000;
+
+/// Images of the light, from the run's folder; a light without them is painted as far as it goes.
+light::ImageStore imagesOf(const Experiment& experiment, const fs::path& directory) {
+  try {
+    return loadImages(experiment, directory).store;
+  } catch (const std::exception&) {
+    return {};
+  }
+}
+
+/// Of the experiment file, empty: none was given.
+fs::path ownFolder(const ServiceContext& context) {
+  return context.experiment.name.empty() ? fs::path() : fs::absolute(context.directory / "");
+}
+
+WebOptions webOptions(const ServiceContext& context, const DashboardOptions& options) {
+  const Experiment& experiment = context.experiment;
+  WebOptions web;
+  if (!experiment.dashboard.address.empty()) web.address = experiment.dashboard.address;
+  web.port = options.port != 0 ? options.port : experiment.dashboard.port;
+  web.token = newToken();
+  web.control_from_elsewhere = experiment.dashboard.control_from_elsewhere;
+  web.runs = options.runs;
+  web.programs = context.programs;
+  web.experiments =
+      options.experiments.empty() ? installation().experiments : options.experiments;
+  web.camera_port = experiment.camera.debug_port;
+  if (options.address_file.empty()) return web;
+  if (const auto before = readAddressFile(options.address_file)) {
+    web.port = before->port;
+    web.token = before->token;
+  }
+  return web;
+}
+
+}  // namespace
+
+DashboardBus::DashboardBus(const ServiceContext& context, Hub& hub, const fs::path& runs,
+                           Server server)
+    : node_(context.node),
+      loop_(context.loop),
+      server_(std::move(server)),
+      view_(hub, node_.identity().name, node_.identity().instance,
+            [own = ownFolder(context), runs](const Experiment& experiment, const std::string& run) {
+              if (!own.empty()) return imagesOf(experiment, own);
+              return run.empty() ? light::ImageStore{} : imagesOf(experiment, runs / run);
+            }) {
+  if (const fs::path own = ownFolder(context); !own.empty()) {
+    view_.begin(context.experiment, own.parent_path().filename().string());
+  }
+  node_.overhear([this](const Packet& packet) { view_.take(packet, loop_.now()); });
+  loop_.every(kMove_us, loop_.now(), [this] {
+    sendWishes();
+    view_.publishMoving(loop_.now(), server_.viewers() > 0);
+  });
+  loop_.every(units::kSecond_us, loop_.now() + units::kSecond_us, [this] {
+    view_.publishSums(loop_.now(), server_.facts());
+    tellStreams();
+  });
+}
+
+std::string DashboardBus::wish(const Wish& wish) {
+  std::string refusal = view_.controls().wish(wish, loop_.now());
+  sendWishes();
+  return refusal;
+}
+
+std::optional<std::string> DashboardBus::ask(std::string_view what, std::string_view which) const {
+  return view_.ask(what, which, loop_.now());
+}
+
+void DashboardBus::sendWishes() {
+  DueCommands due = view_.controls().due(loop_.now());
+  if (due.stop) node_.publishCommand(channels::kRobotStop, *due.stop);
+  if (due.light) {
+    due.light->utime = 0;
+    node_.publishCommand(channels::kLightCommand, *due.light);
+  }
+  if (due.experiment) node_.publishCommand(channels::kExperimentCommand, *due.experiment);
+}
+
+/// What was overheard is counted by the view, and told in the heartbeat like any listener's.
+void DashboardBus::tellStreams() {
+  std::vector<stream_count_t> rows;
+  for (const auto& [key, stream] : view_.health().counter().streams()) {
+    stream_count_t row{};
+    row.channel = key.channel;
+    row.sender = key.sender;
+    row.instance = key.instance;
+    row.received = stream.received;
+    row.lost = stream.lost;
+    rows.push_back(row);
+  }
+  for (const auto& [channel, messages] : view_.health().notUnderstood()) {
+    stream_count_t row{};
+    row.channel = channel;
+    row.decode_errors = messages;
+    rows.push_back(row);
+  }
+  node_.reportStreams(std::move(rows));
+}
+
+DashboardService::DashboardService(const ServiceContext& context, const DashboardOptions& options)
+    : loop_(context.loop),
+      host_(ownHost()),
+      bus_(context, hub_, options.runs,
+           {.viewers = [this] { return viewers(); }, .facts = [this] { return facts(); }}),
+      inbox_({.wish = [this](const Wish& wish) { return bus_.wish(wish); },
+              .ask = [this](std::string_view what,
+                            std::string_view which) { return bus_.ask(what, which); }}) {
+  watch_ = context.descriptors.watch(inbox_.descriptor(), [this] { inbox_.serve(); });
+  server_ = std::make_unique<WebServer>(webOptions(context, options), hub_, inbox_);
+  if (!options.address_file.empty()) writeAddressFile(options.address_file, server_->address());
+  // The token is told to who started this, and stands in no log of a run.
+  const std::string address = server_->address();
+  spdlog::info("the page: {}",
+               options.address_file.empty() ? address : address.substr(0, address.find('#')));
+  context.loop.soon([&node = context.node] { node.ready(); });
+}
+
+DashboardService::~DashboardService() {
+  // Threads that wait for an answer go first, then those that wait for news.
+  inbox_.close();
+  hub_.close();
+  server_.reset();
+  watch_.reset();
+}
+
+int DashboardService::viewers() const { return server_ ? server_->viewers() : 0; }
+
+ServerFacts DashboardService::facts() {
+  ServerFacts facts;
+  facts.host = host_;
+  facts.pid = getpid();
+  facts.viewers = viewers();
+  if (server_) facts.refusals = server_->refusals();
+  facts.uses = meter_.measure(bus_.pids(host_), loop_.now());
+  return facts;
+}
+
+ServiceDescription serviceDescription() {
+  ServiceDescription description;
+  description.name = kName;
+  description.summary = "The lab in a browser: arena, light, curves, health, stop";
+  description.needs_experiment = false;
+  description.real_time_only = true;
+  const auto options = std::make_shared<DashboardOptions>();
+  description.add_options = [options](CLI::App& app) {
+    app.add_option("--port", options->port, "The first port that is tried, 0: as the experiment says")
+        ->check(CLI::Range(0, 65535));
+    app.add_option("--runs", options->runs, "Folder of past runs")->capture_default_str();
+    app.add_option("--experiments", options->experiments, "Folder of the shipped experiments");
+    app.add_option("--address-file", options->address_file,
+                   "Where the page's address is written; what stands there already is used again");
+  };
+  description.make = [options](const ServiceContext& context) -> std::unique_ptr<Service> {
+    return std::make_unique<DashboardService>(context, *options);
+  };
+  return description;
+}
+
+}  // namespace lab::dashboard

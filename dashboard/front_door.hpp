@@ -1,0 +1,69 @@
+/// The listening socket, who came in, and the threads that serve them.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+
+namespace httplib {
+class ThreadPool;
+}
+
+namespace lab::dashboard {
+
+/// Takes connections and hands each to `serve` on a thread of its own, at most kMost at once. Who
+/// has not yet said what they want makes room for who comes: silent clients, however many, keep
+/// nobody out.
+class FrontDoor {
+ public:
+  static constexpr int kMost = 64;
+
+  /// Called with a socket that does not block, and whether there is room for another client: if
+  /// not, it is to be told so. Closed behind it.
+  using Serve = std::function<void(int socket, bool room)>;
+
+  /// Takes the first free port from `port` on; 0: any free one.
+  /// @throws std::runtime_error when none of 100 is free or the address is not this machine's.
+  FrontDoor(const std::string& address, int port);
+  ~FrontDoor();
+  FrontDoor(const FrontDoor&) = delete;
+  FrontDoor& operator=(const FrontDoor&) = delete;
+
+  [[nodiscard]] int port() const { return port_; }
+
+  /// Begins. Once.
+  void open(Serve serve);
+
+  /// Says that what this client wants is known: it keeps its place. From `serve`.
+  void settled(int socket);
+
+  /// Turns everybody out and waits until they have gone.
+  void close();
+
+ private:
+  struct Guest {
+    std::chrono::steady_clock::time_point since;
+    bool settled = false;
+  };
+
+  void acceptAll();
+  bool enter(int socket);
+  void leave(int socket);
+
+  int listener_ = -1;
+  int bell_ = -1;  ///< an eventfd: wakes the accepting thread for its end
+  int port_ = 0;
+  Serve serve_;
+  std::atomic<bool> closing_ = false;
+  std::mutex mutex_;
+  std::map<int, Guest> guests_;
+  std::unique_ptr<httplib::ThreadPool> threads_;
+  std::thread accepting_;
+};
+
+}  // namespace lab::dashboard

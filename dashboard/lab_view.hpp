@@ -1,0 +1,120 @@
+/// The lab as the page shows it: from messages to topics. No bus, no clock.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <lab/experiment_status_t.hpp>
+#include <lab/light_delivery_t.hpp>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+
+#include "common/bus.hpp"
+#include "dashboard/controls.hpp"
+#include "dashboard/correlation_view.hpp"
+#include "dashboard/curves_view.hpp"
+#include "dashboard/health_view.hpp"
+#include "dashboard/history_view.hpp"
+#include "dashboard/hub.hpp"
+#include "dashboard/lab_sheet.hpp"
+#include "dashboard/light_picture.hpp"
+#include "dashboard/process_meter.hpp"
+#include "dashboard/robots_view.hpp"
+#include "dashboard/run_times.hpp"
+#include "dashboard/timeline_view.hpp"
+#include "dashboard/tracks_view.hpp"
+#include "dashboard/web_server.hpp"
+
+namespace lab::dashboard {
+
+/// What topic `health` says of the server itself.
+struct ServerFacts {
+  std::string host;
+  std::int32_t pid = 0;
+  int viewers = 0;
+  Refusals refusals;
+  std::map<std::int32_t, ProcessUse> uses;  ///< of processes on this host
+};
+
+/// Takes every message of the bus, and puts what follows from it into the hub. Its memory is
+/// bounded, however long the lab runs. Times are us since 1970.
+class LabView {
+ public:
+  static constexpr std::int64_t kFrame_us = 50'000;  ///< 20 Hz
+
+  /// The images of an experiment's light, by the name of its run.
+  using Images = std::function<light::ImageStore(const Experiment&, const std::string& run)>;
+
+  /// @param sender, instance of the dashboard itself: its own messages come back from the bus
+  LabView(Hub& hub, std::string sender, std::int64_t instance, Images images);
+
+  /// The experiment by its file, before anything was heard.
+  void begin(const Experiment& experiment, const std::string& run);
+
+  void take(const Packet& packet, std::int64_t now);
+
+  /// At 40 Hz: what moves, at 20 Hz at most, and what changed.
+  /// @param watched somebody looks at the page
+  void publishMoving(std::int64_t now, bool watched);
+
+  /// Every second: what adds up.
+  void publishSums(std::int64_t now, const ServerFacts& server);
+
+  /// Of LabPort::ask().
+  [[nodiscard]] std::optional<std::string> ask(std::string_view what, std::string_view which,
+                                               std::int64_t now) const;
+
+  [[nodiscard]] Controls& controls() { return controls_; }
+  [[nodiscard]] const HealthView& health() const { return health_; }
+
+ private:
+  using Take = std::function<bool(Bytes, std::int64_t now)>;
+
+  template <class Message>
+  void on(std::string_view channel,
+          std::function<void(const Message&, std::int64_t now)> handler);
+  void subscribe();
+  [[nodiscard]] bool isWanted(std::string_view channel, const Header& header);
+  void take(const experiment_event_t& event, std::int64_t now);
+  void take(const experiment_status_t& status, std::int64_t now);
+  void clearRun();
+  void useExperiment();
+  void publish(std::string_view topic, std::string text);
+  void publishPart(const std::string& kind, const std::string& name, std::string text);
+  void publishPools();
+  [[nodiscard]] Json healthJson(std::int64_t now, const ServerFacts& server) const;
+  [[nodiscard]] std::string cameraJson() const;
+
+  Hub& hub_;
+  std::string sender_;
+  std::int64_t instance_;
+  Images images_;
+  std::map<std::string, Take, std::less<>> takes_;
+
+  LabSheet sheet_;
+  RobotsView robots_{sheet_};
+  TracksView tracks_;
+  RunTimes run_times_{sheet_};
+  CurvesView curves_;
+  CorrelationView correlation_{sheet_};
+  HistoryView history_;
+  TimelineView timeline_;
+  HealthView health_;
+  LightPicture light_;
+  Controls controls_;
+  std::optional<experiment_status_t> script_;
+  std::optional<light_delivery_t> delivery_;
+
+  std::map<std::string, std::int64_t, std::less<>> frames_;  ///< number of the last one, by sender
+  std::set<std::string> parts_;                              ///< topics with a name in them
+  std::int64_t bus_utime_ = 0;                               ///< others were heard, 0: never
+  std::int64_t light_utime_ = 0;
+  std::int64_t frame_utime_ = 0;  ///< when topic `frame` was made
+  std::uint64_t frame_count_ = 0;
+  std::uint64_t timeline_version_ = 0;
+  bool sheet_changed_ = true;
+};
+
+}  // namespace lab::dashboard

@@ -1,0 +1,58 @@
+/// The light on the arena as a small picture.
+#pragma once
+
+#include <cstdint>
+#include <lab/light_status_t.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "light/image.hpp"
+#include "light/raster.hpp"
+
+namespace lab::dashboard {
+
+class LightPicture {
+ public:
+  static constexpr std::int64_t kPeriod_us = 200'000;  ///< 5 Hz
+  static constexpr int kColumns = 120;
+
+  /// @param width,height of the arena [m]
+  void setArena(double width, double height);
+  void setImages(light::ImageStore images);
+
+  void take(const light_status_t& status);
+  void clear();
+
+  /// Paints where the light is another than in the picture and the picture is old enough.
+  /// @return whether there is a new picture.
+  bool paint(std::int64_t now);
+
+  [[nodiscard]] bool known() const { return status_.has_value(); }
+  [[nodiscard]] const std::optional<light_status_t>& status() const { return status_; }
+
+  /// Of topic `light`.
+  /// @param conductor sender of the script's light
+  [[nodiscard]] std::string json(const std::string& conductor) const;
+
+  /// columns x rows bytes, the top row first.
+  [[nodiscard]] const std::vector<std::uint8_t>& pixels() const { return pixels_; }
+
+ private:
+  [[nodiscard]] int rows() const;
+
+  double width_ = 1.2;
+  double height_ = 0.9;
+  light::ImageStore images_;
+  std::optional<light_status_t> status_;
+  std::optional<light::Field> painted_;
+  std::optional<light::FramePainter> painter_;
+  std::int64_t painted_utime_ = 0;
+  bool news_ = false;
+  std::vector<std::uint8_t> pixels_;
+  std::int64_t version_ = 0;
+  double mean_ = 0;
+  std::string trouble_;  ///< why the light cannot be painted
+};
+
+}  // namespace lab::dashboard

@@ -1,0 +1,64 @@
+// Whether the page is told anything, in words.
+
+import {find, setText} from "./dom.js";
+import {seconds} from "./format.js";
+
+const PULSE_MS = 3000;
+const BUS_S = 2;
+
+export class Connection {
+  constructor(stream) {
+    const began = performance.now();
+    const show = () => {
+      const silent = performance.now() - (stream.lastPulse || began);
+      const bus = stream.topics.get("pulse")?.bus_silent_s ?? 0;
+      const [level, text, short] = state(stream, silent, bus);
+      const banner = find("banner");
+      banner.hidden = !text;
+      banner.dataset.level = level;
+      setText(banner, text);
+      setText(find("link-text"), short);
+      find("link-lamp").dataset.state = level;
+      document.body.classList.toggle(
+          "no-lab",
+          !stream.topics.has("lab") && !stream.topics.has("frame") && stream.lastPulse > 0);
+    };
+    setInterval(show, 250);
+    stream.on("pulse", show);
+    stream.on("lab", (lab) => {
+      document.title = `${lab.name ?? lab.run} - Active Lab`;
+      setText(find("run-name"), lab.run ?? lab.name ?? "Active Lab");
+      setText(find("run-text"), lab.description ?? "");
+      setText(find("version"), lab.version ?? "");
+    });
+  }
+}
+
+/** @return [level, banner, short] */
+function state(stream, silent, bus) {
+  const topics = stream.topics;
+  const ended = topics.get("script")?.phase === "ended" || topics.get("timeline")?.end;
+  if (ended && !topics.has("player")) {
+    const why = topics.get("timeline")?.end?.text;
+    const folder = topics.get("lab")?.run ?? "";
+    const next = "lab web shows it here, lab run FILE starts another.";
+    const text = `the run has ended${why ? `: ${why}` : ""}.`;
+    return [
+      "ended", `${text} Its report stands in the run's folder ${folder}; ${next}`, "run has ended"
+    ];
+  }
+  if (silent > PULSE_MS) {
+    const since = new Date(Date.now() - silent).toLocaleTimeString([], {hour12: false});
+    const heard = stream.lastPulse ?
+        `no word from the server since ${since}, trying again; what is shown is old` :
+        "the server has not said anything yet, trying again";
+    return ["bad", heard, "no server"];
+  }
+  if (bus > BUS_S && !topics.has("lab")) return ["quiet", "", "no lab is running"];
+  if (bus > BUS_S) {
+    const next = "lab spy shows who speaks, lab doctor what is wrong with this machine";
+    const text = `the lab is silent for ${seconds(bus)}: what is shown is old. ${next}`;
+    return ["bad", text, "lab is silent"];
+  }
+  return ["good", "", topics.has("lab") ? "live" : "connected"];
+}

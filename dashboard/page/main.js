@@ -1,0 +1,77 @@
+// Puts the page together.
+
+import {ArenaView} from "./arena_view.js";
+import {CameraPicture} from "./camera.js";
+import {Connection} from "./connection.js";
+import {Controls} from "./controls.js";
+import {Curves} from "./curves.js";
+import {find} from "./dom.js";
+import {Estimates} from "./estimates.js";
+import {Health} from "./health.js";
+import {listenToKeys} from "./keys.js";
+import {Player} from "./player.js";
+import {setPrograms} from "./programs.js";
+import {RobotPanel} from "./robot_panel.js";
+import {Runs} from "./runs.js";
+import {Start} from "./start.js";
+import {Stream} from "./stream.js";
+import {Timeline} from "./timeline.js";
+
+function listenToTheme() {
+  const root = document.documentElement;
+  const kept = localStorage.getItem("lab-theme");
+  if (kept) root.dataset.theme = kept;
+  find("theme").addEventListener("click", () => {
+    const dark = root.dataset.theme ? root.dataset.theme === "dark" :
+                                      matchMedia("(prefers-color-scheme: dark)").matches;
+    root.dataset.theme = dark ? "light" : "dark";
+    localStorage.setItem("lab-theme", root.dataset.theme);
+  });
+}
+
+listenToTheme();
+const stream = new Stream();
+let run = null;
+stream.on("lab", (lab) => {
+  if (run !== null && run !== lab.run)
+    for (const old of ["pool/", "history/", "runtimes/"]) stream.forget(old);
+  run = lab.run;
+  setPrograms(lab.programs ?? []);
+});
+const view = new ArenaView(stream);
+const controls = new Controls(stream);
+const curves = new Curves(stream);
+const estimates = new Estimates(stream, curves);
+const robot = new RobotPanel(stream, view);
+const runs = new Runs(stream);
+new Connection(stream);
+new Timeline(stream);
+new Health(stream);
+new Player(stream);
+new CameraPicture(stream);
+new Start(stream, controls);
+listenToKeys(view, controls);
+stream.run();
+
+/** What tests look at. */
+window.labPage = {
+  stream,
+  view,
+  controls,
+  get fps() {
+    return view.fps;
+  },
+  get drawMs() {
+    return view.drawMs;
+  },
+  get charts() {
+    return {
+      ...curves.charts(),
+      history: estimates.chart(),
+      speed: robot.chart(),
+      compare: runs.charts().msd
+    };
+  },
+  robots: () => [...view.arena.present()].map(
+      ({id, x, y, angle, program}) => ({id, x, y, angle, program})),
+};

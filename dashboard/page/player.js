@@ -1,0 +1,34 @@
+// The slider of a recorded run.
+
+import {wish} from "./api.js";
+import {find, setText} from "./dom.js";
+import {stopwatch} from "./format.js";
+
+export class Player {
+  constructor(stream) {
+    const [at, go, speed] = ["player-at", "player-go", "player-speed"].map(find);
+    let held = 0;  // [ms] until when the slider belongs to the hand
+    let paused = false;
+    stream.on("player", (player) => {
+      find("player").hidden = false;
+      paused = player.paused;
+      at.max = String(player.length_s ?? 1);
+      if (performance.now() > held) at.value = String(player.at_s ?? 0);
+      if (document.activeElement !== speed) speed.value = String(player.speed ?? 1);
+      setText(go, player.paused ? "play" : "pause");
+      setText(find("player-text"), `${stopwatch(player.at_s)} of ${stopwatch(player.length_s)}`);
+      at.setAttribute("aria-valuetext", find("player-text").textContent);
+    });
+    at.addEventListener("input", () => {
+      held = performance.now() + 1500;
+      setText(
+          find("player-text"), `${stopwatch(Number(at.value))} of ${stopwatch(Number(at.max))}`);
+    });
+    at.addEventListener("change", () => {
+      held = performance.now() + 800;
+      wish("seek", {to_s: Number(at.value)});
+    });
+    go.addEventListener("click", () => wish(paused ? "resume" : "pause"));
+    speed.addEventListener("change", () => wish("speed", {speed: Number(speed.value)}));
+  }
+}

@@ -1,0 +1,46 @@
+/// Where the robots were during the last minute.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <lab/tracked_frame_t.hpp>
+#include <string>
+#include <vector>
+
+namespace lab::dashboard {
+
+/// One place of each robot for each fifth of a second.
+class TracksView {
+ public:
+  static constexpr std::int64_t kStep_us = 200'000;
+  static constexpr std::size_t kSteps = 301;  ///< 60 s
+  static constexpr std::size_t kMostRobots = 500;
+
+  void take(const tracked_frame_t& frame);
+  void clear() { steps_.clear(); }
+
+  /// Of `trails`: `{"step_s", "robots": {"ID": [x_cm, y_cm, ...]}}`, newest last, null where a robot
+  /// was not seen.
+  [[nodiscard]] std::string trailsJson() const;
+
+  /// Of `speeds`: `{"t_s": [], "speed_cm_s": []}`, each over one step, t_s at its middle.
+  [[nodiscard]] std::string speedsJson(std::int32_t robot) const;
+
+  [[nodiscard]] std::size_t steps() const { return steps_.size(); }
+
+ private:
+  struct Place {
+    std::int32_t robot = 0;
+    float x = 0;  ///< [m]
+    float y = 0;  ///< [m]
+  };
+  struct Step {
+    std::int64_t number = 0;
+    std::int64_t utime = 0;
+    std::vector<Place> places;
+  };
+
+  std::deque<Step> steps_;
+};
+
+}  // namespace lab::dashboard
