@@ -1,0 +1,83 @@
+#!/usr/bin/env python3
+"""The tests of the manual notice what they are there for: each of these pages is wrong.
+
+    in_private_network.sh can_fail_test.py PROGRAMS
+"""
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parent.parent
+PROGRAMS = ""
+
+GOOD = """# A page
+```sh
+./lab theory abp v_cm_s=3 epsilon_s=0.5 eta_rad_s=3 --lags 1
+```
+<!-- test: exit 2 -->
+```sh
+./lab check nothing.toml
+```
+<!-- test: skip needs a robot -->
+```sh
+./lab flash --port /dev/ttyUSB0
+```
+<!-- test: saved mine.toml -->
+```toml
+[arena]
+width_cm = 100
+```
+```sh
+cat mine.toml
+```
+"""
+WRONG = {  # what is changed in the good page, and what is said of it
+    "a command that fails": (("--lags 1", "--lags nan"), "exit code of"),
+    "an option that is gone": (("--lags 1", "--lagz 1"), "lab theory has no option --lagz"),
+    "an option of a command that is not run": (("--port", "--prot"),
+                                               "lab flash has no option --prot"),
+    "a command that is gone": (("lab flash", "lab flush"), "lab has no command flush"),
+    "another exit code": (("exit 2", "exit 3"), "exit code of"),
+    "no reason": (("skip needs a robot", "skip"), "say why it is not run"),
+    "an unknown mark": (("skip needs", "slip needs"), "no such mark: slip"),
+    "a mark before nothing": (("# A page\n", "# A page\n<!-- test: exit 2 -->\n\n"),
+                              "before no block"),
+    "a block without its language": (("```sh\n./lab theory", "```\n./lab theory"), "not marked"),
+    "an unknown key": (("width_cm", "widht_cm"), "unknown key"),
+    "a file that is gone": (("# A page\n", "# A page\n`./lab check experiments/gone.toml`\n"),
+                            "there is no experiments/gone.toml"),
+}
+
+
+def said_of(page):
+    with tempfile.TemporaryDirectory() as folder:
+        root = Path(folder)
+        for name in ("experiments", "examples", "lcmtypes", "lab"):
+            (root / name).symlink_to(ROOT / name)
+        (root / "page.md").write_text(page, encoding="utf-8")
+        test = str(HERE / "commands_test.py")
+        ended = subprocess.run([sys.executable, "-B", test, folder, PROGRAMS, "page.md"],
+                               text=True, capture_output=True, timeout=100, check=False)
+        return ended.returncode, ended.stderr
+
+
+class TestsOfTheManual(unittest.TestCase):
+    def test_let_a_good_page_pass(self):
+        code, said = said_of(GOOD)
+        self.assertEqual(code, 0, said)
+
+    def test_fail_on_wrong_pages(self):
+        for name, ((old, new), expected) in WRONG.items():
+            with self.subTest(name):
+                self.assertIn(old, GOOD)
+                code, said = said_of(GOOD.replace(old, new))
+                self.assertNotEqual(code, 0)
+                self.assertIn(expected, said)
+
+
+if __name__ == "__main__":
+    PROGRAMS = str(Path(sys.argv[1]).resolve())
+    unittest.main(argv=[sys.argv[0], *sys.argv[2:]])
