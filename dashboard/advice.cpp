@@ -56,7 +56,8 @@ void onServices(const AdviceFacts& facts, std::vector<Advice>& out) {
     if (row.hasEnded()) continue;
     const double silent = units::seconds(facts.now - row.heard_utime);
     if (facts.now - row.heard_utime > HealthView::kSilent_us && !facts.ended) {
-      out.push_back({Level::kError, fmt::format("{} has said nothing for {:.0f} s", at(row), silent),
+      out.push_back({Level::kError,
+                     fmt::format("{} has said nothing for {:.0f} s", at(row), silent),
                      fmt::format("the lab starts a service that ended again; if it stays silent, "
                                  "read logs/{}.log in the run's folder, or end the run",
                                  status.sender)});
@@ -93,7 +94,8 @@ void onStreams(const AdviceFacts& facts, std::vector<Advice>& out) {
   }
   for (const auto& [sender, ahead] : facts.health.ahead()) {
     out.push_back({Level::kError,
-                   fmt::format("the clock of {} is {:.1f} s ahead of this machine's", sender, ahead),
+                   fmt::format("the clock of {} is {:.1f} s ahead of this machine's", sender,
+                               ahead),
                    "set the clocks of all hosts by NTP or PTP; a clock that jumped spoils delays"});
   }
 }

@@ -20,7 +20,8 @@
 namespace lab::dashboard {
 
 /// Of one program: sums over pairs of headings, some multiple of a step apart in free time. Errors
-/// by the jackknife over blocks of time and robots; where these are many, blocks of time are merged.
+/// by the jackknife over blocks of time and robots; where these are many, blocks of time are
+/// merged.
 class HeadingCorrelation {
  public:
   static constexpr std::size_t kLags = 24;

@@ -168,7 +168,8 @@ ServiceDescription serviceDescription() {
   description.real_time_only = true;
   const auto options = std::make_shared<DashboardOptions>();
   description.add_options = [options](CLI::App& app) {
-    app.add_option("--port", options->port, "The first port that is tried, 0: as the experiment says")
+    app.add_option("--port", options->port,
+                   "The first port that is tried, 0: as the experiment says")
         ->check(CLI::Range(0, 65535));
     app.add_option("--runs", options->runs, "Folder of past runs")->capture_default_str();
     app.add_option("--experiments", options->experiments, "Folder of the shipped experiments");

@@ -132,7 +132,8 @@ std::string LabSheet::json() const {
   }
   Json bands = Json::array();
   for (const LightBand& band : e.light_table.bands) {
-    bands.push_back({{"low", number(band.low)}, {"high", number(band.high)}, {"program", band.program}});
+    bands.push_back(
+        {{"low", number(band.low)}, {"high", number(band.high)}, {"program", band.program}});
   }
   return toText({{"run", run_},
                  {"name", e.name},

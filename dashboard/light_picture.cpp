@@ -55,7 +55,8 @@ void LightPicture::clear() {
 }
 
 bool LightPicture::paint(std::int64_t now) {
-  if (!status_ || !news_ || (painted_utime_ != 0 && now - painted_utime_ < kPeriod_us)) return false;
+  const bool young = painted_utime_ != 0 && now - painted_utime_ < kPeriod_us;
+  if (!status_ || !news_ || young) return false;
   news_ = false;
   painted_utime_ = now;
   ++version_;
@@ -64,10 +65,6 @@ bool LightPicture::paint(std::int64_t now) {
   if (!problem && field.mix < 1) problem = light::validate(field.previous);
   trouble_ = problem.value_or("");
   if (problem) return true;
-  const bool black = std::ranges::any_of(field.layers, [](const light::Layer& layer) {
-    return layer.kind == light::LayerKind::kImage && !layer.pixels;
-  });
-  if (black) trouble_ = "an image of this light is not at hand here: painted black";
   if (painted_ == field) return true;  // the words are new
   if (!painter_) painter_.emplace(width_, height_, kColumns, rows());
   const light::Raster& raster = painter_->paint(field);

@@ -14,7 +14,8 @@ namespace lab::dashboard {
 
 /// A robot counts a tumble as it begins, and its run time stands still while it tumbles: the least
 /// run time heard under one count is that of all runs before this tumble, exactly where a message
-/// was sampled within the tumble. Only runs between two counted tumbles that follow each other count.
+/// was sampled within the tumble. Only runs between two counted tumbles that follow each other
+/// count.
 class RunTimes {
  public:
   static constexpr std::size_t kBins = 24;

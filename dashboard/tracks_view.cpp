@@ -56,7 +56,8 @@ std::string TracksView::trailsJson() const {
                      place.y * kCm);
     }
   }
-  std::string text = fmt::format("{{\"step_s\":{},\"robots\":{{", static_cast<double>(kStep_us) / 1e6);
+  std::string text =
+      fmt::format("{{\"step_s\":{},\"robots\":{{", static_cast<double>(kStep_us) / 1e6);
   for (auto& [robot, trail] : trails) {
     fill(trail, end);
     trail.text.pop_back();

@@ -19,8 +19,8 @@ class TracksView {
   void take(const tracked_frame_t& frame);
   void clear() { steps_.clear(); }
 
-  /// Of `trails`: `{"step_s", "robots": {"ID": [x_cm, y_cm, ...]}}`, newest last, null where a robot
-  /// was not seen.
+  /// Of `trails`: `{"step_s", "robots": {"ID": [x_cm, y_cm, ...]}}`, newest last, null where a
+  /// robot was not seen.
   [[nodiscard]] std::string trailsJson() const;
 
   /// Of `speeds`: `{"t_s": [], "speed_cm_s": []}`, each over one step, t_s at its middle.

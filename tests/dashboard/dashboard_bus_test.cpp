@@ -129,6 +129,8 @@ TEST(DashboardBus, TellsInItsHeartbeatWhatItHeardAndNeverComplains) {
   EXPECT_EQ(last.last_error, "") << "the conductor marks the run for whatever a service says here";
 }
 
+std::optional<std::string> nothing(std::string_view, std::string_view) { return std::nullopt; }
+
 TEST(LabInbox, AnswersFromTheLoopsThread) {
   const auto loop_thread = std::this_thread::get_id();
   std::thread::id answered;
@@ -164,7 +166,7 @@ TEST(LabInbox, WhatWaitedTooLongIsNeverDone) {
                       ++done;
                       return std::string();
                     },
-                .ask = [](std::string_view, std::string_view) { return std::optional<std::string>(); }},
+                .ask = nothing},
                std::chrono::milliseconds(20));
   EXPECT_THAT(dut.wish(StopRobots{}), HasSubstr("nothing was done"));
   dut.serve();
@@ -173,7 +175,7 @@ TEST(LabInbox, WhatWaitedTooLongIsNeverDone) {
 
 TEST(LabInbox, ClosedItRefusesAtOnce) {
   LabInbox dut({.wish = [](const Wish&) { return std::string(); },
-                .ask = [](std::string_view, std::string_view) { return std::optional<std::string>(); }},
+                .ask = nothing},
                std::chrono::hours(1));
   std::string refusal;
   std::thread web([&] { refusal = dut.wish(PauseScript{}); });

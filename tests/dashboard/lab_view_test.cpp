@@ -17,7 +17,9 @@ namespace {
 using testing::HasSubstr;
 
 struct Bench {
-  Bench() : dut(hub, "dashboard", 9, [](const auto&, const auto&) { return light::ImageStore{}; }) {}
+  Bench()
+      : dut(hub, "dashboard", 9,
+            [](const auto&, const auto&) { return light::ImageStore{}; }) {}
 
   template <class Message>
   void send(std::string_view channel, Message message, std::int64_t now) {

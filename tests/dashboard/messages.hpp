@@ -42,7 +42,7 @@ eta_rad_s = 3
 model = "rtp"
 v_cm_s = 4
 gamma_per_s = 0.5
-tau_t_s = 0.3
+tau_t_s = 0.5
 
 [light_table]
 bands = [
