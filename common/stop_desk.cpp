@@ -24,6 +24,7 @@ void StopDesk::begin(const robot_stop_t& request, std::string by, bool own, std:
   if (known_.size() > kMostKnown) known_.pop_front();
   asked_ = true;
   own_ = own;
+  adopted_ = false;
   by_ = std::move(by);
   request_ = request;
   begun_utime_ = now;
@@ -38,6 +39,7 @@ void StopDesk::take(const robot_stop_t& stop, std::int64_t now) {
 }
 
 void StopDesk::take(const robot_status_t& status, std::int64_t now) {
+  if (!asked_) adopt(status, now);
   for (const robot_state_t& robot : status.robots) {
     if (robot.origin == robot_state_t::REPLAY) {
       obeys_.erase(robot.robot_id);
@@ -45,21 +47,49 @@ void StopDesk::take(const robot_status_t& status, std::int64_t now) {
     }
     obeys_[robot.robot_id] = isObeyedBy(robot);
   }
-  if (!took_us_ && confirmed()) took_us_ = now - begun_utime_;
+  if (!took_us_ && !adopted_ && confirmed()) took_us_ = now - begun_utime_;
+  const auto obeys = [](const auto& robot) { return robot.second; };
+  if (adopted_ && std::ranges::none_of(obeys_, obeys)) asked_ = adopted_ = false;  // it is over
+}
+
+void StopDesk::adopt(const robot_status_t& status, std::int64_t now) {
+  for (const robot_state_t& robot : status.robots) {
+    const bool stopped = (robot.flags & robot_state_t::FLAG_STOPPED) != 0;
+    if (!stopped || robot.origin == robot_state_t::REPLAY) continue;
+    robot_stop_t request{};
+    request.seq = robot.stop_seq;
+    begin(request, "", false, now);
+    // Its repetition is the first that is heard of it: who asked, and why.
+    known_.pop_back();
+    adopted_ = true;
+    return;
+  }
+}
+
+void StopDesk::newRun() {
+  if (!own_ || state() == State::kFree) {
+    *this = StopDesk();
+  } else {
+    obeys_.clear();
+  }
 }
 
 bool StopDesk::isObeyedBy(const robot_state_t& robot) const {
   const bool stopped = (robot.flags & robot_state_t::FLAG_STOPPED) != 0;
-  return asked_ && stopped == (request_.clear == 0) && robot.stop_seq == request_.seq;
+  if (!asked_) return false;
+  // A robot that came later has never been stopped and is free as wanted.
+  if (request_.clear != 0) return !stopped;
+  return stopped && (adopted_ || robot.stop_seq == request_.seq);
 }
 
 bool StopDesk::isAsked(std::int32_t robot) const {
   const auto& ids = request_.robot_ids;
-  return asked_ && (ids.empty() || std::ranges::find(ids, robot) != ids.end());
+  return ids.empty() || std::ranges::find(ids, robot) != ids.end();
 }
 
 std::vector<std::int32_t> StopDesk::unconfirmed() const {
   std::vector<std::int32_t> ids;
+  if (!asked_) return ids;
   for (const auto& [robot, obeys] : obeys_) {
     if (!obeys && isAsked(robot)) ids.push_back(robot);
   }
@@ -71,7 +101,7 @@ std::size_t StopDesk::total() const {
       std::ranges::count_if(obeys_, [this](const auto& robot) { return isAsked(robot.first); }));
 }
 
-bool StopDesk::confirmed() const { return total() > 0 && unconfirmed().empty(); }
+bool StopDesk::confirmed() const { return asked_ && total() > 0 && unconfirmed().empty(); }
 
 StopDesk::State StopDesk::state() const {
   if (!asked_) return State::kFree;

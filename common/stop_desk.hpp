@@ -13,8 +13,9 @@
 namespace lab {
 
 /// Asks robots to stop or to go on, until each has said that it does, and follows what others ask.
-/// The last request holds. Robots of a replay obey nobody and are not counted. Times are us since
-/// 1970.
+/// The last request holds. Robots that stand though no request is known have been asked by somebody
+/// who was not heard: that counts as a stop of all. Robots of a replay obey nobody and are not
+/// counted. Times are us since 1970.
 class StopDesk {
  public:
   enum class State { kFree, kStopping, kStopped, kReleasing };
@@ -47,8 +48,9 @@ class StopDesk {
   /// been heard yet it is repeated at least for kMeetEveryRobot_us.
   [[nodiscard]] std::optional<robot_stop_t> due(std::int64_t now);
 
-  /// Another run begins: nothing is in force and no robot is known.
-  void reset() { *this = StopDesk(); }
+  /// Another run begins, and no robot of it is known. What was asked here stays in force until it
+  /// is released here or by others.
+  void newRun();
 
   [[nodiscard]] State state() const;
   [[nodiscard]] const std::string& by() const { return by_; }
@@ -56,6 +58,8 @@ class StopDesk {
 
   /// Robots that are asked, those that obey not among them.
   [[nodiscard]] std::vector<std::int32_t> unconfirmed() const;
+
+  /// Robots that are asked; without a request all that are known.
   [[nodiscard]] std::size_t total() const;
 
   /// Every robot that is asked obeys, and there is one.
@@ -70,9 +74,11 @@ class StopDesk {
   void begin(const robot_stop_t& request, std::string by, bool own, std::int64_t now);
   [[nodiscard]] bool isAsked(std::int32_t robot) const;
   [[nodiscard]] bool isObeyedBy(const robot_state_t& robot) const;
+  void adopt(const robot_status_t& status, std::int64_t now);
 
   bool asked_ = false;  ///< whether there is a request
   bool own_ = false;
+  bool adopted_ = false;  ///< the request was not heard: robots obey it
   std::string by_;
   robot_stop_t request_{};
   std::int64_t begun_utime_ = 0;

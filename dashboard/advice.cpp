@@ -55,7 +55,7 @@ void onServices(const AdviceFacts& facts, std::vector<Advice>& out) {
     }
     if (row.hasEnded()) continue;
     const double silent = units::seconds(facts.now - row.heard_utime);
-    if (facts.now - row.heard_utime > HealthView::kSilent_us && !facts.ended) {
+    if (facts.now - row.heard_utime > HealthView::kSilent_us && facts.isLive()) {
       out.push_back({Level::kError,
                      fmt::format("{} has said nothing for {:.0f} s", at(row), silent),
                      fmt::format("the lab starts a service that ended again; if it stays silent, "
@@ -85,7 +85,7 @@ void onStreams(const AdviceFacts& facts, std::vector<Advice>& out) {
                    "its own ([network] port)"});
   }
   for (const auto& [key, row] : facts.health.streams()) {
-    if (row.new_losses <= 0) continue;
+    if (row.new_losses <= 0 || facts.sheet.replay()) continue;
     out.push_back({Level::kWarn,
                    fmt::format("{} messages on {} from {} were lost in the last seconds",
                                row.new_losses, key.channel, key.sender),
@@ -105,17 +105,17 @@ void onRobots(const AdviceFacts& facts, std::vector<Advice>& out) {
   for (const RobotSpec& robot : facts.sheet.experiment().robots) {
     const auto row = facts.robots.rows().find(robot.id);
     const bool heard = row != facts.robots.rows().end() && !row->second.owner.empty();
-    if (!heard && !facts.ended) missing.add(robot.id);
+    if (!heard && facts.isLive()) missing.add(robot.id);
   }
   for (const auto& [id, row] : facts.robots.rows()) {
     if (row.owner.empty()) continue;
     const bool is_silent = facts.now - row.heard_utime > kSilentRobot_us;
-    if (is_silent && !facts.ended) silent.add(id);
+    if (is_silent && facts.isLive()) silent.add(id);
     if (is_silent) continue;
     if (row.rival_utime != 0 && facts.now - row.rival_utime < kRivals_us) rivals.add(id);
     const auto says = [&row](std::int32_t flag) { return (row.state.flags & flag) != 0; };
     if (says(robot_state_t::FLAG_REJECTED)) rejected.add(id);
-    if (says(robot_state_t::FLAG_LEASE_EXPIRED) && !facts.ended) lease.add(id);
+    if (says(robot_state_t::FLAG_LEASE_EXPIRED) && facts.isLive()) lease.add(id);
     if (says(robot_state_t::FLAG_SATURATED)) saturated.add(id);
     if (row.batteryIsLow()) battery.add(id);
     if (row.new_errors >= kManyErrors) errors.add(id);
@@ -163,7 +163,7 @@ void onTracker(const AdviceFacts& facts, std::vector<Advice>& out) {
 
 void onLight(const AdviceFacts& facts, std::vector<Advice>& out) {
   if (!facts.light || facts.ended) return;
-  if (facts.now - facts.light_utime > kSilentLight_us) {
+  if (facts.isLive() && facts.now - facts.light_utime > kSilentLight_us) {
     out.push_back({Level::kError, "nothing is heard of the projector's light",
                    "read logs/projector_ctl.log in the run's folder"});
     return;
@@ -185,7 +185,7 @@ void onLinks(const AdviceFacts& facts, std::vector<Advice>& out) {
         out.push_back({Level::kError,
                        fmt::format("{} refuses the link to {}: {}", host, peer.host, peer.trouble),
                        "set both clocks by NTP or PTP, and see that both run the same version"});
-      } else if (peer.state == link_peer_t::SILENT && !facts.ended) {
+      } else if (peer.state == link_peer_t::SILENT && facts.isLive()) {
         out.push_back({Level::kError, fmt::format("{} hears nothing of {}", host, peer.host),
                        "look at the cable, the host and its dds_gateway"});
       }

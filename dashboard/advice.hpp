@@ -21,7 +21,8 @@ struct Advice {
   std::string way_out;
 };
 
-/// Of the lab as it is. Nobody is blamed for silence once the run has ended.
+/// Of the lab as it is. Nobody is blamed for silence once the run has ended, nor for that of a
+/// played log, which is paused, jumps and is played faster.
 struct AdviceFacts {
   const LabSheet& sheet;
   const HealthView& health;
@@ -31,6 +32,8 @@ struct AdviceFacts {
   std::int64_t bus_utime = 0;    ///< when anything was heard from others, 0: never
   bool ended = false;
   std::int64_t now = 0;
+
+  [[nodiscard]] bool isLive() const { return !ended && !sheet.replay(); }
 };
 
 /// Errors first.

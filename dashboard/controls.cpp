@@ -142,7 +142,7 @@ void Controls::expect(const std::vector<std::int32_t>& commanded_robots) {
 }
 
 void Controls::forget() {
-  stop_.reset();
+  stop_.newRun();
   errands_.clear();
   sent_utime_ = 0;
 }

@@ -48,7 +48,7 @@ class Controls {
   /// Robots that a stop is for, whether they have been heard or not.
   void expect(const std::vector<std::int32_t>& commanded_robots);
 
-  /// Another run begins: what was asked of the last one is not asked of it.
+  /// Another run begins: what was asked of the last one is not asked of it, but for a stop.
   void forget();
 
   /// To be asked at least every 50 ms, and after each wish.

@@ -162,8 +162,10 @@ void CorrelationView::clear() {
 std::optional<LengthCurve> CorrelationView::curve(const std::string& program, double speed) const {
   const auto found = programs_.find(program);
   if (found == programs_.end()) return std::nullopt;
-  const double programmed = sheet_.experiment().programs.at(program).v;
-  LengthCurve curve = found->second.curve(speed > 0 ? speed : programmed);
+  const auto& programs = sheet_.experiment().programs;
+  const auto spec = programs.find(program);
+  if (spec == programs.end()) return std::nullopt;  // of an experiment before
+  LengthCurve curve = found->second.curve(speed > 0 ? speed : spec->second.v);
   if (curve.length.empty()) return std::nullopt;
   return curve;
 }

@@ -87,7 +87,7 @@ std::string DashboardBus::wish(const Wish& wish) {
   return refusal;
 }
 
-std::optional<std::string> DashboardBus::ask(std::string_view what, std::string_view which) const {
+std::optional<std::string> DashboardBus::ask(std::string_view what, std::string_view which) {
   return view_.ask(what, which, loop_.now());
 }
 

@@ -36,7 +36,7 @@ class DashboardBus {
                Server server);
 
   [[nodiscard]] std::string wish(const Wish& wish);
-  [[nodiscard]] std::optional<std::string> ask(std::string_view what, std::string_view which) const;
+  [[nodiscard]] std::optional<std::string> ask(std::string_view what, std::string_view which);
 
   /// Processes of this lab on this host.
   [[nodiscard]] std::vector<std::int32_t> pids(const std::string& host) const {
@@ -67,10 +67,10 @@ class DashboardService final : public Service {
   Hub hub_;
   ProcessMeter meter_;
   std::string host_;
-  std::unique_ptr<WebServer> server_;
   DashboardBus bus_;
   LabInbox inbox_;
   std::unique_ptr<Descriptors::Watch> watch_;
+  std::unique_ptr<WebServer> server_;  ///< last: its threads use the others until they have ended
 };
 
 /// The service as a process; it does not run in virtual time.

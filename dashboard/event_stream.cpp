@@ -16,7 +16,13 @@ constexpr auto kGather = 10ms;     // between two writings: what changes togethe
 }  // namespace
 
 void appendEvent(std::string& to, std::string_view topic, std::string_view text) {
-  to.append("event: ").append(topic).append("\n");
+  to.append("event: ");
+  // A name comes from the bus: a line of its own would be another event.
+  for (const char letter : topic) {
+    const bool is_control = static_cast<unsigned char>(letter) < ' ' || letter == 0x7f;
+    to.push_back(is_control ? '?' : letter);
+  }
+  to.append("\n");
   while (true) {
     const std::size_t end = text.find('\n');
     to.append("data: ").append(text.substr(0, end)).append("\n");

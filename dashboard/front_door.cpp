@@ -9,9 +9,13 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <cerrno>
 #include <stdexcept>
 #include <system_error>
+
+#include "dashboard/http_guard.hpp"
 
 namespace lab::dashboard {
 namespace {
@@ -52,6 +56,13 @@ int portOf(int socket) {
     return 0;
   }
   return std::stoi(service.data());
+}
+
+bool isFar(const sockaddr_storage& peer, socklen_t size) {
+  std::array<char, NI_MAXHOST> host{};
+  const auto* const plain = reinterpret_cast<const sockaddr*>(&peer);
+  return getnameinfo(plain, size, host.data(), host.size(), nullptr, 0, NI_NUMERICHOST) != 0 ||
+         !isLoopback(host.data());
 }
 
 }  // namespace
@@ -115,7 +126,10 @@ void FrontDoor::acceptAll() {
     std::array<pollfd, 2> places{pollfd{listener_, POLLIN, 0}, pollfd{bell_, POLLIN, 0}};
     poll(places.data(), places.size(), -1);
     if (closing_) return;
-    const int socket = accept4(listener_, nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK);
+    sockaddr_storage peer{};
+    socklen_t size = sizeof peer;
+    const int socket = accept4(listener_, reinterpret_cast<sockaddr*>(&peer), &size,
+                               SOCK_CLOEXEC | SOCK_NONBLOCK);
     if (socket < 0) {
       // Out of descriptors, say: not to be asked again at once.
       if (errno != EAGAIN && errno != EINTR && errno != ECONNABORTED) {
@@ -126,7 +140,7 @@ void FrontDoor::acceptAll() {
     const int yes = 1;
     setsockopt(socket, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
     setsockopt(socket, SOL_SOCKET, SO_SNDBUF, &kSendBuffer, sizeof kSendBuffer);
-    const bool room = enter(socket);
+    const bool room = enter(socket, isFar(peer, size));
     threads_->enqueue([this, socket, room] {
       serve_(socket, room && !closing_);
       leave(socket);
@@ -134,14 +148,20 @@ void FrontDoor::acceptAll() {
   }
 }
 
-bool FrontDoor::enter(int socket) {
+bool FrontDoor::enter(int socket, bool far) {
   const std::lock_guard lock(mutex_);
-  bool room = guests_.size() < kMost;
+  const auto is_far = [](const auto& guest) { return guest.second.far; };
+  const bool too_many_far = far && std::ranges::count_if(guests_, is_far) >= kMostFar;
+  bool room = guests_.size() < kMost && !too_many_far;
   if (!room) {
+    // Of other machines first.
+    const auto goes_before = [](const Guest& one, const Guest& other) {
+      return one.far != other.far ? one.far : one.since < other.since;
+    };
     auto oldest = guests_.end();
     for (auto guest = guests_.begin(); guest != guests_.end(); ++guest) {
-      if (guest->second.settled) continue;
-      if (oldest == guests_.end() || guest->second.since < oldest->second.since) oldest = guest;
+      if (guest->second.settled || (too_many_far && !guest->second.far)) continue;
+      if (oldest == guests_.end() || goes_before(guest->second, oldest->second)) oldest = guest;
     }
     if (oldest != guests_.end()) {
       shutdown(oldest->first, SHUT_RDWR);
@@ -149,7 +169,7 @@ bool FrontDoor::enter(int socket) {
       room = true;
     }
   }
-  guests_[socket] = {std::chrono::steady_clock::now(), false};
+  guests_[socket] = {std::chrono::steady_clock::now(), false, far};
   return room;
 }
 

@@ -18,10 +18,11 @@ namespace lab::dashboard {
 
 /// Takes connections and hands each to `serve` on a thread of its own, at most kMost at once. Who
 /// has not yet said what they want makes room for who comes: silent clients, however many, keep
-/// nobody out.
+/// nobody out. Of other machines there are at most kMostFar: the page on this one always gets in.
 class FrontDoor {
  public:
   static constexpr int kMost = 64;
+  static constexpr int kMostFar = 40;
 
   /// Called with a socket that does not block, and whether there is room for another client: if
   /// not, it is to be told so. Closed behind it.
@@ -49,10 +50,11 @@ class FrontDoor {
   struct Guest {
     std::chrono::steady_clock::time_point since;
     bool settled = false;
+    bool far = false;  ///< of another machine
   };
 
   void acceptAll();
-  bool enter(int socket);
+  bool enter(int socket, bool far);
   void leave(int socket);
 
   int listener_ = -1;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <lab/robot_state_t.hpp>
 
 #include "common/channels.hpp"
 #include "common/units.hpp"
@@ -39,6 +40,12 @@ const char* peerStateName(std::int8_t state) {
     case link_peer_t::REFUSED: return "refused";
     default: return "unknown";
   }
+}
+
+/// A process of a played log is none of today's, whoever has its number now.
+bool isOurs(const ServiceRow& row, const std::string& host) {
+  return row.status.host == host && row.status.pid != 0 &&
+         row.status.origin != robot_state_t::REPLAY;
 }
 
 Json age(std::int64_t then, std::int64_t now) {
@@ -179,7 +186,7 @@ void HealthView::clear() { *this = HealthView(); }
 std::vector<std::int32_t> HealthView::pids(const std::string& host) const {
   std::vector<std::int32_t> pids;
   for (const auto& [key, row] : services_) {
-    if (key.second == host && row.status.pid != 0 && !row.hasEnded()) {
+    if (isOurs(row, host) && !row.hasEnded()) {
       pids.push_back(row.status.pid);
     }
   }
@@ -197,7 +204,7 @@ Json HealthView::servicesJson(std::int64_t now, const std::string& host,
       lost += stream.lost;
       decode_errors += stream.decode_errors;
     }
-    const auto use = status.host == host ? uses.find(status.pid) : uses.end();
+    const auto use = isOurs(row, host) ? uses.find(status.pid) : uses.end();
     const bool used = use != uses.end();
     const std::int64_t until = row.hasEnded() ? row.heard_utime : now;
     json.push_back({{"name", status.sender},

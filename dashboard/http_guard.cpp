@@ -29,11 +29,18 @@ std::string hostForm(std::string_view address) {
   return has(address, ":") ? fmt::format("[{}]", address) : std::string(address);
 }
 
+/// IPv4 on a socket of IPv6, as IPv4.
+std::string_view unmapped(std::string_view address) {
+  constexpr std::string_view kMapped = "::ffff:";
+  if (address.starts_with(kMapped) && has(address, ".")) address.remove_prefix(kMapped.size());
+  return address;
+}
+
 bool isOurHost(const GuardRules& rules, const RequestFacts& facts) {
   const std::string host = lowerCase(facts.host);
   // The address that was reached is no name, so that no foreign name server can have led here.
   const std::array<std::string, 5> ours{"127.0.0.1", "localhost", "[::1]", hostForm(rules.address),
-                                        hostForm(facts.local)};
+                                        hostForm(unmapped(facts.local))};
   return std::ranges::any_of(ours, [&](const std::string& name) {
     return host == name || host == fmt::format("{}:{}", name, rules.port);
   });
@@ -63,8 +70,7 @@ bool hasTricks(std::string_view target) {
 }  // namespace
 
 bool isLoopback(std::string_view address) {
-  constexpr std::string_view kMapped = "::ffff:";  // IPv4 on a socket of IPv6
-  if (address.starts_with(kMapped)) address.remove_prefix(kMapped.size());
+  address = unmapped(address);
   return address.starts_with("127.") || address == "::1";
 }
 
@@ -86,7 +92,7 @@ Decision mayRead(const GuardRules& rules, const RequestFacts& facts) {
   if (!isOurHost(rules, facts)) {
     return {Refusal::kHost, 403,
             fmt::format("this is not the host that was asked for; use http://{}:{}/",
-                        hostForm(facts.local), rules.port)};
+                        hostForm(unmapped(facts.local)), rules.port)};
   }
   if (isForeign(facts)) {
     return {Refusal::kOrigin, 403, "another site's page asks; open this page itself"};

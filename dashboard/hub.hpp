@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <condition_variable>
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -36,7 +37,7 @@ class Hub {
   /// The same for what nobody is to be woken for: it is seen with the next change or by newest().
   void publishQuietly(std::string_view topic, std::string text);
 
-  /// Forgets a topic: late comers are not told of it.
+  /// Forgets a topic: who has seen it is told the text `null` once, late comers nothing.
   void remove(std::string_view topic);
 
   /// The newest text of a topic; null: there is none.
@@ -56,7 +57,11 @@ class Hub {
   struct Topic {
     Text text;
     std::uint64_t version = 0;
+    bool removed = false;
   };
+
+  /// Those that are remembered for readers who have not been told yet.
+  static constexpr std::ptrdiff_t kMostRemoved = 200;
 
   mutable std::mutex mutex_;
   mutable std::condition_variable changed_;

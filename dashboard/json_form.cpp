@@ -16,9 +16,12 @@ std::string checkedText(const nlohmann::json& value, const std::string& where, s
     throw FormError(fmt::format("{}: found {}, expected a text", where, value.type_name()));
   }
   const auto& text = value.get_ref<const std::string&>();
-  if (text.size() > most) {
+  // Bytes that begin a character: all but those 10xxxxxx.
+  const auto length = static_cast<std::size_t>(std::ranges::count_if(
+      text, [](unsigned char byte) { return (byte & 0xc0) != 0x80; }));
+  if (length > most) {
     throw FormError(
-        fmt::format("{}: found {} bytes, expected at most {}", where, text.size(), most));
+        fmt::format("{}: found {} characters, expected at most {}", where, length, most));
   }
   const auto is_control = [](unsigned char sign) { return sign < ' ' || sign == 0x7f; };
   if (std::ranges::any_of(text, is_control)) {

@@ -24,7 +24,7 @@ class JsonForm {
 
   // All throw FormError.
 
-  /// UTF-8 without control characters, of at most `most` bytes.
+  /// UTF-8 without control characters, of at most `most` characters.
   [[nodiscard]] std::string text(const char* key, std::size_t most);
   [[nodiscard]] double number(const char* key, double low, double high);
   [[nodiscard]] bool flag(const char* key);

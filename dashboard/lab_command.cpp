@@ -12,6 +12,7 @@
 #include <cerrno>
 #include <cstdlib>
 #include <fstream>
+#include <limits>
 #include <stdexcept>
 #include <system_error>
 #include <thread>
@@ -24,6 +25,7 @@ namespace {
 
 constexpr std::size_t kMostOutput = 16 * 1024;  // bytes
 constexpr const char* kOutput = "output.txt";
+constexpr int kRuns = std::numeric_limits<int>::min();  // in place of an exit code
 constexpr std::chrono::milliseconds kLook{100};  // whether it is to stop
 
 int codeOf(int status) {
@@ -129,18 +131,29 @@ fs::path DetachedCommand::makeFolder() {
 }
 
 DetachedCommand::DetachedCommand(fs::path folder, const std::vector<std::string>& arguments)
-    : folder_(std::move(folder)) {
+    : folder_(std::move(folder)), code_(std::make_shared<std::atomic<int>>(kRuns)) {
   const int file = open((folder_ / kOutput).c_str(),
                         O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC | O_NOFOLLOW, 0600);
   if (file < 0) throw std::runtime_error("cannot write in " + folder_.string());
+  pid_t pid = -1;
   try {
-    pid_ = startSession(arguments, file);
+    pid = startSession(arguments, file);
   } catch (...) {
     close(file);
     fs::remove_all(folder_);
     throw;
   }
   close(file);
+  // Waited for, whether anybody asks or not: else its entry would stay in the table of processes.
+  // The thread outlives this object where the command does.
+  std::thread([pid, code = code_] {
+    int status = 0;
+    pid_t found = -1;
+    do {
+      found = waitpid(pid, &status, 0);
+    } while (found < 0 && errno == EINTR);
+    *code = found == pid ? codeOf(status) : -1;
+  }).detach();
 }
 
 DetachedCommand::~DetachedCommand() {
@@ -148,13 +161,9 @@ DetachedCommand::~DetachedCommand() {
   if (code()) fs::remove_all(folder_, ignored);
 }
 
-std::optional<int> DetachedCommand::code() {
-  if (code_) return code_;
-  int status = 0;
-  const pid_t found = waitpid(pid_, &status, WNOHANG);
-  if (found == pid_) code_ = codeOf(status);
-  if (found < 0 && errno == ECHILD) code_ = -1;
-  return code_;
+std::optional<int> DetachedCommand::code() const {
+  const int code = *code_;
+  return code == kRuns ? std::nullopt : std::optional(code);
 }
 
 std::string DetachedCommand::output() const {

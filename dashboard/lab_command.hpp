@@ -1,11 +1,10 @@
 /// Commands of the lab's own program, run for the page.
 #pragma once
 
-#include <sys/types.h>
-
 #include <atomic>
 #include <chrono>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -37,7 +36,7 @@ class DetachedCommand {
   DetachedCommand& operator=(const DetachedCommand&) = delete;
 
   /// Its exit code as in CommandResult; nothing: it runs.
-  [[nodiscard]] std::optional<int> code();
+  [[nodiscard]] std::optional<int> code() const;
 
   /// The end of what it printed.
   [[nodiscard]] std::string output() const;
@@ -49,8 +48,7 @@ class DetachedCommand {
 
  private:
   std::filesystem::path folder_;
-  pid_t pid_ = -1;
-  std::optional<int> code_;
+  std::shared_ptr<std::atomic<int>> code_;  ///< set by the thread that waits for its end
 };
 
 /// The last so many bytes of a text, from the begin of a line or a character on.

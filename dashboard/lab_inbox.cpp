@@ -51,6 +51,11 @@ struct LabInbox::Errand {
     return state == State::kDone;
   }
 
+  bool isWithdrawn() {
+    const std::lock_guard lock(mutex);
+    return state == State::kWithdrawn;
+  }
+
   void become(State next) {
     const std::lock_guard lock(mutex);
     state = next;
@@ -75,47 +80,60 @@ LabInbox::~LabInbox() {
   ::close(descriptor_);
 }
 
-bool LabInbox::run(std::function<void()> work) {
+bool LabInbox::ring() const {
+  const std::uint64_t one = 1;
+  return ::write(descriptor_, &one, sizeof one) == sizeof one || errno == EAGAIN;
+}
+
+bool LabInbox::run(Queue& queue, std::function<void()> work) {
   const auto errand = std::make_shared<Errand>(std::move(work));
   {
     const std::lock_guard lock(mutex_);
-    if (closed_ || waiting_.size() >= kMostWaiting) return false;
-    waiting_.push_back(errand);
-    const std::uint64_t one = 1;
-    if (::write(descriptor_, &one, sizeof one) != sizeof one && errno != EAGAIN) return false;
+    // Who has given up waiting takes no place.
+    std::erase_if(queue, [](const auto& waiting) { return waiting->isWithdrawn(); });
+    if (closed_ || queue.size() >= kMostWaiting) return false;
+    queue.push_back(errand);
+    if (!ring()) return false;
   }
   return errand->wait(patience_);
 }
 
 std::string LabInbox::wish(const Wish& wish) {
   std::string refusal;
-  const bool done = run([&] { refusal = answers_.wish(wish); });
+  const bool done = run(wishes_, [&] { refusal = answers_.wish(wish); });
   return done ? refusal : "the lab's loop does not answer; nothing was done";
 }
 
 std::optional<std::string> LabInbox::ask(std::string_view what, std::string_view which) {
   std::optional<std::string> answer;
-  const bool done = run([&] { answer = answers_.ask(what, which); });
+  const bool done = run(questions_, [&] { answer = answers_.ask(what, which); });
   return done ? answer : std::nullopt;
 }
 
 void LabInbox::serve() {
-  std::vector<std::shared_ptr<Errand>> errands;
+  Queue errands;
   {
     const std::lock_guard lock(mutex_);
     std::uint64_t count = 0;
     if (::read(descriptor_, &count, sizeof count) < 0 && errno != EAGAIN) return;
-    errands.swap(waiting_);
+    errands.swap(wishes_);
+    if (!questions_.empty()) {
+      errands.push_back(std::move(questions_.front()));
+      questions_.pop_front();
+    }
+    if (!questions_.empty()) ring();
   }
   for (const auto& errand : errands) errand->execute();
 }
 
 void LabInbox::close() {
-  std::vector<std::shared_ptr<Errand>> errands;
+  Queue errands;
   {
     const std::lock_guard lock(mutex_);
     closed_ = true;
-    errands.swap(waiting_);
+    errands.swap(wishes_);
+    errands.insert(errands.end(), questions_.begin(), questions_.end());
+    questions_.clear();
   }
   for (const auto& errand : errands) errand->withdraw();
 }

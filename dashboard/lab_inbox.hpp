@@ -2,20 +2,21 @@
 #pragma once
 
 #include <chrono>
+#include <deque>
 #include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "dashboard/lab_port.hpp"
 
 namespace lab::dashboard {
 
 /// What is asked waits until the loop serves it, at most a second: then it is withdrawn, so that
-/// nothing is done that was said to be refused.
+/// nothing is done that was said to be refused. No wish waits behind more than one question: a stop
+/// may be among them.
 class LabInbox final : public LabPort {
  public:
   struct Answers {
@@ -23,7 +24,7 @@ class LabInbox final : public LabPort {
     std::function<std::optional<std::string>(std::string_view what, std::string_view which)> ask;
   };
 
-  static constexpr std::size_t kMostWaiting = 200;
+  static constexpr std::size_t kMostWaiting = 200;  ///< wishes, and as many questions
 
   /// @param answers called by serve() alone
   /// @throws std::system_error when the machine has no descriptor left
@@ -37,7 +38,8 @@ class LabInbox final : public LabPort {
   /// Readable while somebody waits.
   [[nodiscard]] int descriptor() const { return descriptor_; }
 
-  /// Answers all who wait; for the loop.
+  /// Does all wishes and answers one question; the descriptor stays readable while others wait, so
+  /// that the loop does its other work between. For the loop.
   void serve();
 
   /// Nobody is answered any more: who waits is refused at once.
@@ -45,16 +47,19 @@ class LabInbox final : public LabPort {
 
  private:
   struct Errand;
+  using Queue = std::deque<std::shared_ptr<Errand>>;
 
   /// @return whether it was done.
-  bool run(std::function<void()> work);
+  bool run(Queue& queue, std::function<void()> work);
+  bool ring() const;
 
   Answers answers_;
   std::chrono::milliseconds patience_;
   int descriptor_;
   std::mutex mutex_;
   bool closed_ = false;
-  std::vector<std::shared_ptr<Errand>> waiting_;
+  Queue wishes_;
+  Queue questions_;
 };
 
 }  // namespace lab::dashboard

@@ -28,6 +28,7 @@ class LabSheet {
 
   /// Defaults where none is known.
   [[nodiscard]] const Experiment& experiment() const;
+  [[nodiscard]] const std::string& text() const { return text_; }  ///< the same as TOML
   [[nodiscard]] const std::string& run() const { return run_; }
   [[nodiscard]] bool replay() const { return replay_; }
 

@@ -143,7 +143,9 @@ void LabView::take(const Packet& packet, std::int64_t now) {
 
 void LabView::take(const experiment_event_t& event, std::int64_t) {
   if (event.kind == experiment_event_t::START) {
+    const std::string before = sheet_.text();
     const LabSheet::News news = sheet_.take(event);
+    if (sheet_.text() != before) correlation_.clear();  // its laws are of those programs
     if (news == LabSheet::News::kOtherRun) {
       health_.clear();
       clearRun();
@@ -156,7 +158,10 @@ void LabView::take(const experiment_event_t& event, std::int64_t) {
 
 void LabView::take(const experiment_status_t& status, std::int64_t now) {
   const bool replay = isPlayed(status);
-  if (script_ && script_->jumps != status.jumps && script_->instance == status.instance) clearRun();
+  if (script_ && script_->jumps != status.jumps && script_->instance == status.instance) {
+    health_.clear();
+    clearRun();
+  }
   if (sheet_.run() != status.run || sheet_.replay() != replay) {
     const bool named = sheet_.run().empty();
     sheet_.setRun(status.run, replay);
@@ -164,6 +169,7 @@ void LabView::take(const experiment_status_t& status, std::int64_t now) {
     sheet_changed_ = true;
   }
   script_ = status;
+  timeline_.take(status);
   controls_.take(status, now);
   publish("script", scriptJson(status));
   if (replay) publish("player", playerJson(status));
@@ -172,6 +178,7 @@ void LabView::take(const experiment_status_t& status, std::int64_t now) {
 void LabView::clearRun() {
   robots_.clear();
   tracks_.clear();
+  trails_.clear();
   run_times_.clear();
   curves_.clear();
   correlation_.clear();
@@ -282,12 +289,18 @@ std::string LabView::cameraJson() const {
                  {"height_px", tracker.height},
                  {"fps", number(tracker.fps)},
                  {"trouble", tracker.trouble},
-                 {"picture", sheet_.experiment().camera.debug_port != 0}});
+                 {"picture", !sheet_.replay() && sheet_.experiment().camera.debug_port != 0}});
 }
 
 std::optional<std::string> LabView::ask(std::string_view what, std::string_view which,
-                                        std::int64_t now) const {
-  if (what == "trails") return tracks_.trailsJson();
+                                        std::int64_t now) {
+  if (what == "trails") {
+    if (trails_.empty() || now - trails_utime_ >= kTrails_us) {
+      trails_ = tracks_.trailsJson();
+      trails_utime_ = now;
+    }
+    return trails_;
+  }
   const std::optional<std::int32_t> id = idOf(which);
   if (!id) return std::nullopt;
   if (what == "analysis") return curves_.robotJson(*id);

@@ -42,7 +42,8 @@ struct ServerFacts {
 /// bounded, however long the lab runs. Times are us since 1970.
 class LabView {
  public:
-  static constexpr std::int64_t kFrame_us = 50'000;  ///< 20 Hz
+  static constexpr std::int64_t kFrame_us = 50'000;    ///< 20 Hz
+  static constexpr std::int64_t kTrails_us = 500'000;  ///< one answer for all who ask within it
 
   /// The images of an experiment's light, by the name of its run.
   using Images = std::function<light::ImageStore(const Experiment&, const std::string& run)>;
@@ -64,7 +65,7 @@ class LabView {
 
   /// Of LabPort::ask().
   [[nodiscard]] std::optional<std::string> ask(std::string_view what, std::string_view which,
-                                               std::int64_t now) const;
+                                               std::int64_t now);
 
   [[nodiscard]] Controls& controls() { return controls_; }
   [[nodiscard]] const HealthView& health() const { return health_; }
@@ -109,7 +110,9 @@ class LabView {
 
   std::map<std::string, std::int64_t, std::less<>> frames_;  ///< number of the last one, by sender
   std::set<std::string> parts_;                              ///< topics with a name in them
-  std::int64_t bus_utime_ = 0;                               ///< others were heard, 0: never
+  std::string trails_;                                       ///< the last answer, empty: none
+  std::int64_t trails_utime_ = 0;
+  std::int64_t bus_utime_ = 0;  ///< others were heard, 0: never
   std::int64_t light_utime_ = 0;
   std::int64_t frame_utime_ = 0;  ///< when topic `frame` was made
   std::uint64_t frame_count_ = 0;

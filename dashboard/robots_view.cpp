@@ -10,6 +10,7 @@
 #include "common/experiment_messages.hpp"
 #include "common/units.hpp"
 #include "dashboard/json.hpp"
+#include "dashboard/places.hpp"
 
 namespace lab::dashboard {
 namespace {
@@ -21,10 +22,6 @@ constexpr std::size_t kMostUnidentified = 100;
 double cm(double metres) { return metres / units::kCentimetre; }
 double degrees(double angle) { return angle / units::kDegree; }
 
-bool isPlace(const tracked_pose_t& pose) {
-  return std::isfinite(pose.x) && std::isfinite(pose.y) && std::isfinite(pose.theta);
-}
-
 /// Standard error of a place [m], 0: not known.
 double sigmaOf(const tracked_pose_t& pose) {
   const double variance = (pose.covariance[0] + pose.covariance[3]) / 2;
@@ -35,17 +32,35 @@ Json age(std::int64_t then, std::int64_t now) {
   return then == 0 ? Json() : number(units::seconds(now - then));
 }
 
+/// To three figures, as people read; null where it is no number.
+Json readable(double value) {
+  constexpr int kFigures = 3;
+  return std::isfinite(value) ? Json(std::stod(fmt::format("{:.{}g}", value, kFigures))) : Json();
+}
+
+/// To the tenth: of places and angles, whose figures before the point count.
+Json tenths(double value) {
+  constexpr double kTenth = 0.1;
+  // Adding 0 takes the sign from a zero.
+  return std::isfinite(value) ? Json(std::round(value / kTenth) / 10 + 0.0) : Json();
+}
+
+/// What a program's model does not have is 0, and left out.
 Json programJson(const program_t& p) {
-  return {{"model", modelName(p.kind)},
-          {"v_cm_s", number(cm(p.v))},
-          {"va_cm_s", number(cm(p.va))},
-          {"V_cm_s", number(cm(p.V))},
-          {"epsilon_s", number(p.epsilon)},
-          {"eta_rad_s", number(p.eta)},
-          {"gamma_per_s", number(p.gamma)},
-          {"tau_t_s", number(p.tau_t)},
-          {"wheel_left_cm_s", number(cm(p.wheel_left))},
-          {"wheel_right_cm_s", number(cm(p.wheel_right))}};
+  Json json = {{"model", modelName(p.kind)}};
+  const auto tell = [&json](const char* key, double value) {
+    if (value != 0) json[key] = readable(value);
+  };
+  tell("v_cm_s", cm(p.v));
+  tell("va_cm_s", cm(p.va));
+  tell("V_cm_s", cm(p.V));
+  tell("epsilon_s", p.epsilon);
+  tell("eta_rad_s", p.eta);
+  tell("gamma_per_s", p.gamma);
+  tell("tau_t_s", p.tau_t);
+  tell("wheel_left_cm_s", cm(p.wheel_left));
+  tell("wheel_right_cm_s", cm(p.wheel_right));
+  return json;
 }
 
 }  // namespace
@@ -187,48 +202,47 @@ std::optional<std::string> RobotsView::robotJson(std::int32_t id, std::int64_t n
   if (found == rows_.end()) return std::nullopt;
   const RobotRow& row = found->second;
   const robot_state_t& s = row.state;
-  Json ir = Json::array();
-  for (const std::int16_t reading : s.ir) ir.push_back(reading);
+  const bool heard = !row.owner.empty();
+  const bool seen = row.seen_utime != 0;
+  const auto since = [now](std::int64_t then) {
+    return then == 0 ? Json() : tenths(units::seconds(now - then));
+  };
+  const auto ofPose = [seen](Json value) { return seen ? std::move(value) : Json(); };
   Json json = {{"id", id},
-               {"t_us", timeOrNull(s.utime)},
-               {"age_s", age(row.heard_utime, now)},
+               {"program", heard ? Json(nameOf(row)) : Json()},
+               {"x_cm", ofPose(tenths(cm(row.pose.x)))},
+               {"y_cm", ofPose(tenths(cm(row.pose.y)))},
+               {"theta_deg", ofPose(tenths(degrees(row.pose.theta)))},
+               {"sigma_cm", ofPose(readable(cm(sigmaOf(row.pose))))},
+               {"sigma_theta_deg", ofPose(readable(degrees(std::sqrt(row.pose.covariance[5]))))},
+               {"confidence", ofPose(readable(static_cast<double>(row.pose.confidence)))},
+               {"seen_age_s", since(row.seen_utime)},
+               {"age_s", since(row.heard_utime)},
                {"origin", row.origin()},
                {"owner", row.owner},
                {"uid", s.uid},
-               {"program", row.program},
-               {"program_running", programJson(s.program)},
-               {"band", s.band},
-               {"program_epoch", s.program_epoch},
-               {"program_start_us", timeOrNull(s.program_start_utime)},
-               {"wheel_left_cm_s", number(cm(s.wheel_left))},
-               {"wheel_right_cm_s", number(cm(s.wheel_right))},
-               {"program_left_cm_s", number(cm(s.program_left))},
-               {"program_right_cm_s", number(cm(s.program_right))},
-               {"light_front", number(s.light_front)},
-               {"light_back", number(s.light_back)},
-               {"ir", std::move(ir)},
                {"flags", s.flags},
+               {"program_running", heard ? programJson(s.program) : Json()},
+               {"band", s.band},
+               {"program_age_s", since(s.program_start_utime)},
+               {"wheel_left_cm_s", readable(cm(s.wheel_left))},
+               {"wheel_right_cm_s", readable(cm(s.wheel_right))},
+               {"program_left_cm_s", readable(cm(s.program_left))},
+               {"program_right_cm_s", readable(cm(s.program_right))},
+               {"light_front", readable(static_cast<double>(s.light_front))},
+               {"light_back", readable(static_cast<double>(s.light_back))},
+               {"ir", s.ir},
+               {"reversals", s.reversal_count},
+               {"reversal_age_s", since(s.reversal_start_utime)},
+               {"tumbles", s.tumble_count},
+               {"run_time_s", tenths(s.run_time)},
+               {"battery_V", s.battery > 0 ? readable(static_cast<double>(s.battery)) : Json()},
+               {"program_epoch", s.program_epoch},
                {"command_seq", s.command_seq},
                {"stop_seq", s.stop_seq},
-               {"reversals", s.reversal_count},
-               {"reversal_start_us", timeOrNull(s.reversal_start_utime)},
-               {"reversal_end_us", timeOrNull(s.reversal_end_utime)},
-               {"tumbles", s.tumble_count},
-               {"run_time_s", number(s.run_time)},
-               {"battery_V", s.battery > 0 ? number(s.battery) : Json()},
                {"link_sent", s.link_sent},
                {"link_received", s.link_received},
-               {"link_errors", s.link_errors},
-               {"pose", nullptr}};
-  if (row.seen_utime != 0) {
-    json["pose"] = {{"x_cm", number(cm(row.pose.x))},
-                    {"y_cm", number(cm(row.pose.y))},
-                    {"theta_deg", number(degrees(row.pose.theta))},
-                    {"sigma_cm", number(cm(sigmaOf(row.pose)))},
-                    {"sigma_theta_deg", number(degrees(std::sqrt(row.pose.covariance[5])))},
-                    {"confidence", number(row.pose.confidence)},
-                    {"age_s", age(row.seen_utime, now)}};
-  }
+               {"link_errors", s.link_errors}};
   return toText(json);
 }
 

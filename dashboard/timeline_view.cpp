@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "common/units.hpp"
 #include "dashboard/json.hpp"
 
 namespace lab::dashboard {
@@ -80,6 +81,19 @@ void TimelineView::take(const experiment_event_t& event) {
     default: changed = false; break;
   }
   if (changed) ++version_;
+}
+
+void TimelineView::take(const experiment_status_t& status) {
+  constexpr std::int64_t kRounding_us = 100'000;
+  const bool runs = status.phase == experiment_status_t::SCRIPT ||
+                    status.phase == experiment_status_t::PAUSED;
+  if (!runs || !(status.elapsed >= 0) || status.elapsed > units::seconds(status.utime)) return;
+  const std::int64_t begin = status.utime - units::microseconds(status.elapsed);
+  if (counted_back_ && begin > start_utime_ - kRounding_us) return;
+  counted_back_ = true;
+  if (begin == start_utime_) return;
+  start_utime_ = begin;
+  ++version_;
 }
 
 void TimelineView::clear() {

@@ -19,6 +19,10 @@ class TimelineView {
 
   /// Everything is said several times, because a message may be lost; STEP with more each time.
   void take(const experiment_event_t& event);
+
+  /// How long the script has run says when it began, also to who came late. Pauses are not in it:
+  /// the earliest answer holds.
+  void take(const experiment_status_t& status);
   void clear();
 
   /// Of topic `timeline`. Of remarks that are too many, the oldest are left out and counted.
@@ -42,6 +46,7 @@ class TimelineView {
   };
 
   std::int64_t start_utime_ = 0;
+  bool counted_back_ = false;  ///< else the start is when START was heard first
   std::map<std::int32_t, experiment_event_t> steps_;
   std::int64_t steps_before_ = 0;
   Remarks marks_;

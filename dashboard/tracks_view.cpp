@@ -9,6 +9,7 @@
 
 #include "common/units.hpp"
 #include "dashboard/json.hpp"
+#include "dashboard/places.hpp"
 
 namespace lab::dashboard {
 namespace {
@@ -29,7 +30,7 @@ void TracksView::take(const tracked_frame_t& frame) {
   step.utime = frame.utime;
   for (const tracked_pose_t& pose : frame.robots) {
     if (step.places.size() == kMostRobots) break;
-    if (!std::isfinite(pose.x) || !std::isfinite(pose.y)) continue;
+    if (!isPlace(pose)) continue;
     step.places.push_back(
         {pose.robot_id, static_cast<float>(pose.x), static_cast<float>(pose.y)});
   }

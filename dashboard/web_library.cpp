@@ -21,6 +21,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::size_t kMostCompared = 8;
+constexpr std::uintmax_t kLargestSummary = 20'000'000;  // bytes; in memory several times that
 
 /// A file comes from a run and may hold anything: it runs no script in the page's own name.
 void shieldFile(const std::string& name, httplib::Response& response) {
@@ -99,6 +100,12 @@ Decision WebLibrary::compare(const httplib::Request& request, httplib::Response&
     const auto summary = runs_.file(name, "summary.json");
     if (!summary) {
       answerError(response, 409, name + " has no summary.json; lab analyze makes one from its log");
+      return {};
+    }
+    if (fs::file_size(*summary) > kLargestSummary) {
+      answerError(response, 409,
+                  fmt::format("{}: its summary.json has more than {} MB; compare by lab report",
+                              name, kLargestSummary / 1'000'000));
       return {};
     }
     std::ifstream stream(*summary, std::ios::binary);

@@ -5,14 +5,23 @@
 namespace lab::dashboard {
 namespace {
 
-constexpr std::size_t kLongestText = 500;  // bytes
+constexpr std::size_t kLongestText = 500;  // characters
 constexpr double kLongestHold = 86400;     // [s]
 constexpr double kLongestLog = 1e7;        // [s]
 constexpr double kSlowest = 0.01;          // [1] log seconds a second
 constexpr double kFastest = 1000;
 
+/// What is wrong with the words is no reason not to stop.
+std::string reasonOf(JsonForm& form) {
+  try {
+    return form.text("reason", kLongestText);
+  } catch (const FormError&) {
+    return {};
+  }
+}
+
 Wish wishOf(const std::string& name, JsonForm& form) {
-  if (name == "stop") return StopRobots{form.text("reason", kLongestText)};
+  if (name == "stop") return StopRobots{reasonOf(form)};
   if (name == "release_stop") return ReleaseStop{};
   if (name == "pause") return PauseScript{};
   if (name == "resume") return ResumeScript{};

@@ -45,7 +45,7 @@ format() {  # whole|part
 }
 
 say_help() {  # words: the help of a subcommand, without what differs from user to user
-  "$program" "$@" --help | sed -E "s#active-lab-ports-[0-9]+#active-lab-ports-UID#; s#\{false\}##g"
+  env -u LCM_DEFAULT_URL "$program" "$@" --help | sed -E "s#active-lab-ports-[0-9]+#active-lab-ports-UID#; s#\{false\}##g"
 }
 
 subcommands() {  # words: its names, from the help on stdin

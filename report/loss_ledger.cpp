@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <tuple>
 
+#include "common/experiment_places.hpp"
 #include "common/stream_counter.hpp"
 #include "common/units.hpp"
 
@@ -13,7 +14,7 @@ LossTotal totalOf(const std::vector<StreamLoss>& streams) {
   for (const StreamLoss& stream : streams) {
     total.received += stream.received;
     total.lost += stream.lost;
-    total.at_least = total.at_least || stream.at_least;
+    total.at_least = total.at_least || (stream.at_least && stream.sender != kOnlooker);
   }
   return total;
 }

@@ -22,7 +22,8 @@ struct StreamLoss {
   double largest_age = 0;     ///< [s] from the message's utime to its arrival at the logger
 };
 
-/// Over all streams.
+/// Over all streams. The lab's onlooker may die at any time and nothing of the run is missing:
+/// at_least is about the others.
 struct LossTotal {
   std::int64_t received = 0;
   std::int64_t lost = 0;

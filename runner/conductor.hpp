@@ -96,6 +96,7 @@ class Conductor final : public Service {
   void take(const service_status_t& status);
   void take(const experiment_command_t& wish);
   [[nodiscard]] std::string obey(const experiment_command_t& wish);
+  void end(const std::string& why);
   [[nodiscard]] std::string pauseScript(const std::string& who);
   [[nodiscard]] std::string resumeScript(const std::string& who);
   [[nodiscard]] experiment_status_t status() const;

@@ -27,14 +27,22 @@ std::string Conductor::obey(const experiment_command_t& wish) {
       mark(wish.sender + ": " + wish.text);
       return {};
     case experiment_command_t::END:
-      over_(Ending::kWished,
-            "ended by " + wish.sender + (wish.text.empty() ? "" : ": " + wish.text));
+      end("ended by " + wish.sender + (wish.text.empty() ? "" : ": " + wish.text));
       return {};
     case experiment_command_t::SEEK:
     case experiment_command_t::SPEED:
       return "this is a running lab, whose time nobody sets: only a played log has that";
     default:
       return fmt::format("an unknown wish ({})", wish.action);
+  }
+}
+
+/// A run that is ending because a condition was not met stays one, however soon it ends.
+void Conductor::end(const std::string& why) {
+  if (phase_ == Phase::kLeaving) {
+    over_(Ending::kUnmet, leaving_because_ + "; " + why);
+  } else {
+    over_(Ending::kWished, why);
   }
 }
 
@@ -59,7 +67,8 @@ std::string Conductor::resumeScript(const std::string& who) {
 experiment_status_t Conductor::status() const {
   const Progress now = progress();
   experiment_status_t status{};
-  status.run = run_;
+  // Two virtual runs of one seed are equal to the bit; their folders are not.
+  if (!loop_.isVirtual()) status.run = run_;
   switch (phase_) {
     case Phase::kScript:
       status.phase = now.paused ? experiment_status_t::PAUSED : experiment_status_t::SCRIPT;

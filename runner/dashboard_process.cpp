@@ -8,6 +8,8 @@
 #include <fstream>
 #include <system_error>
 
+#include "common/experiment_places.hpp"
+#include "common/installation.hpp"
 #include "runner/exit_code.hpp"
 #include "runner/progress_line.hpp"
 
@@ -17,6 +19,7 @@ namespace {
 
 constexpr int kMostRestarts = 5;  // as of every service
 constexpr int kPatience_ms = 2000;
+constexpr const char* kBuild = "build the lab again (./lab --version)";
 
 }  // namespace
 
@@ -33,6 +36,12 @@ void writePrivately(const fs::path& path, const std::string& text) {
 void DashboardProcess::start(const Say& say) {
   std::error_code error;
   fs::remove(options_.address_file, error);
+  if (!fs::exists(options_.program, error)) {
+    giveUp(fmt::format("{} is not there: {}", options_.program.string(),
+                       installation().wayTo(std::string(kOnlooker), kBuild)),
+           say);
+    return;
+  }
   try {
     startProcess();
   } catch (const std::exception& problem) {
@@ -82,9 +91,11 @@ void DashboardProcess::lookAfter(const Say& say) {
 }
 
 void DashboardProcess::findAddress() {
-  if (!address_.empty()) return;
+  // Again and again: one that is started anew may find its port taken.
   std::ifstream file(options_.address_file);
-  if (!std::getline(file, address_) || address_.empty()) return;
+  std::string address;
+  if (!std::getline(file, address) || address.empty() || address == address_) return;
+  address_ = address;
   printLine(fmt::format("web      {}", address_));
   if (!options_.address_copy.empty()) writePrivately(options_.address_copy, address_ + "\n");
 }
@@ -97,6 +108,7 @@ void DashboardProcess::end() {
   }
   std::error_code error;
   fs::remove(options_.address_file, error);
+  fs::remove(fs::path(options_.address_file) += ".part", error);  // it was ended while it wrote
   if (!options_.address_copy.empty() && !address_.empty()) {
     fs::remove(options_.address_copy, error);
   }

@@ -36,10 +36,12 @@ class DashboardProcess {
   DashboardProcess(const DashboardProcess&) = delete;
   DashboardProcess& operator=(const DashboardProcess&) = delete;
 
-  /// Starts it and returns at once. @param say called when that is not possible
+  /// Starts it and returns at once; gives it up where it is not installed.
+  /// @param say called when it cannot be started
   void start(const Say& say);
 
-  /// To be called again and again: prints the address when it is known, restarts what has died.
+  /// To be called again and again: prints the address when it is known and when it is another one,
+  /// restarts what has died.
   /// @param say called for each death
   void lookAfter(const Say& say);
 

@@ -31,12 +31,13 @@ std::optional<RunningLab> read(const fs::path& file) {
   }
 }
 
-/// A dead runner's own file: "4711.web".
+/// A dead runner's own file: "4711.web", "4711.web.txt".
 bool isLeftOver(const fs::path& file) {
-  const std::string stem = file.stem().string();
+  const std::string name = file.filename().string();
+  const std::string owner = name.substr(0, name.find('.'));
   int pid = 0;
-  const auto [end, error] = std::from_chars(stem.data(), stem.data() + stem.size(), pid);
-  const bool named_by_pid = error == std::errc{} && end == stem.data() + stem.size();
+  const auto [end, error] = std::from_chars(owner.data(), owner.data() + owner.size(), pid);
+  const bool named_by_pid = error == std::errc{} && end == owner.data() + owner.size();
   return file.extension() != ".json" && named_by_pid && !lives(pid);
 }
 
@@ -95,6 +96,11 @@ RunningLab findLab(const std::string& name) {
 fs::path ownFile(const std::string& ending) {
   claim(registryDirectory());
   return registryDirectory() / (std::to_string(getpid()) + ending);
+}
+
+OwnFile::~OwnFile() {
+  std::error_code error;
+  fs::remove(path_, error);
 }
 
 PortLock::PortLock(int port) {

@@ -33,6 +33,21 @@ struct RunningLab {
 /// @throws UserError when the folder cannot be made.
 [[nodiscard]] std::filesystem::path ownFile(const std::string& ending);
 
+/// An ownFile() that is gone with the object.
+class OwnFile {
+ public:
+  /// @throws UserError when the folder cannot be made.
+  explicit OwnFile(const std::string& ending) : path_(ownFile(ending)) {}
+  ~OwnFile();
+  OwnFile(const OwnFile&) = delete;
+  OwnFile& operator=(const OwnFile&) = delete;
+
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
 /// A bus that belongs to one lab for as long as the object lives: two labs that start at the same
 /// moment cannot hear each other yet.
 class PortLock {

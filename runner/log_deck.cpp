@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <lab/experiment_event_t.hpp>
 #include <limits>
+#include <set>
 #include <tuple>
 
 #include "common/channels.hpp"
@@ -39,16 +40,6 @@ std::vector<std::size_t> happeningsOf(const std::vector<LogEvent>& events) {
   return indices;
 }
 
-std::set<std::pair<std::string, std::int64_t>> wishersOf(const std::vector<LogEvent>& events) {
-  std::set<std::pair<std::string, std::int64_t>> wishers;
-  for (const LogEvent& event : events) {
-    experiment_command_t wish{};
-    if (event.channel != channels::kExperimentCommand || !decode(event.data, wish)) continue;
-    wishers.emplace(wish.sender, wish.instance);
-  }
-  return wishers;
-}
-
 }  // namespace
 
 LogDeck::LogDeck(const std::vector<LogEvent>& events, std::string run, double speed, AtEnd at_end,
@@ -58,8 +49,7 @@ LogDeck::LogDeck(const std::vector<LogEvent>& events, std::string run, double sp
       speed_(speed),
       at_end_(at_end),
       clock_(events.front().utime, now, speed),
-      happenings_(happeningsOf(events)),
-      recorded_wishers_(wishersOf(events)) {}
+      happenings_(happeningsOf(events)) {}
 
 std::int64_t LogDeck::logTime(std::int64_t now) const {
   return std::min(clock_.logTime(now), events_.back().utime);
@@ -141,7 +131,7 @@ void LogDeck::pauseOrResume(std::int64_t now) {
 }
 
 bool LogDeck::advance(std::int64_t now) {
-  if (next_ < events_.size() || jumped_ || paused()) return false;
+  if (next_ < events_.size() || jumped_ || !catch_up_.empty() || paused()) return false;
   switch (at_end_) {
     case AtEnd::kOver:
       over_ = true;
@@ -160,14 +150,22 @@ bool LogDeck::advance(std::int64_t now) {
 void LogDeck::play(std::int64_t now, const Send& send) {
   if (jumped_) {
     jumped_ = false;
+    catch_up_.clear();
     const std::size_t near = firstAt(logTime(now) - kBefore_us);
     for (const std::size_t index : happenings_) {
-      if (index < std::min(near, next_)) send(events_[index]);
+      if (index < std::min(near, next_)) catch_up_.push_back(index);
     }
-    for (std::size_t index = near; index < next_; ++index) send(events_[index]);
+    for (std::size_t index = near; index < next_; ++index) catch_up_.push_back(index);
+  }
+  std::size_t left = kMostAtOnce;
+  for (; left > 0 && !catch_up_.empty(); --left) {
+    send(events_[catch_up_.front()]);
+    catch_up_.pop_front();
   }
   const std::int64_t until = clock_.logTime(now);
-  for (; next_ < events_.size() && events_[next_].utime <= until; ++next_) send(events_[next_]);
+  for (; left > 0 && next_ < events_.size() && events_[next_].utime <= until; --left) {
+    send(events_[next_++]);
+  }
 }
 
 experiment_status_t LogDeck::status(std::int64_t now) const {

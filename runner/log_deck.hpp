@@ -3,12 +3,11 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <lab/experiment_command_t.hpp>
 #include <lab/experiment_status_t.hpp>
-#include <set>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "runner/log_player.hpp"
@@ -27,6 +26,8 @@ class LogDeck {
  public:
   using Send = std::function<void(const LogEvent&)>;
 
+  static constexpr std::size_t kMostAtOnce = 2000;
+
   /// @param events in order of time, at least one; must outlive the deck
   /// @param run its name, for the status
   /// @param speed log seconds a second
@@ -40,17 +41,13 @@ class LogDeck {
 
   void pauseOrResume(std::int64_t now);
 
-  /// Whether the command stands in the log itself: nobody wishes it now.
-  [[nodiscard]] bool isRecorded(const experiment_command_t& wish) const {
-    return recorded_wishers_.contains({wish.sender, wish.instance});
-  }
-
   /// Sees to the end of the log. To be called before play().
   /// @return whether the status is another one now
   bool advance(std::int64_t now);
 
   /// Sends what has become due. After a jump that is first every EXPERIMENT_EVENT from the log's
-  /// begin to the new place, once, and everything of the two seconds before it.
+  /// begin to the new place, once, and everything of the two seconds before it. At most
+  /// kMostAtOnce messages a call, so that whoever plays a full log hears wishes in between.
   void play(std::int64_t now, const Send& send);
 
   /// The replay has been ended, or is over.
@@ -81,9 +78,9 @@ class LogDeck {
   AtEnd at_end_;
   ReplayClock clock_;
   std::vector<std::size_t> happenings_;  ///< of EXPERIMENT_EVENT, each once
-  std::set<std::pair<std::string, std::int64_t>> recorded_wishers_;  ///< with their instances
   std::size_t next_ = 0;
-  bool jumped_ = false;  ///< what is before next_ has still to be sent
+  bool jumped_ = false;               ///< what is before next_ has still to be sent
+  std::deque<std::size_t> catch_up_;  ///< of that, what is left
   std::int32_t jumps_ = 0;
   bool over_ = false;
 };

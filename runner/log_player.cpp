@@ -11,6 +11,10 @@
 
 namespace lab::runner {
 
+bool isPlayersOwn(std::string_view channel) {
+  return channel == channels::kExperimentStatus || channel == channels::kExperimentCommand;
+}
+
 std::vector<LogEvent> selectEvents(const std::vector<std::filesystem::path>& files,
                                    const LogSelection& selection) {
   std::vector<LogEvent> events;
@@ -19,6 +23,7 @@ std::vector<LogEvent> selectEvents(const std::vector<std::filesystem::path>& fil
     if (!first) first = packet.received_utime;
     const double time = units::seconds(packet.received_utime - *first);
     if (time < selection.from || (selection.to && time > *selection.to)) return;
+    if (isPlayersOwn(packet.channel)) return;
     std::string channel(packet.channel);
     if (!selection.channels.empty() && !selection.channels.contains(channel)) return;
     events.push_back(

@@ -7,6 +7,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/bus.hpp"
@@ -27,7 +28,11 @@ struct LogSelection {
   std::set<std::string> channels;  ///< empty: all
 };
 
-/// The wanted events of a log series, in order of time.
+/// What only who plays a log has to say: how it stands, and what is wished of it now. What the log
+/// itself holds of that was said of another time.
+[[nodiscard]] bool isPlayersOwn(std::string_view channel);
+
+/// The wanted events of a log series that are to be played, in order of time.
 [[nodiscard]] std::vector<LogEvent> selectEvents(const std::vector<std::filesystem::path>& files,
                                                  const LogSelection& selection);
 

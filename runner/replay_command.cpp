@@ -51,7 +51,6 @@ class Player {
               loop_.now()) {
     node_.subscribe<experiment_command_t>(channels::kExperimentCommand,
                                           [this](const experiment_command_t& wish) {
-                                            if (deck_.isRecorded(wish)) return;
                                             wishes_.take(wish);
                                             sendStatus();
                                             if (deck_.over()) loop_.stop();
@@ -60,7 +59,7 @@ class Player {
 
   void execute() {
     loop_.onReadable(bus_.fileDescriptor(), [this] { bus_.drain(); });
-    loop_.onSignals({SIGINT, SIGTERM}, [this](int) { loop_.stop(); });
+    loop_.onSignals({SIGINT, SIGTERM, SIGHUP}, [this](int) { loop_.stop(); });
     if (terminal_.active()) loop_.onReadable(STDIN_FILENO, [this] { key(); });
     loop_.every(kTick_us, loop_.now(), [this] { send(); });
     if (needsClock()) loop_.every(kClock_us, loop_.now(), [this] { sendClock(); });
@@ -93,7 +92,6 @@ class Player {
   }
 
   void sendStatus() {
-    if (!isAsked(channels::kExperimentStatus)) return;
     experiment_status_t status = deck_.status(loop_.now());
     wishes_.write(status);
     node_.publish(channels::kExperimentStatus, status);
@@ -144,15 +142,16 @@ class Player {
 };
 
 /// @param run the folder of the run
+/// @param output file for what the page's program prints
 void startPage(std::optional<DashboardProcess>& page, const ReplayOptions& options,
-               const fs::path& run, const std::string& url) {
+               const fs::path& run, const std::string& url, const fs::path& output) {
   const fs::path experiment = run / files::kExperiment;
   page.emplace(DashboardOptions{.program = options.programs / kOnlooker,
                                 .url = url,
                                 .experiment = fs::exists(experiment) ? experiment : fs::path(),
                                 .runs = run.parent_path(),
                                 .address_file = ownFile(".web"),
-                                .output = ownFile(".web.txt")});
+                                .output = output});
   page->start([](const std::string& what) { printLine("web      " + what); });
 }
 
@@ -168,16 +167,16 @@ ExitCode replay(const ReplayOptions& options) {
                     " holds no message between --from and --to on the wanted channels");
   }
   const std::string url = lcmUrl(choosePort(options.port));
-  const std::string name = "replay-" + fs::absolute(log).parent_path().filename().string();
-  const Registration registration(
-      {name, url, getpid(), fs::absolute(log).parent_path().string(), true});
+  // The folder of `.` has a name too.
+  const fs::path run = fs::canonical(fs::absolute(log).parent_path());
+  const std::string name = "replay-" + run.filename().string();
+  const Registration registration({name, url, getpid(), run.string(), true});
   fmt::print("lab      {}\nbus      {}\n", name, url);
   std::fflush(stdout);
+  const OwnFile output(".web.txt");
   std::optional<DashboardProcess> page;
-  if (options.web) startPage(page, options, fs::absolute(log).parent_path(), url);
-  Player(events, options, url, fs::absolute(log).parent_path().filename().string(),
-         page ? &*page : nullptr)
-      .execute();
+  if (options.web) startPage(page, options, run, url, output.path());
+  Player(events, options, url, run.filename().string(), page ? &*page : nullptr).execute();
   return kDone;
 }
 

@@ -36,6 +36,11 @@ bool isPoseFile(const fs::path& path) {
 
 ExitCode run(const RunOptions& options) {
   const bool web = wantsDashboard(options.web, options.virtual_time, std::getenv("CI"));
+  if (!web && !options.web_address.empty()) {
+    throw UserError("--web-address-file " + options.web_address.string() +
+                    ": this run has no page in a browser; add --web (not with --virtual-time), or "
+                    "leave it out");
+  }
   std::vector<std::string> set = options.set;
   if (options.seed) set.push_back("seed=" + std::to_string(*options.seed));
   Experiment experiment = loadExperiment(options.file, set);

@@ -81,6 +81,8 @@ class LiveRun {
  private:
   void conduct() {
     conductor_.begin();
+    conducting_ = true;
+    for (const std::string& what : said_of_page_) conductor_.mark(what);
     loop_.every(kLookAfter_us, loop_.now(), [this] { lookAfter(); });
     loop_.every(kShowEvery_us, loop_.now(), [this] { show_(conductor_.progress()); });
     loop_.every(kDiskEvery_us, loop_.now(), [this] { watchDisk(); });
@@ -139,7 +141,7 @@ class LiveRun {
 
   void sayOfPage(const std::string& what) {
     printLine("web      " + what);
-    if (started_) conductor_.mark(what);
+    conducting_ ? conductor_.mark(what) : said_of_page_.push_back(what);
   }
 
   /// Nobody speaks before everybody can hear it.
@@ -279,6 +281,8 @@ class LiveRun {
   std::optional<DashboardProcess> page_;
   RunOutcome outcome_;
   bool started_ = false;
+  bool conducting_ = false;
+  std::vector<std::string> said_of_page_;  ///< before there was a record to say it in
   bool finishing_ = false;
   int restarts_ = 0;
 };

@@ -1,6 +1,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <spawn.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <csignal>
@@ -11,6 +12,7 @@
 #include "common/lcm_bus.hpp"
 #include "runner/commands.hpp"
 #include "runner/dashboard_process.hpp"
+#include "runner/exit_code.hpp"
 #include "runner/lab_registry.hpp"
 #include "runner/machine.hpp"
 #include "runner/network.hpp"
@@ -24,11 +26,12 @@ constexpr std::int64_t kLookAfter_us = 100'000;
 
 /// Shows a page in the user's browser, which lives on without us. Its address holds the token, and
 /// a command line is for everybody to read: the browser is led there by a file.
-void openInBrowser(const std::string& address, const fs::path& leads_there) {
+/// @return the opener, which ends by itself; 0: there is none
+pid_t openInBrowser(const std::string& address, const fs::path& leads_there) {
   const auto opener = findProgram("xdg-open");
   if (!opener) {
     printLine("web      there is no xdg-open: open the address yourself");
-    return;
+    return 0;
   }
   writePrivately(leads_there, fmt::format("<!DOCTYPE html><meta charset=\"utf-8\">"
                                           "<meta http-equiv=\"refresh\" content=\"0;url={}\">\n",
@@ -46,10 +49,20 @@ void openInBrowser(const std::string& address, const fs::path& leads_there) {
   }
   pid_t pid = 0;
   if (posix_spawn(&pid, program.c_str(), &files, &attributes, arguments, environ) != 0) {
+    pid = 0;
     printLine("web      xdg-open cannot be started: open the address yourself");
   }
   posix_spawn_file_actions_destroy(&files);
   posix_spawnattr_destroy(&attributes);
+  return pid;
+}
+
+/// Says when it could not do it. @param opener 0 once it is gone
+void lookAfterOpener(pid_t& opener) {
+  int status = 0;
+  if (opener == 0 || waitpid(opener, &status, WNOHANG) == 0) return;
+  opener = 0;
+  if (status != 0) printLine("web      xdg-open shows no page: open the address yourself");
 }
 
 /// What the page's program said, for somebody who has nothing else to look into.
@@ -61,33 +74,33 @@ void showOutput(const fs::path& output) {
 }  // namespace
 
 ExitCode web(const WebOptions& options) {
-  const fs::path output = ownFile(".web.txt");
-  const fs::path leads_there = ownFile(".web.html");
+  if (const auto problem = multicastProblem()) throw UserError(*problem);
+  const OwnFile output(".web.txt");
+  const OwnFile leads_there(".web.html");
   AsioLoop loop;
   DashboardProcess page({.program = options.programs / kOnlooker,
                          .url = lcmUrl(choosePort(0)),
                          .runs = fs::absolute(options.runs),
                          .port = options.port,
                          .address_file = ownFile(".web"),
-                         .output = output});
+                         .output = output.path()});
   const auto say = [](const std::string& what) { printLine("web      " + what); };
   bool opened = !options.open;
+  pid_t opener = 0;
   page.start(say);
   loop.onSignals({SIGINT, SIGTERM, SIGHUP}, [&loop](int) { loop.stop(); });
   loop.every(kLookAfter_us, loop.now(), [&] {
     page.lookAfter(say);
+    lookAfterOpener(opener);
     if (page.givenUp()) loop.stop();
     if (opened || page.address().empty()) return;
     opened = true;
-    openInBrowser(page.address(), leads_there);
+    opener = openInBrowser(page.address(), leads_there.path());
   });
   loop.run();
   const bool failed = page.givenUp();
   page.end();
-  if (failed) showOutput(output);
-  std::error_code error;
-  fs::remove(output, error);
-  fs::remove(leads_there, error);
+  if (failed) showOutput(output.path());
   return failed ? kFailed : kDone;
 }
 

@@ -54,7 +54,8 @@ export const post = (path, body, patience) =>
       method: "POST",
       headers: {"Content-Type": "application/json"},
       body: JSON.stringify(body),
-      keepalive: true,  // a wish survives the page that sent it
+      keepalive: true,   // a wish survives the page that sent it
+      priority: "high",  // and waits behind no question
     },
         patience);
 

@@ -9,6 +9,7 @@ import {allPrograms, programAt} from "./programs.js";
 const MARGIN_CM = 3;
 const TRAILS_MS = 4000;  // trails fade in so long steps
 const MOVING_TRAILS_MS = 200;
+const LIGHT_AGAIN_MS = 1000;
 const GROUND = "#2a2d33";  // behind the samples of the legend
 
 /** From the arena [cm] to the canvas [device pixels]. */
@@ -85,6 +86,8 @@ export class ArenaView {
       jumps = player.jumps;
     });
     stream.on("light", (light) => this.#fetchLight(light));
+    document.addEventListener(
+        "visibilitychange", () => this.#light.wanted && this.#fetchLight(this.#light.wanted));
     this.#animate();
   }
 
@@ -171,14 +174,19 @@ export class ArenaView {
     if (this.#light.busy || document.hidden || light.version === this.#light.version) return;
     this.#light.busy = true;
     const asked = this.#light.wanted;
-    const bytes = asked.columns && asked.rows ? await getBytes("/api/light") : null;
-    if (bytes && bytes.length === asked.columns * asked.rows) {
+    const size = (asked.columns || 0) * (asked.rows || 0);
+    const bytes = size ? await getBytes("/api/light") : new Uint8Array(0);
+    const whole = bytes?.length === size;  // else of another light, or none: it is asked for again
+    if (whole) {
       this.#picture?.close();
-      this.#picture = lightPicture(bytes, asked.columns, asked.rows);
+      this.#picture = size ? lightPicture(bytes, asked.columns, asked.rows) : null;
+      this.#light.version = asked.version;
     }
-    this.#light.version = asked.version;
     this.#light.busy = false;
-    if (this.#light.wanted !== asked) this.#fetchLight(this.#light.wanted);
+    if (!whole)
+      setTimeout(() => this.#fetchLight(this.#light.wanted), LIGHT_AGAIN_MS);
+    else if (this.#light.wanted !== asked)
+      this.#fetchLight(this.#light.wanted);
   }
 
   #animate() {

@@ -7,16 +7,23 @@ export class CameraPicture {
   constructor(stream) {
     const picture = find("camera-picture");
     let there = false;
-    stream.on("camera", (camera) => {
-      there = camera.picture === true;
-      find("show-camera-label").hidden = false;
-      setText(
-          find("camera-text"),
-          `${camera.state ?? ""} ${camera.width_px ?? "?"} × ${camera.height_px ?? "?"} px, ` +
-              `${number(camera.fps)} pictures a second${
-                  camera.trouble ? `; ${camera.trouble}` : ""}${there ? "" : "; no picture"}`);
-      picture.hidden = !there;
-    });
+    stream.on(
+        "camera",
+        (camera) => {
+          there = camera.picture === true;
+          find("show-camera-label").hidden = false;
+          setText(
+              find("camera-text"),
+              `${camera.state ?? ""} ${camera.width_px ?? "?"} × ${camera.height_px ?? "?"} px, ` +
+                  `${number(camera.fps)} pictures a second${
+                      camera.trouble ? `; ${camera.trouble}` : ""}${there ? "" : "; no picture"}`);
+          picture.hidden = !there;
+        },
+        () => {
+          there = false;
+          find("show-camera").checked = false;
+          find("show-camera-label").hidden = find("camera").hidden = true;
+        });
     find("show-camera").addEventListener("change", (event) => {
       find("camera").hidden = !event.target.checked;
     });

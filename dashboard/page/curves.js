@@ -102,7 +102,11 @@ export class Curves {
       this.#runTimes();
     });
     // Each pool comes once a second by itself: all of them are drawn together.
-    stream.on("pool/", drawWhenSeen(find("curves-section"), () => this.#pools(), 500));
+    const pools = drawWhenSeen(find("curves-section"), () => this.#pools(), 500);
+    stream.on("pool/", pools, () => {
+      this.#single = null;  // of the same robot and the same time
+      pools();
+    });
     stream.on("runtimes/", drawWhenSeen(find("curves-section"), () => this.#runTimes(), 500));
     stream.on("robots", (robots) => fillSelect(find("curves-source"), [
                           ["", "all robots together"],

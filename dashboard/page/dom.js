@@ -62,13 +62,13 @@ export function fillTable(table, columns, rows) {
   table.hidden = rows.length === 0;
 }
 
-/** Fills a <dl> with [[name, text], ...] in place. */
+/** Fills a <dl> with [[name, text, class], ...] in place. */
 export function fillFacts(list, facts) {
   while (list.children.length > 2 * facts.length) list.lastChild.remove();
   while (list.children.length < 2 * facts.length) list.append(el("dt"), el("dd"));
-  facts.forEach(([name, text], number) => {
+  facts.forEach(([name, text, kind = ""], number) => {
     setText(list.children[2 * number], name);
-    setText(list.children[2 * number + 1], text);
+    setText(list.children[2 * number + 1], text, kind);
   });
 }
 
@@ -124,8 +124,11 @@ export function pollWhileSeen(element, period, work) {
   setInterval(async () => {
     if (!seen || busy || document.hidden) return;
     busy = true;
-    await work();
-    busy = false;
+    try {
+      await work();
+    } finally {
+      busy = false;
+    }
   }, period);
 }
 

@@ -1,6 +1,6 @@
 // How every process, robot and stream is; first of all what is wrong and what to do.
 
-import {drawWhenSeen, el, fillFacts, fillTable, find} from "./dom.js";
+import {drawWhenSeen, el, fillFacts, fillTable, find, setText} from "./dom.js";
 import {DASH, heading, number, plain, seconds} from "./format.js";
 import {flagWords, originWord} from "./robot_panel.js";
 
@@ -91,6 +91,8 @@ export class Health {
       fillTable(find("robots"), ROBOTS, stream.topics.get("robots") ?? []);
       fillTable(find("services"), SERVICES, health.services ?? []);
       fillTable(find("streams"), STREAMS, health.streams ?? []);
+      const more = health.streams_left_out;
+      setText(find("streams-more"), more ? `and ${more} more streams, which are not listed` : "");
       fillTable(
           find("not-understood"), [fact("channel", false), count("messages")],
           health.not_understood ?? []);
@@ -101,14 +103,14 @@ export class Health {
     stream.on("health", (health) => {
       this.#advise(health.advice ?? []);
       tell();
-    });
-    stream.on("robots", tell);
+    }, tell);
+    stream.on("robots", tell, tell);
     stream.on("light", (light) => {
       const who = light.manual ? "held by hand" : `by ${plain(light.commander)}`;
       find("light-now").textContent =
           `light: ${plain(light.label)}, mean ${number(100 * light.mean, 2)} %, ${who}` +
           `${light.moving ? ", moving" : ""}${light.trouble ? `; trouble: ${light.trouble}` : ""}`;
-    });
+    }, () => setText(find("light-now"), ""));
   }
 
   #advise(advice) {

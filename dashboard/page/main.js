@@ -32,11 +32,17 @@ function listenToTheme() {
 listenToTheme();
 const stream = new Stream();
 let run = null;
+const forgetCurves = () => ["pool/", "history/", "runtimes/"].forEach((old) => stream.forget(old));
 stream.on("lab", (lab) => {
-  if (run !== null && run !== lab.run)
-    for (const old of ["pool/", "history/", "runtimes/"]) stream.forget(old);
+  if (run !== null && run !== lab.run) forgetCurves();
+  if (!lab.replay) stream.forget("player");
   run = lab.run;
   setPrograms(lab.programs ?? []);
+});
+let jumps = null;  // of the player: what was measured elsewhere in the run is void
+stream.on("player", (player) => {
+  if (jumps !== null && jumps !== player.jumps) forgetCurves();
+  jumps = player.jumps;
 });
 const view = new ArenaView(stream);
 const controls = new Controls(stream);

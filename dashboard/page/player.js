@@ -9,16 +9,26 @@ export class Player {
     const [at, go, speed] = ["player-at", "player-go", "player-speed"].map(find);
     let held = 0;  // [ms] until when the slider belongs to the hand
     let paused = false;
-    stream.on("player", (player) => {
-      find("player").hidden = false;
-      paused = player.paused;
-      at.max = String(player.length_s ?? 1);
-      if (performance.now() > held) at.value = String(player.at_s ?? 0);
-      if (document.activeElement !== speed) speed.value = String(player.speed ?? 1);
-      setText(go, player.paused ? "play" : "pause");
-      setText(find("player-text"), `${stopwatch(player.at_s)} of ${stopwatch(player.length_s)}`);
-      at.setAttribute("aria-valuetext", find("player-text").textContent);
-    });
+    stream.on(
+        "player",
+        (player) => {
+          find("player").hidden = false;
+          paused = player.paused;
+          at.max = String(player.length_s ?? 1);
+          if (performance.now() > held) at.value = String(player.at_s ?? 0);
+          if (document.activeElement !== speed) speed.value = String(player.speed ?? 1);
+          setText(go, player.paused ? "play" : "pause");
+          setText(
+              find("player-text"), `${stopwatch(player.at_s)} of ${stopwatch(player.length_s)}`);
+          at.setAttribute("aria-valuetext", find("player-text").textContent);
+        },
+        () => {
+          find("player").hidden = true;
+        });
+    const tell = async (name, fields) => {
+      const {ok, error} = await wish(name, fields);
+      setText(find("player-say"), ok ? "" : `${name}: ${error}`);
+    };
     at.addEventListener("input", () => {
       held = performance.now() + 1500;
       setText(
@@ -26,9 +36,9 @@ export class Player {
     });
     at.addEventListener("change", () => {
       held = performance.now() + 800;
-      wish("seek", {to_s: Number(at.value)});
+      tell("seek", {to_s: Number(at.value)});
     });
-    go.addEventListener("click", () => wish(paused ? "resume" : "pause"));
-    speed.addEventListener("change", () => wish("speed", {speed: Number(speed.value)}));
+    go.addEventListener("click", () => tell(paused ? "resume" : "pause"));
+    speed.addEventListener("change", () => tell("speed", {speed: Number(speed.value)}));
   }
 }

@@ -3,7 +3,7 @@
 import {get} from "./api.js";
 import {Chart} from "./chart.js";
 import {fillFacts, fillSelect, find, pollWhileSeen} from "./dom.js";
-import {heading, plain} from "./format.js";
+import {DASH, heading, number, plain, seconds, unit} from "./format.js";
 import {programNamed} from "./programs.js";
 
 const FLAGS = [
@@ -16,8 +16,84 @@ export const flagWords = (flags) =>
     FLAGS.filter((_, bit) => flags & (1 << bit)).join(", ") || "none";
 export const originWord = (origin) => ORIGINS[origin] ?? String(origin);
 
-/** Without the parameters that a program does not have: they are 0. */
-const sparse = (values) => Object.fromEntries(Object.entries(values).filter(([, value]) => value));
+/** "abp: v 5.00 cm/s, ..."; what a program does not have is 0 and left out. */
+function programWords({program, program_running: running}) {
+  const {model, ...values} = running ?? {};
+  const parts = Object.entries(values).filter(([, value]) => value).map(([key, value]) => {
+    const [, name, measure] = /^(.*?)(?: \((.*)\))?$/.exec(heading(key));
+    return `${name} ${number(value)} ${unit(measure)}`.trim();
+  });
+  const name = typeof program === "string" ? program : model;
+  return `${name ?? "none"}${parts.length ? `: ${parts.join(", ")}` : ""}`;
+}
+
+const pair = (first, second, measure = "") =>
+    `${number(first)}, ${number(second)}${measure && ` ${measure}`}`;
+const ago = (age) => (age < 0.1 ? "now" : `${seconds(age)} ago`);
+const place = ({x_cm: x, y_cm: y, theta_deg: theta, seen_age_s: age}) =>
+    (typeof x === "number" ? `${x.toFixed(1)}, ${y?.toFixed(1)} cm, ${theta?.toFixed(0)}°${
+                                 age > 1 ? `, ${ago(age)}` : ""}` :
+                                           "not seen");
+
+/** What people read of a robot: [name, the keys it takes, text]. */
+const FACTS = [
+  ["seen at", ["x_cm", "y_cm", "theta_deg", "seen_age_s"], place],
+  [
+    "standard error", ["sigma_cm", "sigma_theta_deg"],
+    (r) => `${number(r.sigma_cm, 2)} cm, ${number(r.sigma_theta_deg, 2)}°`
+  ],
+  ["confidence", ["confidence"], (r) => number(r.confidence, 2)],
+  ["does", ["flags"], (r) => (r.flags ? flagWords(r.flags) : "as its program says")],
+  ["program", ["program", "program_running"], programWords],
+  ["program started", ["program_age_s"], (r) => ago(r.program_age_s)],
+  [
+    "wheels", ["wheel_left_cm_s", "wheel_right_cm_s"],
+    (r) => pair(r.wheel_left_cm_s, r.wheel_right_cm_s, "cm/s")
+  ],
+  [
+    "wheels by program", ["program_left_cm_s", "program_right_cm_s"],
+    (r) => pair(r.program_left_cm_s, r.program_right_cm_s, "cm/s")
+  ],
+  ["light front, back", ["light_front", "light_back"], (r) => pair(r.light_front, r.light_back)],
+  ["infrared", ["ir"], (r) => plain(r.ir)],
+  [
+    "reversals", ["reversals", "reversal_age_s"],
+    (r) => `${plain(r.reversals)}${r.reversals ? `, last ${ago(r.reversal_age_s)}` : ""}`
+  ],
+  ["tumbles", ["tumbles"], (r) => plain(r.tumbles)],
+  ["time in runs", ["run_time_s"], (r) => seconds(r.run_time_s)],
+  ["battery", ["battery_V"], (r) => (r.battery_V ? `${number(r.battery_V)} V` : DASH)],
+  [
+    "messages", ["link_sent", "link_received", "link_errors"],
+    (r) => `${plain(r.link_sent)} to it, ${plain(r.link_received)} from it, ` +
+        `${plain(r.link_errors)} damaged`
+  ],
+  [
+    "body", ["origin", "owner"],
+    (r) => `${typeof r.origin === "number" ? originWord(r.origin) : plain(r.origin)}` +
+        `${r.owner ? `, of ${r.owner}` : ""}`
+  ],
+  ["heard", ["age_s"], (r) => ago(r.age_s)],
+  ["electronics' number", ["uid"], (r) => plain(r.uid)],
+  ["light band", ["band"], (r) => (r.band >= 0 ? plain(r.band) : DASH)],
+  ["starts of programs", ["program_epoch"], (r) => plain(r.program_epoch)],
+  [
+    "last order, stop", ["command_seq", "stop_seq"],
+    (r) => `${plain(r.command_seq || null)}, ${plain(r.stop_seq || null)}`
+  ],
+];
+const TOLD = new Set(["id", ...FACTS.flatMap(([, keys]) => keys)]);
+
+/** @param told {...} of one robot @param low whether its battery is @return rows of fillFacts */
+function factsOf(told, low) {
+  return [
+    ...FACTS.filter(([, keys]) => keys.some((key) => key in told && (key !== "uid" || told.uid)))
+        .map(([name, , text]) => [name, text(told), name === "battery" && low ? "bad" : ""]),
+    ...Object.entries(told)
+        .filter(([key]) => !TOLD.has(key))
+        .map(([key, value]) => [heading(key), plain(value, key)])
+  ];
+}
 
 export class RobotPanel {
   #stream;
@@ -67,23 +143,8 @@ export class RobotPanel {
     }
     const told = await get(`/api/ask/robot?which=${id}`);
     if (id !== this.#view.chosen || !told) return;
-    const pose = this.#view.arena.robots.get(id);
-    const seen = told.pose ?
-        [] :
-        pose ?
-        [
-          ["seen at", `${pose.x.toFixed(1)}, ${pose.y.toFixed(1)} cm, ${pose.theta.toFixed(0)}°`],
-          ["confidence", plain(pose.confidence)]
-        ] :
-        [["seen at", "not seen"]];
-    fillFacts(find("robot-facts"), [
-      ...seen, ...Object.entries(told).filter(([key]) => key !== "id").map(([key, value]) => {
-        if (key === "flags" && typeof value === "number") return ["flags", flagWords(value)];
-        if (key === "origin" && typeof value === "number") return ["origin", originWord(value)];
-        if (key === "program_running" && value) return ["program running", plain(sparse(value))];
-        return [heading(key), plain(value, key)];
-      })
-    ]);
+    const row = this.#stream.topics.get("robots")?.find((robot) => robot.id === id);
+    fillFacts(find("robot-facts"), factsOf(told, row?.battery_low));
   }
 
   async #askSpeeds() {

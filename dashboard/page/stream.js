@@ -19,9 +19,12 @@ export class Stream {
   #lastBytes = 0;
   #hidden = false;
 
-  /** Calls call(value, topic) for each news of a topic; "pool/" stands for all that begin so. */
-  on(topic, call) {
-    this.#listeners.push({topic, call});
+  /**
+   * Calls call(value, topic) for each news of a topic; "pool/" stands for all that begin so.
+   * gone(topic): it is there no longer. Who listens to a family looks at all of it anyway.
+   */
+  on(topic, call, gone = topic.endsWith("/") ? () => call() : () => {}) {
+    this.#listeners.push({topic, call, gone});
     for (const [known, value] of this.topics)
       if (matches(topic, known)) call(value, known);
   }
@@ -31,9 +34,14 @@ export class Stream {
     return [...this.topics].filter(([topic]) => topic.startsWith(start));
   }
 
-  /** Forgets all that was told of an earlier run. */
+  /** Forgets all topics that begin with `start`: they told of an earlier run or place. */
   forget(start) {
-    for (const [topic] of this.all(start)) this.topics.delete(topic);
+    for (const [topic] of this.all(start)) this.#drop(topic);
+  }
+
+  /** Frees a connection for what cannot wait: a browser has six for a server. */
+  makeRoom() {
+    this.#abort?.abort();
   }
 
   run() {
@@ -120,12 +128,24 @@ export class Stream {
       console.error(`topic ${topic}: not JSON`);
       return;
     }
+    if (value === null) {
+      this.#drop(topic);
+      return;
+    }
     this.topics.set(topic, value);
     if (topic === "pulse") this.lastPulse = performance.now();
-    for (const {topic: wanted, call} of this.#listeners) {
-      if (!matches(wanted, topic)) continue;
+    this.#each(topic, ({call}) => call(value, topic));
+  }
+
+  #drop(topic) {
+    if (this.topics.delete(topic)) this.#each(topic, ({gone}) => gone(topic));
+  }
+
+  #each(topic, tell) {
+    for (const listener of this.#listeners) {
+      if (!matches(listener.topic, topic)) continue;
       try {
-        call(value, topic);  // one part that fails must not silence the others
+        tell(listener);  // one part that fails must not silence the others
       } catch (error) {
         console.error(`topic ${topic}:`, error);
       }

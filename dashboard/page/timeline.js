@@ -11,6 +11,7 @@ const BAR = {
   height: 26
 };
 const MOST_EVENTS = 30;
+const MOST_STEPS = 12;
 
 const after = (us, from) => (us > 0 && from > 0 ? seconds((us - from) / 1e6) : DASH);
 const STEP_COLUMNS = [
@@ -49,14 +50,20 @@ export class Timeline {
     this.#svg = d3.select(this.#holder).append("svg").attr({role: "img", height: HEIGHT});
     const mark = drawWhenSeen(this.#holder, () => this.#draw());
     new ResizeObserver(mark).observe(this.#holder);
-    stream.on("timeline", (timeline) => {
-      this.#tables(timeline);
-      mark();
-    });
+    stream.on(
+        "timeline",
+        (timeline) => {
+          this.#tables(timeline);
+          mark();
+        },
+        () => {
+          this.#tables({});
+          mark();
+        });
     stream.on("lab", mark);
     stream.on(
-        "delivery",
-        (delivery) => fillTable(find("delivery"), DELAY_COLUMNS, delivery.delays ?? []));
+        "delivery", (delivery) => fillTable(find("delivery"), DELAY_COLUMNS, delivery.delays ?? []),
+        () => fillTable(find("delivery"), DELAY_COLUMNS, []));
     stream.on("script", (script) => {
       this.#words(script);
       mark();
@@ -65,7 +72,7 @@ export class Timeline {
 
   #tables(timeline) {
     const newest = [...(timeline.steps ?? [])].reverse();
-    fillTable(find("steps"), STEP_COLUMNS, newest.slice(0, 12));
+    fillTable(find("steps"), STEP_COLUMNS, newest.slice(0, MOST_STEPS));
     const told = [
       ...(timeline.faults ?? []).map((fault) => ({...fault, fault: true})),
       ...(timeline.marks ?? [])
@@ -78,6 +85,15 @@ export class Timeline {
                     el("li", {}, el("span", {class: "quiet", text: `${timeOfDay(event.t_us)} `}),
                        event.fault ? el("span", {class: "bad", text: "fault: "}) : null,
                        event.text ?? "")));
+    const earlier = (all, most, before) =>
+        Math.max(0, all.length - most) + before.reduce((sum, key) => sum + (timeline[key] ?? 0), 0);
+    const steps = earlier(newest, MOST_STEPS, ["steps_before"]);
+    const events = earlier(told, MOST_EVENTS, ["marks_before", "faults_before"]);
+    const more = [
+      ...(steps ? [`${steps} earlier steps`] : []),
+      ...(events ? [`${events} earlier marks and faults`] : [])
+    ];
+    setText(find("timeline-more"), more.length ? `not listed: ${more.join(", ")}` : "");
   }
 
   #words(script) {

@@ -139,5 +139,77 @@ TEST(StopDesk, ALateRepetitionDoesNotUndoTheRelease) {
   EXPECT_EQ(dut.state(), StopDesk::State::kFree);
 }
 
+TEST(StopDesk, CountsRobotsBeforeAnythingIsAsked) {
+  StopDesk dut;
+  dut.take(status({1, 2}, 0, false), kNow);
+  EXPECT_EQ(dut.total(), 2U);
+  EXPECT_TRUE(dut.unconfirmed().empty());
+  EXPECT_EQ(dut.state(), StopDesk::State::kFree);
+  EXPECT_FALSE(dut.confirmed());
+}
+
+TEST(StopDesk, ARobotThatAppearsAfterTheReleaseIsFree) {
+  StopDesk dut;
+  dut.release("me", "", 78, kNow);
+  dut.take(status({1}, 77, true), kNow);
+  EXPECT_EQ(dut.state(), StopDesk::State::kReleasing);
+  dut.take(status({1}, 78, false), kNow);
+  dut.take(status({2}, 0, false), kNow + 1000 * kMs);
+  EXPECT_EQ(dut.state(), StopDesk::State::kFree);
+  EXPECT_EQ(dut.total(), 2U);
+}
+
+TEST(StopDesk, RobotsThatStandWithoutAKnownRequestAreAStopOfAll) {
+  StopDesk dut;
+  dut.expect(3);
+  dut.take(status({1, 2}, 77, true), kNow);
+  EXPECT_EQ(dut.state(), StopDesk::State::kStopping);
+  EXPECT_EQ(dut.unconfirmed(), std::vector<std::int32_t>{3});
+  dut.take(status({3}, 76, true), kNow + 20 * kMs);
+  EXPECT_EQ(dut.state(), StopDesk::State::kStopped);
+  EXPECT_FALSE(dut.took()) << "nobody knows when it was asked for";
+  EXPECT_FALSE(dut.due(kNow + 30 * kMs)) << "it is not ours to repeat";
+  robot_stop_t late{};
+  late.sender = "lab";
+  late.seq = 77;
+  dut.take(late, kNow + 40 * kMs);
+  EXPECT_EQ(dut.by(), "lab");
+  dut.release("me", "", 78, kNow + 50 * kMs);
+  dut.take(status({1, 2, 3}, 78, false), kNow + 90 * kMs);
+  EXPECT_EQ(dut.state(), StopDesk::State::kFree);
+}
+
+TEST(StopDesk, AnAdoptedStopEndsWithItsLastStandingRobot) {
+  StopDesk dut;
+  dut.take(status({1, 2}, 77, true), kNow);
+  dut.take(status({1}, 78, false), kNow);
+  EXPECT_EQ(dut.state(), StopDesk::State::kStopping);
+  dut.take(status({2}, 78, false), kNow);
+  EXPECT_EQ(dut.state(), StopDesk::State::kFree);
+  dut.take(status({4}, 77, true, robot_state_t::REPLAY), kNow);
+  EXPECT_EQ(dut.state(), StopDesk::State::kFree) << "robots of a replay are nobody's";
+}
+
+TEST(StopDesk, AnotherRunKeepsAnOwnStopAndNoOther) {
+  StopDesk dut;
+  dut.stop("me", "", 77, kNow);
+  dut.take(status({1}, 77, true), kNow);
+  dut.newRun();
+  dut.take(status({2}, 0, false), kNow + 1000 * kMs);
+  EXPECT_EQ(dut.state(), StopDesk::State::kStopping);
+  EXPECT_EQ(dut.unconfirmed(), std::vector<std::int32_t>{2});
+  ASSERT_TRUE(dut.due(kNow + 1000 * kMs));
+  dut.release("me", "", 78, kNow + 1100 * kMs);
+  dut.take(status({2}, 78, false), kNow + 1200 * kMs);
+  dut.newRun();
+  EXPECT_EQ(dut.state(), StopDesk::State::kFree);
+  robot_stop_t other{};
+  other.sender = "lab_stop";
+  other.seq = 80;
+  dut.take(other, kNow + 1300 * kMs);
+  dut.newRun();
+  EXPECT_EQ(dut.state(), StopDesk::State::kFree);
+}
+
 }  // namespace
 }  // namespace lab

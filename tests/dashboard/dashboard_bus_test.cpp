@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <poll.h>
+#include <sys/eventfd.h>
 #include <sys/stat.h>
 
 #include <atomic>
@@ -157,6 +158,46 @@ TEST(LabInbox, AnswersFromTheLoopsThread) {
   EXPECT_EQ(refusal, "no");
   EXPECT_EQ(answer, "a/b");
   EXPECT_EQ(answered, loop_thread);
+}
+
+TEST(LabInbox, NoWishWaitsBehindMoreThanOneQuestion) {
+  std::string order;
+  LabInbox dut({.wish =
+                    [&](const Wish&) {
+                      order += 'w';
+                      return std::string();
+                    },
+                .ask =
+                    [&](std::string_view, std::string_view) {
+                      order += 'q';
+                      return std::optional<std::string>("");
+                    }},
+               std::chrono::seconds(20));
+  std::vector<std::thread> web;
+  eventfd_t rings = 0;
+  const auto waitFor = [&](eventfd_t count) {
+    while (rings < count) {
+      eventfd_t more = 0;
+      if (eventfd_read(dut.descriptor(), &more) == 0) rings += more;
+      std::this_thread::yield();
+    }
+  };
+  for (eventfd_t i = 1; i <= 3; ++i) {
+    web.emplace_back([&] { static_cast<void>(dut.ask("a", "b")); });
+    waitFor(i);
+  }
+  web.emplace_back([&] { EXPECT_EQ(dut.wish(StopRobots{}), ""); });
+  waitFor(4);
+  dut.serve();
+  EXPECT_EQ(order, "wq");
+  pollfd waiting{dut.descriptor(), POLLIN, 0};
+  for (int served = 0; served < 2; ++served) {
+    EXPECT_EQ(poll(&waiting, 1, 0), 1) << "others wait";
+    dut.serve();
+  }
+  EXPECT_EQ(poll(&waiting, 1, 0), 0);
+  for (std::thread& thread : web) thread.join();
+  EXPECT_EQ(order, "wqqq");
 }
 
 TEST(LabInbox, WhatWaitedTooLongIsNeverDone) {

@@ -56,6 +56,9 @@ TEST(HttpGuard, TakesTheAddressThatWasReachedWhereItListensWidely) {
   EXPECT_TRUE(mayRead(wide, facts).yes());
   facts.host = "192.168.1.8:8480";
   EXPECT_EQ(mayRead(wide, facts).refusal, Refusal::kHost);
+  facts.local = "::ffff:192.168.1.7";
+  facts.host = "192.168.1.7:8480";
+  EXPECT_TRUE(mayRead(wide, facts).yes()) << "on a socket of IPv6";
   facts.local = "fd00::7";
   facts.host = "[fd00::7]:8480";
   EXPECT_TRUE(mayRead(wide, facts).yes());

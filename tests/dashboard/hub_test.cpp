@@ -3,6 +3,8 @@
 #include <atomic>
 #include <thread>
 
+#include "dashboard/event_stream.hpp"
+
 namespace lab::dashboard {
 namespace {
 
@@ -53,6 +55,38 @@ TEST(Hub, ForgetsWhatIsRemoved) {
   std::uint64_t seen = 0;
   EXPECT_THAT(hub.changesSince(seen, 0ms), IsEmpty());
   EXPECT_EQ(hub.newest("pool/abp"), nullptr);
+}
+
+TEST(Hub, TellsWhoHasSeenItThatATopicIsGone) {
+  Hub hub;
+  hub.publish("pool/abp", "1");
+  std::uint64_t seen = 0;
+  ASSERT_EQ(hub.changesSince(seen, 0ms).size(), 1U);
+  hub.remove("pool/abp");
+  EXPECT_EQ(textsOf(hub.changesSince(seen, 0ms)), std::vector<std::string>{"pool/abp=null"});
+  hub.remove("pool/abp");
+  EXPECT_THAT(hub.changesSince(seen, 0ms), IsEmpty());
+  hub.publish("pool/abp", "2");
+  EXPECT_EQ(textsOf(hub.changesSince(seen, 0ms)), std::vector<std::string>{"pool/abp=2"});
+  EXPECT_EQ(*hub.newest("pool/abp"), "2");
+}
+
+TEST(EventStream, ANameFromTheBusMakesNoEventOfItsOwn) {
+  std::string text;
+  appendEvent(text, "pool/a\n\nevent: stop\r", "1\n2");
+  EXPECT_EQ(text, "event: pool/a??event: stop?\ndata: 1\ndata: 2\n\n");
+}
+
+TEST(Hub, RemembersFewTopicsThatAreGone) {
+  Hub hub;
+  hub.publish("pulse", "0");
+  std::uint64_t seen = 0;
+  static_cast<void>(hub.changesSince(seen, 0ms));
+  for (int i = 0; i < 1000; ++i) {
+    hub.publish("pool/" + std::to_string(i), "1");
+    hub.remove("pool/" + std::to_string(i));
+  }
+  EXPECT_EQ(hub.changesSince(seen, 0ms).size(), 200U);
 }
 
 TEST(Hub, WakesAReaderForAChangeButNotForAQuietOne) {

@@ -18,7 +18,9 @@ namespace lab::dashboard {
 class RawClient {
  public:
   /// @param receive_buffer [byte], 0: as the system has it
-  explicit RawClient(int port, int receive_buffer = 0)
+  /// @param address in the network's byte order
+  explicit RawClient(int port, int receive_buffer = 0,
+                     in_addr_t address = htonl(INADDR_LOOPBACK))
       : socket_(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
     if (receive_buffer > 0) {
       setsockopt(socket_, SOL_SOCKET, SO_RCVBUF, &receive_buffer, sizeof receive_buffer);
@@ -26,7 +28,7 @@ class RawClient {
     sockaddr_in place{};
     place.sin_family = AF_INET;
     place.sin_port = htons(static_cast<std::uint16_t>(port));
-    place.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    place.sin_addr.s_addr = address;
     connected_ = connect(socket_, reinterpret_cast<sockaddr*>(&place), sizeof place) == 0;
   }
   ~RawClient() {

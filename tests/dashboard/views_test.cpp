@@ -106,7 +106,13 @@ TEST(RobotsView, TellsWhatRobotsSay) {
   const Json one = Json::parse(dut.robotJson(7, kNow).value());
   EXPECT_EQ(one["wheel_left_cm_s"], 5);
   EXPECT_EQ(one["program_running"]["v_cm_s"], 4);
-  EXPECT_EQ(one["pose"], nullptr);
+  EXPECT_EQ(one["program"], "swim");
+  EXPECT_EQ(one["x_cm"], nullptr);
+  dut.take(frameOf(kNow, {poseOf(7, 0.123456, 1e300), poseOf(7, 0.5, 0.5)}), kNow);
+  dut.take(frameOf(kNow, {poseOf(7, 0.123456, 0.2, 1)}), kNow);
+  const std::string text = dut.robotJson(7, kNow).value();
+  EXPECT_NE(text.find("\"x_cm\":12.3,"), std::string::npos) << text;
+  EXPECT_NE(text.find("\"theta_deg\":57.3,"), std::string::npos) << text;
   EXPECT_FALSE(dut.robotJson(8, kNow));
 }
 

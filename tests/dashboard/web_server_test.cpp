@@ -1,5 +1,8 @@
 #include "dashboard/web_server.hpp"
 
+#include <ifaddrs.h>
+#include <net/if.h>
+
 #include "tests/dashboard/web_fixture.hpp"
 
 namespace lab::dashboard {
@@ -228,6 +231,39 @@ TEST_F(WebTest, SilentClientsKeepNobodyOut) {
   EXPECT_EQ(statusOf(wish(R"({"wish":"stop","reason":""})")), "202");
   EXPECT_THAT(lab_.wishes(), SizeIs(1));
   EXPECT_EQ(server_->refusals().crowded, 0);
+}
+
+/// An address of this machine that is none of its loopback, 0: there is none.
+in_addr_t farAddress() {
+  ifaddrs* all = nullptr;
+  if (getifaddrs(&all) != 0) return 0;
+  in_addr_t found = 0;
+  for (const ifaddrs* one = all; one != nullptr; one = one->ifa_next) {
+    if (one->ifa_addr == nullptr || one->ifa_addr->sa_family != AF_INET) continue;
+    if ((one->ifa_flags & IFF_LOOPBACK) != 0 || (one->ifa_flags & IFF_UP) == 0) continue;
+    found = reinterpret_cast<const sockaddr_in*>(one->ifa_addr)->sin_addr.s_addr;
+  }
+  freeifaddrs(all);
+  return found;
+}
+
+TEST_F(WebTest, OtherMachinesLeavePlacesToThisOne) {
+  const in_addr_t far = farAddress();
+  if (far == 0) GTEST_SKIP() << "this machine has no address but its loopback's";
+  options_.address = "0.0.0.0";
+  start();
+  RawClient near(server_->port());
+  std::vector<RawClient> others;
+  for (int i = 0; i < 32; ++i) {
+    others.emplace_back(server_->port(), 0, far);
+    others.back().send(request("GET", "/api/stream"));
+  }
+  waitForViewers(32);
+  for (int i = 0; i < 60; ++i) others.emplace_back(server_->port(), 0, far);
+  // The door lets in one after the other: when the last one is in, nobody stands outside.
+  EXPECT_EQ(statusOf(wish(R"({"wish":"stop","reason":""})")), "202");
+  near.send(request("GET", "/api/me"));
+  EXPECT_EQ(statusOf(near.receiveAll()), "200");
 }
 
 TEST_F(WebTest, ManyStreamsLeaveRoomForAStop) {

@@ -37,13 +37,29 @@ TEST(WishReader, ReadsEveryWish) {
 }
 
 TEST(WishReader, SaysWhatIsWrongAndWhatWasExpected) {
-  EXPECT_EQ(why(R"({"wish":"stop"})"), "reason: missing, expected a text");
-  EXPECT_EQ(why(R"({"wish":"stop","reason":3})"), "reason: found number, expected a text");
+  EXPECT_EQ(why(R"({"wish":"mark"})"), "text: missing, expected a text");
+  EXPECT_EQ(why(R"({"wish":"mark","text":3})"), "text: found number, expected a text");
   EXPECT_EQ(why(R"({"wish":"pause","x":1})"), "found the key \"x\", expected only wish");
   EXPECT_EQ(why(R"({"wish":"light","intensity":1.5,"hold_s":0})"),
             "intensity: found 1.5, expected a number from 0 to 1");
   EXPECT_EQ(why(R"({"wish":"pause","wish":"end"})"), "found \"wish\" twice, expected it once");
   EXPECT_EQ(why("[]"), "found array, expected a JSON object");
+}
+
+TEST(WishReader, WrongWordsDoNotKeepAStopBack) {
+  EXPECT_EQ(read<StopRobots>(R"({"wish":"stop"})").reason, "");
+  EXPECT_EQ(read<StopRobots>(R"({"wish":"stop","reason":3})").reason, "");
+  EXPECT_EQ(read<StopRobots>(R"({"wish":"stop","reason":"two\nlines"})").reason, "");
+  const std::string huge(501, 'a');
+  EXPECT_EQ(read<StopRobots>(R"({"wish":"stop","reason":")" + huge + "\"}").reason, "");
+}
+
+TEST(WishReader, CountsCharactersAndNotBytes) {
+  std::string text;
+  for (int i = 0; i < 500; ++i) text += "\xc3\xa4";
+  EXPECT_EQ(read<MarkRun>(R"({"wish":"mark","text":")" + text + "\"}").text, text);
+  EXPECT_EQ(why(R"({"wish":"mark","text":")" + text + "a\"}"),
+            "text: found 501 characters, expected at most 500");
 }
 
 TEST(WishReader, RefusesWhatIsNoWish) {

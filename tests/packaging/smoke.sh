@@ -68,6 +68,7 @@ expect "--version" "$(as_user 'active-lab --version')" '^Active Lab [0-9]'
 as_user 'active-lab --version'
 expect "which" "$(as_user 'command -v active-lab')" '^/usr/bin/active-lab$'
 said=$(as_user 'active-lab run light_switching --set duration_s=10' 2>&1) || fail "run: $said"
+expect "a run in real time" "$said" '^web +http://127\.0\.0\.1:[0-9]+/#token='
 expect "a run in real time" "$said" '^report .*/home/user/runs/light_switching-.*/report.html'
 echo "$said" | tail -n 3
 said=$(as_user 'active-lab run light_switching --virtual-time --set duration_s=60' 2>&1) || fail "run: $said"

@@ -89,6 +89,7 @@ class ConductorWishes : public testing::Test {
     page_.subscribe<light_command_t>(channels::kLightCommand,
                                      [this](const auto& command) { light_ = command; });
     page_.subscribe<robot_command_t>(channels::kRobotCommand, [this](const auto& command) {
+      if (!robot_answers_) return;
       robot_status_t status{};
       status.robots.resize(1);
       status.num_robots = 1;
@@ -144,6 +145,7 @@ class ConductorWishes : public testing::Test {
   std::int64_t script_ = 0;
   std::int64_t seq_ = 0;
   std::int32_t tumbles_ = 0;
+  bool robot_answers_ = true;
 
   std::vector<experiment_status_t> statuses_;
   std::map<std::int8_t, bool> phases_;
@@ -159,7 +161,7 @@ TEST_F(ConductorWishes, SaysHowTheRunStands) {
   start(std::string(kPlanned) + kSteps);
   goTo(4);
   EXPECT_EQ(status().sender, "lab");
-  EXPECT_EQ(status().run, "wishes-01");
+  EXPECT_EQ(status().run, "") << "in virtual time";
   EXPECT_EQ(status().phase, experiment_status_t::SCRIPT);
   EXPECT_NEAR(status().elapsed, 4, 0.5);
   EXPECT_DOUBLE_EQ(status().left, 30 - status().elapsed);
@@ -332,6 +334,20 @@ TEST_F(ConductorWishes, EndsByHandEvenInAPause) {
   EXPECT_EQ(status().phase, experiment_status_t::ENDED);
   EXPECT_DOUBLE_EQ(status().elapsed, 3) << "pauses do not count";
   EXPECT_EQ(status().command_seq, 2);
+}
+
+TEST_F(ConductorWishes, EndingByHandMakesAnUnmetConditionNoBetter) {
+  std::string file = tumbling();
+  file.replace(file.find("hold_s = 10"), 11, "hold_s = 10\nif_not = \"safe\"");
+  start(file);
+  robot_answers_ = false;  // so that nobody confirms that it stands
+  goTo(10.5);
+  ASSERT_EQ(status().phase, experiment_status_t::LEAVING);
+  ASSERT_FALSE(ending_);
+  wish(experiment_command_t::END, "enough");
+  EXPECT_EQ(ending_, Ending::kUnmet);
+  EXPECT_THAT(why_, HasSubstr("waited 10 s in vain"));
+  EXPECT_THAT(why_, HasSubstr("; ended by page: enough"));
 }
 
 TEST_F(ConductorWishes, TheOnlookersTroublesAreNoFaults) {

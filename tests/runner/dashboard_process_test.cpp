@@ -98,6 +98,7 @@ TEST_F(Page, ComesAgainWhenItIsKilledWithItsAddressBeforeIt) {
   DashboardProcess page(options(kGood));
   page.start(say_);
   ASSERT_TRUE(lookUntil(page, [&] { return !page.address().empty(); }));
+  const std::string before = page.address();
   int pid = 0;
   ASSERT_TRUE(lookUntil(page, [&] {
     return static_cast<bool>(std::ifstream(folder_ / "address.pids") >> pid);
@@ -106,6 +107,10 @@ TEST_F(Page, ComesAgainWhenItIsKilledWithItsAddressBeforeIt) {
   ASSERT_TRUE(lookUntil(page, [&] { return !said_.empty(); }));
   EXPECT_THAT(said_, testing::ElementsAre("dashboard died (killed by signal 9) and was restarted"));
   EXPECT_TRUE(fs::exists(folder_ / "address")) << "for the next one to take up";
+  ASSERT_TRUE(lookUntil(page, [&] { return page.address() != before; }));
+  std::string copy;
+  std::getline(std::ifstream(folder_ / "copy"), copy);
+  EXPECT_EQ(copy, page.address()) << "of another port or token";
   EXPECT_FALSE(page.givenUp());
 }
 
@@ -122,9 +127,11 @@ TEST_F(Page, IsDoneWithoutWhereItIsNotInstalled) {
   missing.program = folder_ / "nowhere";
   DashboardProcess page(missing);
   page.start(say_);
-  lookUntil(page, [&] { return page.givenUp(); });
   EXPECT_TRUE(page.givenUp());
-  EXPECT_THAT(said_, testing::Not(IsEmpty()));
+  page.lookAfter(say_);
+  EXPECT_THAT(said_, testing::ElementsAre(testing::AllOf(
+                         HasSubstr(missing.program.string() + " is not there: build the lab"),
+                         HasSubstr("everything else goes on"))));
 }
 
 }  // namespace

@@ -55,6 +55,24 @@ TEST_F(LabRegistry, ForgetsLabsWhoseRunnerDied) {
   EXPECT_FALSE(fs::exists(file));
 }
 
+TEST_F(LabRegistry, ClearsAwayWhatDeadRunnersKept) {
+  fs::create_directories(registryDirectory());
+  const fs::path mine = ownFile(".web.txt");
+  std::ofstream(mine) << "";
+  for (const char* ending : {".web", ".web.txt", ".web.part", ".web.html"}) {
+    std::ofstream(registryDirectory() / (std::string("999999999") + ending)) << "";
+  }
+  EXPECT_THAT(runningLabs(), testing::IsEmpty());
+  std::vector<fs::path> left;
+  for (const auto& entry : fs::directory_iterator(registryDirectory())) left.push_back(entry);
+  EXPECT_THAT(left, testing::ElementsAre(mine));
+  {
+    const OwnFile dut(".web.txt");
+    EXPECT_EQ(dut.path(), mine);
+  }
+  EXPECT_FALSE(fs::exists(mine));
+}
+
 TEST_F(LabRegistry, APortBelongsToOneLab) {
   constexpr int kPort = 23450;
   {

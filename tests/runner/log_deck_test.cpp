@@ -204,17 +204,31 @@ TEST_F(Deck, BeginsAgainWithAJumpWhereItIsToGoRoundAndRound) {
   EXPECT_EQ(sent, events_.size() + 2);
 }
 
-TEST(DeckOfALabThatHeardWishes, DoesNotTakeThemForItsOwn) {
-  experiment_command_t wish{};
-  wish.sender = "dashboard";
-  wish.instance = 77;
-  wish.action = experiment_command_t::PAUSE;
-  const std::vector<LogEvent> events{
-      frame(0), {std::string(channels::kExperimentCommand), encode(wish), kLog + us(1)}};
-  const LogDeck dut(events, "run-1", 1, AtEnd::kStand, kWall);
-  EXPECT_TRUE(dut.isRecorded(wish));
-  wish.instance = 78;
-  EXPECT_FALSE(dut.isRecorded(wish)) << "today's page";
+TEST(DeckOfAFullLog, PlaysItInPortionsAndLeavesNothingOut) {
+  std::vector<LogEvent> events;
+  for (int i = 0; i < 4500; ++i) events.push_back({std::to_string(i), {}, kLog + i});
+  LogDeck dut(events, "run-1", 1, AtEnd::kStand, kWall);
+  std::vector<std::string> sent;
+  const std::int64_t late = kWall + us(1);
+  const auto play = [&] {
+    const std::size_t before = sent.size();
+    EXPECT_FALSE(dut.advance(late));
+    dut.play(late, [&sent](const LogEvent& event) { sent.push_back(event.channel); });
+    return sent.size() - before;
+  };
+  EXPECT_EQ(play(), 2000U);
+  EXPECT_EQ(play(), 2000U);
+  EXPECT_EQ(play(), 500U);
+  experiment_command_t seek{};
+  seek.action = experiment_command_t::SEEK;
+  seek.value = dut.length();
+  ASSERT_EQ(dut.obey(seek, late), "");
+  sent.clear();
+  EXPECT_EQ(play(), 2000U);
+  EXPECT_EQ(play(), 2000U) << "what came before a jump's place too";
+  EXPECT_EQ(play(), 500U);
+  for (std::size_t i = 0; i < sent.size(); ++i) ASSERT_EQ(sent[i], std::to_string(i));
+  EXPECT_TRUE(dut.advance(late)) << "its end";
 }
 
 }  // namespace

@@ -3,8 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <lab/robot_status_t.hpp>
+#include <string>
+#include <vector>
 
 #include "common/channels.hpp"
+#include "common/log_file.hpp"
+#include "tests/common/temporary_folder.hpp"
 
 namespace lab::runner {
 namespace {
@@ -40,6 +44,22 @@ TEST(AsReplay, PassesOnWhatItDoesNotUnderstand) {
   const std::vector<std::uint8_t> bytes{1, 2, 3};
   EXPECT_EQ(asReplay("FOREIGN", bytes), bytes);
   EXPECT_EQ(asReplay(std::string(channels::kRobotStatus), bytes), bytes);
+}
+
+TEST(SelectEvents, LeavesOutWhatThePlayerSaysItself) {
+  const TemporaryFolder folder;
+  const std::filesystem::path log = folder / "log.lcmlog";
+  {
+    LogWriter writer(log);
+    for (const auto channel : {channels::kExperimentStatus, channels::kRobotStatus,
+                               channels::kExperimentCommand, channels::kExperimentEvent}) {
+      writer.write({channel, {}, 7});
+    }
+  }
+  std::vector<std::string> kept;
+  for (const LogEvent& event : selectEvents({log}, {})) kept.push_back(event.channel);
+  EXPECT_EQ(kept, (std::vector<std::string>{std::string(channels::kRobotStatus),
+                                            std::string(channels::kExperimentEvent)}));
 }
 
 }  // namespace

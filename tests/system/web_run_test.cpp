@@ -56,7 +56,8 @@ class WebRun : public testing::Test {
   [[nodiscard]] std::set<std::string> leftInRegistry() const {
     std::set<std::string> names;
     for (const auto& entry : fs::directory_iterator(folder.path() / "active-lab")) {
-      if (entry.path().extension() == ".web") names.insert(entry.path().filename());
+      const std::string name = entry.path().filename();
+      if (name.find(".web") != std::string::npos) names.insert(name);
     }
     return names;
   }
@@ -149,7 +150,10 @@ TEST_F(WebRun, AnswersObeysWishesAndComesAgainWhenItIsKilled) {
 TEST_F(WebRun, ReplaysOnAPageAndSaysThatNobodyObeys) {
   ASSERT_EQ(run(labRun("--virtual-time --no-report --set duration_s=20")).exit_code, 0);
   EXPECT_EQ(run(labRun("--virtual-time --web")).exit_code, 2);
-  Background replay("exec lab replay " + onlyRun(runs()).string() + " --web --speed 2");
+  const Finished no_page = run(labRun("--no-web --web-address-file " + (runs() / "a").string()));
+  EXPECT_EQ(no_page.exit_code, 2);
+  EXPECT_THAT(no_page.output, HasSubstr("has no page in a browser"));
+  Background replay("cd " + onlyRun(runs()).string() + " && exec lab replay . --web --speed 2");
   const std::string address = addressOf(replay);
   ASSERT_NE(address, "") << replay.output();
   EXPECT_TRUE(answers(address));
@@ -163,8 +167,11 @@ TEST_F(WebRun, ReplaysOnAPageAndSaysThatNobodyObeys) {
       << "it stands at its end";
   EXPECT_TRUE(replay.running());
   EXPECT_EQ(run("lab end").exit_code, 0);
-  EXPECT_EQ(replay.wait(seconds(10)).exit_code, 0);
+  const Finished ended = replay.wait(seconds(10));
+  EXPECT_EQ(ended.exit_code, 0);
+  EXPECT_THAT(ended.output, HasSubstr("lab      replay-light_switching"));
   EXPECT_FALSE(answers(address));
+  EXPECT_THAT(leftInRegistry(), IsEmpty());
 }
 
 TEST_F(WebRun, ShowsPastRunsWithoutALab) {

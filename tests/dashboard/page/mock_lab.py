@@ -52,6 +52,7 @@ class MockLab:
         self.has_lab = lab
         self.silent = False
         self.mute = False  # the server itself says nothing although the connection stands
+        self.broken = set()  # paths that are answered with 503
         self.pools = pools  # how often yet the analyzer speaks
         self.port = port
         self.wishes = []  # (time, body)
@@ -185,6 +186,8 @@ class Handler(http.server.BaseHTTPRequestHandler):
             return self.file(path)
         if path == "/api/stream":
             return self.stream()
+        if path in self.lab.broken:
+            return self.answer(503, {"error": "not now"})
         if path == "/api/me":
             token = self.headers.get("X-Lab-Token") == TOKEN
             why = ("another machine's page is read-only" if self.lab.read_only else

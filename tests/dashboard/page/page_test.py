@@ -28,6 +28,7 @@ except ImportError:
 from mock_lab import MockLab, TOKEN
 
 CHROMEDRIVER = pathlib.Path("/usr/bin/chromedriver")
+REFUSED = "the server responded with a status of"
 LOST_SERVER = ("ERR_CONNECTION_REFUSED", "ERR_INCOMPLETE_CHUNKED_ENCODING", "ERR_CONNECTION_RESET",
                "ERR_EMPTY_RESPONSE", "ERR_NETWORK_IO_SUSPENDED", "ERR_SOCKET_NOT_CONNECTED")
 
@@ -74,6 +75,7 @@ class PageTest(unittest.TestCase):
     """Each test has a lab of its own and ends with a look at the console."""
 
     server_goes = False  # then the browser itself writes that it is not there
+    server_refuses = False  # then it writes that too
 
     def open(self, token=True, size=(1280, 1000), **lab):
         self.lab = MockLab(**lab).serve()
@@ -91,6 +93,8 @@ class PageTest(unittest.TestCase):
         if self.server_goes:
             log = [entry for entry in log
                    if not any(word in entry["message"] for word in LOST_SERVER)]
+        if self.server_refuses:
+            log = [entry for entry in log if REFUSED not in entry["message"]]
         self.assertEqual([], log, "the console is not empty")
 
     def js(self, text, *arguments):
@@ -127,6 +131,16 @@ class PageTest(unittest.TestCase):
 
     def wishes(self, name):
         return [body for _, body in self.lab.wishes if body["wish"] == name]
+
+    def comes(self, count, found):
+        """Waits until there are so many."""
+        end = time.monotonic() + 8
+        while len(found()) < count:
+            self.assertLess(time.monotonic(), end, "it did not come")
+            time.sleep(0.02)
+
+    def asked(self, path):
+        return [one for _, one in self.lab.requests if one == path]
 
 
 class Live(PageTest):
@@ -257,6 +271,49 @@ class Live(PageTest):
         self.until("labPage.charts.msd.pointsDrawn() === 0")
         self.says("run-name", "another")
 
+    def test_what_is_gone_is_forgotten(self):
+        self.open(robots=4, size=(1280, 2200))
+        self.live()
+        self.until("labPage.charts.msd.pointsDrawn() === 72")
+        self.lab.pools = 0
+        time.sleep(1.2)
+        self.lab.publish("pool/abp", None)
+        self.until("labPage.charts.msd.pointsDrawn() === 48")
+        self.lab.publish("history/abp", None)
+        self.until("!labPage.stream.topics.has('history/abp')")
+        for topic in ["stop", "light", "timeline", "delivery", "camera", "robots", "health"]:
+            self.lab.publish(topic, None)  # and told anew within a second: nothing breaks
+        time.sleep(1.5)
+        self.until("labPage.stream.topics.has('robots')")
+
+    def test_light_that_was_not_told_is_asked_for_again(self):
+        self.server_refuses = True
+        self.open(robots=2)
+        self.lab.broken.add("/api/light")
+        each = self.lab.world.each_second
+        self.lab.world.each_second = lambda pools: [one for one in each(pools) if one[0] != "light"]
+        time.sleep(1)
+        self.lab.publish("light", dict(self.lab.world.light(), version=7))  # and no more of it
+        self.lab.requests.clear()
+        self.comes(2, lambda: self.asked("/api/light"))
+        self.lab.broken.clear()
+        before = len(self.asked("/api/light"))
+        time.sleep(3)
+        self.assertEqual(before + 1, len(self.asked("/api/light")), "it was told: no more of it")
+        shade = self.js("((c) => c.getContext('2d').getImageData(c.width / 2, c.height / 2, 1, 1)"
+                        ".data[0])(document.getElementById('arena-under'))")
+        self.assertGreater(shade, 150, "the lit middle")
+
+    def test_what_is_left_out_is_counted(self):
+        self.open(robots=2, size=(1280, 6000))
+        world = self.lab.world
+        timeline, health = world.timeline, world.health
+        world.timeline = lambda: dict(timeline(), steps_before=12, marks_before=3, faults_before=4)
+        world.health = lambda: dict(health(), streams_left_out=5)
+        self.live()
+        self.says("timeline-more", "12 earlier steps, 7 earlier marks and faults")
+        self.says("streams-more", "5 more streams")
+
 
 class Keyboard(PageTest):
     def test_space_stops_all_robots_and_the_page_says_so(self):
@@ -270,6 +327,59 @@ class Keyboard(PageTest):
         browser.find_element(By.TAG_NAME, "body").send_keys(Keys.SPACE)  # again: it is still so
         self.until("labPage.controls.stopText === 'stopped: all 20 robots, 84 ms, by dashboard'")
         self.assertEqual("", self.text("stop-missing"))
+
+    def test_a_stop_is_sent_before_the_server_says_who_may_do_what(self):
+        self.server_refuses = True
+        self.open(robots=3)
+        self.lab.broken.add("/api/me")
+        browser.refresh()
+        self.says("read-only", "not now")
+        self.assertEqual("null", self.js("document.body.dataset.control"))
+        self.assertFalse(self.js("document.getElementById('stop').disabled"))
+        browser.find_element(By.TAG_NAME, "body").send_keys(Keys.SPACE)
+        self.until("labPage.controls.stopText.startsWith('stopped: all 3')")
+        self.lab.broken.clear()
+        self.until("labPage.controls.control === true")
+        self.lab.broken.add("/api/me")
+        before = len(self.asked("/api/me"))
+        self.js("labPage.stream.makeRoom()")
+        self.comes(before + 2, lambda: self.asked("/api/me"))
+        self.assertTrue(self.js("labPage.controls.control"), "it was once so and nobody denied it")
+
+    def test_a_stop_needs_no_free_connection(self):
+        self.open(robots=3)
+        self.live()
+        browser.execute_script("for (let i = 0; i < 5; ++i) fetch(`/api/stream?${i}`)"
+                               ".then((stream) => stream.text()).catch(() => {})")
+        time.sleep(1)
+        self.press(Keys.SPACE)
+        self.comes(1, lambda: self.wishes("stop"))
+
+    def test_a_stop_is_sent_until_it_is_taken_or_released(self):
+        self.server_refuses = True
+        self.open(robots=3)
+        self.live()
+        take, self.lab.world.wish = self.lab.world.wish, lambda _: "refused: not yet"
+        self.press(Keys.SPACE)
+        self.says("stop-missing", "STOP NOT SENT: refused: not yet")
+        self.comes(3, lambda: self.wishes("stop"))
+        self.lab.world.wish = take
+        self.until("labPage.controls.stopText.startsWith('stopped: all 3')")
+        self.assertEqual("", self.text("stop-missing"))
+        sent = len(self.wishes("stop"))
+        time.sleep(1)
+        self.assertEqual(sent, len(self.wishes("stop")))
+
+        self.lab.world.wish = lambda _: "refused: not yet"
+        self.press(Keys.SPACE)
+        self.says("stop-missing", "STOP NOT SENT")
+        browser.execute_script("document.querySelector('#release-place > button').click();"
+                               "document.querySelector('#release-place span button').click()")
+        self.comes(1, lambda: self.wishes("release_stop"))
+        time.sleep(0.5)
+        sent = len(self.wishes("stop"))
+        time.sleep(1.5)
+        self.assertEqual(sent, len(self.wishes("stop")))
 
     def test_who_does_not_stop_is_named(self):
         self.open(robots=20)
@@ -352,7 +462,10 @@ class Keyboard(PageTest):
         self.assertEqual(2, self.js("labPage.view.chosen"))
         self.press(Keys.ARROW_LEFT, "f")
         self.assertEqual([1, True], self.js("[labPage.view.chosen, labPage.view.following]"))
-        self.says("robot-facts", "wheel left (cm/s)3.1")
+        self.says("robot-facts", "wheels3.10, 2.80 cm/s")
+        self.says("robot-facts", "programrtp: v 3.00 cm/s")
+        names = self.js("[...document.querySelectorAll('#robot-facts dt')].map(e => e.textContent)")
+        self.assertEqual([], [name for name in names if "_" in name])
         zoom = self.js("labPage.view.zoom()")
         self.assertGreater(zoom, 1)
         self.press("-")
@@ -510,6 +623,22 @@ class Connection(PageTest):
         self.until("document.getElementById('banner').hidden")
         self.until(f"labPage.view.arena.frames > {frames + 10}")
         self.assertTrue(self.js("window.notReloaded"))
+        self.until("labPage.controls.stopText.startsWith('stopped: all 5')")
+        self.assertEqual("", self.text("stop-missing"))
+
+    def test_a_stop_that_was_never_sent_is_still_told_after_a_reconnect(self):
+        self.open(robots=5)
+        self.live()
+        self.lab.stop_serving()
+        self.press(Keys.SPACE)
+        self.says("stop-missing", "STOP NOT SENT")
+        time.sleep(13)
+        before = len(self.asked("/api/me"))
+        self.lab.serve()
+        self.comes(before + 1, lambda: self.asked("/api/me"))
+        time.sleep(1)
+        self.assertEqual([], self.wishes("stop"), "nobody presses so late")
+        self.assertIn("STOP NOT SENT", self.text("stop-missing"))
 
     def test_a_connection_that_only_stands_is_given_up(self):
         self.open(robots=5)
@@ -568,6 +697,29 @@ class Replay(PageTest):
         self.assertEqual([{"wish": "seek", "to_s": 100}], self.wishes("seek"))
         browser.execute_script("document.getElementById('player-go').click()")
         self.says("player-go", "play")
+        self.press(Keys.SPACE)
+        self.says("stop-missing", "A recorded run")
+        self.assertEqual([], self.wishes("stop"))
+
+    def test_what_was_measured_elsewhere_in_the_run_is_forgotten(self):
+        self.server_refuses = True
+        self.open(robots=3, replay=True, size=(1280, 2200))
+        self.live()
+        self.until("labPage.charts.msd.pointsDrawn() === 72"
+                   " && labPage.charts.runtimes.pointsDrawn() > 0")
+        self.lab.pools = 0
+        time.sleep(1.2)
+        self.lab.wish({"wish": "seek", "to_s": 100})
+        self.until("labPage.charts.msd.pointsDrawn() === 0"
+                   " && labPage.charts.runtimes.pointsDrawn() === 0"
+                   " && labPage.stream.all('history/').length === 0")
+        self.lab.world.wish = lambda _: "refused: not now"
+        browser.execute_script("document.getElementById('player-go').click()")
+        self.says("player-say", "pause: refused: not now")
+        self.lab.world.replay = False
+        self.lab.publish("lab", dict(self.lab.world.lab(), run="live"))
+        self.until("document.getElementById('player').hidden")
+        self.until("!document.getElementById('stop').disabled")
 
 
 class PastRuns(PageTest):
