@@ -87,6 +87,9 @@ class BesideALab(PageTest):
         self.address = self.lab.address()
         browser = page_test.browser
         self.addCleanup(browser.get, "about:blank")
+        # So high that curves are in sight: what is not is not drawn.
+        browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {
+            "width": 1280, "height": 2200, "deviceScaleFactor": 1, "mobile": False})
         browser.get_log("browser")
         browser.get(self.address)
         # Looked at from the first moment on, in the page itself.
