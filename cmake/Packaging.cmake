@@ -96,7 +96,7 @@ set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 set(CPACK_DEBIAN_MAIN_PACKAGE_NAME active-lab)
 # `run` refuses to start without a logger, or without what draws its report.
 set(CPACK_DEBIAN_MAIN_PACKAGE_DEPENDS "liblcm-bin, gnuplot-nox | gnuplot")
-set(CPACK_DEBIAN_MAIN_PACKAGE_RECOMMENDS "iproute2, avrdude, xdg-utils")
+set(CPACK_DEBIAN_MAIN_PACKAGE_RECOMMENDS "iproute2, avrdude")
 set(CPACK_DEBIAN_MAIN_PACKAGE_SUGGESTS
   "active-lab-gateway, active-lab-emulator, ffmpeg, openssh-client, chrony, www-browser")
 set(CPACK_COMPONENT_MAIN_DESCRIPTION "instrument for robots driven by light

@@ -7,6 +7,7 @@
 #include <functional>
 #include <iostream>
 #include <iterator>
+#include <optional>
 
 #include "common/experiment_file.hpp"
 #include "common/installation.hpp"
@@ -37,6 +38,13 @@ CLI::Validator between(double low, double high) {
           "NUMBER"};
 }
 
+/// A flag that may be given, denied or left out: CLI11's own takes what is left out for denied.
+void addChoice(CLI::App& command, const std::string& names, std::optional<bool>& choice,
+               const std::string& text) {
+  command.add_flag_function(
+      names, [&choice](std::int64_t count) { choice = count > 0; }, text);
+}
+
 /// A file, or the name of a shipped experiment.
 void addExperiment(CLI::App& command, fs::path& file) {
   command.add_option("FILE", file, "Experiment: a file (TOML), or the name of a shipped one")
@@ -59,8 +67,8 @@ void addRun(CLI::App& app, Chosen& chosen, const fs::path& programs) {
   command->add_option("--set", options->set, "key=value: instead of the file's (repeatable)")
       ->allow_extra_args(false);
   command->add_flag("!--no-report", options->report, "Keep the log, analyse later");
-  command->add_flag("--web,!--no-web", options->web,
-                    "A page in a browser (default: in real time, where CI is not set)");
+  addChoice(*command, "--web,!--no-web", options->web,
+            "A page in a browser (default: in real time, where CI is not set)");
   command->add_option("--web-address-file", options->web_address,
                       "Where the page's address is written too, for you alone");
   command->callback([&chosen, options] { chosen = [options] { return run(*options); }; });
@@ -175,8 +183,8 @@ void addCalibrateLight(CLI::App& calibrate, Chosen& chosen, const fs::path& prog
   command->add_option("--rounds", options->rounds, "Staircases, at different places")
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
-  command->add_flag("--camera,!--no-camera", options->camera,
-                    "The camera looks at the staircase too (default: where it is the tracker)");
+  addChoice(*command, "--camera,!--no-camera", options->camera,
+            "The camera looks at the staircase too (default: where it is the tracker)");
   command->add_flag("--virtual-time", options->virtual_time,
                     "One process, as fast as the machine allows, the same to the bit");
   command->add_option("--runs", options->runs, "Where run folders are made")->capture_default_str();

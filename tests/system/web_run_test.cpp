@@ -147,6 +147,16 @@ TEST_F(WebRun, AnswersObeysWishesAndComesAgainWhenItIsKilled) {
   EXPECT_GT(fs::file_size(done / "report.html"), 100U);
 }
 
+TEST_F(WebRun, HasAPageInRealTimeUnlessItIsDeniedOrNobodyLooks) {
+  const std::string brief = labRun("--no-report --set duration_s=1");
+
+  const Finished by_itself = run("unset CI; " + brief);
+  EXPECT_EQ(by_itself.exit_code, 0) << by_itself.output;
+  EXPECT_NE(addressIn(by_itself.output), "") << by_itself.output;
+  EXPECT_EQ(addressIn(run("unset CI; " + brief + " --no-web").output), "");
+  EXPECT_EQ(addressIn(run("export CI=1; " + brief).output), "");
+}
+
 TEST_F(WebRun, ReplaysOnAPageAndSaysThatNobodyObeys) {
   ASSERT_EQ(run(labRun("--virtual-time --no-report --set duration_s=20")).exit_code, 0);
   EXPECT_EQ(run(labRun("--virtual-time --web")).exit_code, 2);
