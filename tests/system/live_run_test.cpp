@@ -235,6 +235,12 @@ TEST_F(Refusal, WithoutLcmLogger) {
 TEST_F(Refusal, OnAPortOnWhichSomebodySpeaks) {
   // A service started by hand beats once a second.
   Background analyzer("exec analyzer --lcm-url 'udpm://239.255.76.67:23457?ttl=0'");
+  ASSERT_TRUE(waitFor(
+      [] {
+        return run("lab spy --lcm-url 'udpm://239.255.76.67:23457?ttl=0' --seconds 1.5")
+                   .output.find("analyzer") != std::string::npos;
+      },
+      std::chrono::seconds(15)));
   expectRefused(run(labRun(5, "--set network.port=23457")), "SERVICE_STATUS from analyzer");
 }
 
