@@ -30,6 +30,8 @@ endfunction()
 # lab_test(name SOURCES x_test.cpp... [LINK target...] [LABELS label...] [TIMEOUT s] [NETWORK] [OWN_OPTIONS])
 # NETWORK runs the test inside a network namespace of its own, so that nothing it publishes leaves.
 # Everything else runs with LCM kept in memory. OWN_OPTIONS is for tests that are compiled otherwise than the rest.
+# `ctest -j` counts half cores (PROCESSORS): a test that computes takes a core; one that opens sockets
+# mostly waits, and half a core is more than the hungriest of them needs.
 function(lab_test name)
   cmake_parse_arguments(ARG "NETWORK;OWN_OPTIONS" "TIMEOUT" "SOURCES;LINK;LABELS" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
@@ -42,7 +44,7 @@ function(lab_test name)
       COMMAND "${PROJECT_SOURCE_DIR}/tests/in_private_network.sh" $<TARGET_FILE:${name}>)
   else()
     add_test(NAME ${name} COMMAND ${name})
-    set_tests_properties(${name} PROPERTIES ENVIRONMENT "LCM_DEFAULT_URL=memq://")
+    set_tests_properties(${name} PROPERTIES PROCESSORS 2 ENVIRONMENT "LCM_DEFAULT_URL=memq://")
   endif()
   if(ARG_LABELS)
     set_tests_properties(${name} PROPERTIES LABELS "${ARG_LABELS}")
