@@ -2,6 +2,8 @@
 /// line, the gap to the body's edge, or the body's dark side, or its shadow.
 #pragma once
 
+#include <cstdint>
+
 #include "optics/cap.hpp"
 #include "optics/image.hpp"
 #include "optics/imaging.hpp"
@@ -9,12 +11,15 @@
 
 namespace lab::tracker {
 
+/// At how many places of a rim to look.
+enum class RimLook : std::uint8_t { kAll, kRough };
+
 /// Median over the directions of the contrast (inside - rim) / (inside + rim) at the rim of a cap
 /// with its axis at `middle`; about 0 on bare floor, 0.15 and more around a cap whatever the light.
 /// A light edge touches few directions, so the median does not see it. 0 where less than half of
 /// the rim lies in the picture.
 [[nodiscard]] float rimContrast(const optics::GreyView& picture, optics::Pixel middle,
                                 const LocalScale& scale, const optics::CapGeometry& cap,
-                                const optics::Imaging& imaging);
+                                const optics::Imaging& imaging, RimLook look = RimLook::kAll);
 
 }  // namespace lab::tracker

@@ -22,17 +22,31 @@ constexpr float kMostRatio = 0.3F;
 constexpr float kMostScale = 0.15F;  // [1]
 // [1] residuals that noise cannot explain over the white level
 constexpr float kMostMisfit = 0.025F;
+// [1] and with light on top: still darker than what is around it
+constexpr float kMostGlareRatio = 0.85F;
+constexpr float kMostGlareMisfit = 0.08F;  // [1]
+constexpr double kSlope = 2.5;  // [sigma] over which a blurred outline goes from black to white
 constexpr float kLeastBelieved = 0.6F;  // [1] share of the pixels that are of the model
 constexpr double kDoubtful = 0.02;      // [radius] standard error of the centre: looked at closely
 // of residuals: something is there that is not in the model
 constexpr float kOddCorrelation = 0.25F;
 constexpr float kOddBelieved = 0.87F;
 constexpr float kOddScale = 0.06F;
+constexpr float kOddBlur = 0.3F;  // [1] of a blur's square that its shape may be off
 // [1] of the cost must be left with a light edge in the model
 constexpr float kEdgePays = 0.7F;
 constexpr float kBlurOff = 1.3F;     // [1] blur beyond the one expected: looked at anew
 constexpr float kEdgeDoubt = 0.05F;  // [1] of the ratio
 constexpr float kBlurStep = 0.25F;   // [px]
+
+// [1] of the white level: residuals that noise cannot explain. Noise is not shared by neighbouring
+// pixels; what is shared is another shape.
+float misfitOf(const Outcome& o, const fit::Constants& constants) {
+  const float by_chance = 3 / std::sqrt(static_cast<float>(std::max(1, o.pixels)));
+  const float expected = std::sqrt(constants.floor_variance + constants.shot_gain * 0.5F * o.white);
+  return std::sqrt(std::max(0.0F, o.correlation - by_chance)) * o.noise * expected /
+         std::max(o.white, 1.0F);
+}
 
 FitFault faultOf(const Outcome& o, bool edge, const fit::Constants& constants) {
   if (!o.good) return FitFault::kDiverged;
@@ -48,15 +62,21 @@ FitFault faultOf(const Outcome& o, bool edge, const fit::Constants& constants) {
   if (std::abs(o.scale - 1) > kMostScale || o.believed < kLeastBelieved) {
     return FitFault::kNotRound;
   }
-  // Another size and something left over: another shape.
-  if (std::abs(o.scale - 1) > kOddScale && o.correlation > kOddCorrelation) {
+  // Another size and something left over: another shape. Where the blur is as wide as the circle,
+  // a blur that is no Gaussian looks like another size, by its square's share of the radius's.
+  const float blur = o.sigma / constants.radius;
+  const float odd = std::max(kOddScale, kOddBlur * blur * blur);
+  if (std::abs(o.scale - 1) > odd && o.correlation > kOddCorrelation) {
     return FitFault::kNotRound;
   }
-  // Noise is not shared by neighbouring pixels; what is shared is another shape.
-  const float by_chance = 3 / std::sqrt(static_cast<float>(std::max(1, o.pixels)));
-  const float expected = std::sqrt(constants.floor_variance + constants.shot_gain * 0.5F * o.white);
-  const float misfit = std::sqrt(std::max(0.0F, o.correlation - by_chance)) * o.noise * expected;
-  return misfit > kMostMisfit * o.white ? FitFault::kNotRound : FitFault::kNone;
+  return misfitOf(o, constants) > kMostMisfit ? FitFault::kNotRound : FitFault::kNone;
+}
+
+// Light on top, as of something shiny, leaves less of the contrast, and a slope of its own.
+bool mayBeGlare(const Outcome& o, FitFault fault, const fit::Constants& constants) {
+  return (fault == FitFault::kNotDark || fault == FitFault::kNotRound) &&
+         o.ratio < kMostGlareRatio && std::abs(o.scale - 1) < kOddScale &&
+         o.believed >= kLeastBelieved && misfitOf(o, constants) < kMostGlareMisfit;
 }
 
 // Out of focus: a wider band, from a blur that does not depend on how the first one was found.
@@ -163,6 +183,7 @@ CircleFit fitCircle(const optics::GreyView& picture, optics::Pixel start, const 
       out.fault = FitFault::kNotRound;
     }
   }
+  out.glare = !out.edge && mayBeGlare(best, out.fault, task.constants);
   const double way_x = best.x - start.x;
   const double way_y = best.y - start.y;
   const double most = kMostWay * radius;
@@ -172,6 +193,14 @@ CircleFit fitCircle(const optics::GreyView& picture, optics::Pixel start, const 
   out.x = best.x;
   out.y = best.y;
   out.covariance = best.covariance;
+  if (out.glare) {
+    // What is left over on one side of the outline moves it by its share of the outline's slope.
+    const double share = static_cast<double>(misfitOf(best, task.constants)) /
+                         (1 - static_cast<double>(best.ratio));
+    const double moved = share * kSlope * static_cast<double>(best.sigma);
+    out.covariance[0] += moved * moved;
+    out.covariance[2] += moved * moved;
+  }
   out.white = best.white;
   out.ratio = best.ratio;
   out.scale = best.scale;

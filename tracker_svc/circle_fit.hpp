@@ -39,6 +39,9 @@ struct CircleFit {
   float residual = 0;  ///< [1] root mean square of the residuals over the expected noise
   float scale = 1;     ///< [1] fitted radius over the expected one
   bool edge = false;   ///< a light edge crosses the circle and was fitted with it
+  /// It is refused, but for nothing that light on top would not do: too little dark or residuals
+  /// that go together, where size and contrast are right.
+  bool glare = false;
 };
 
 /// Fits position, radius scale, blur, dark level and a tilted white plane under the given outline;

@@ -157,6 +157,13 @@ LitDisc litFrom(const Disc& disc, const Split& split, float sigma) {
   return lit;
 }
 
+/// The light on white and the residuals of a fit, into the window.
+template <std::size_t kLines>
+void light(const Task& task, Window& window, const LitDisc& lit) {
+  Sums<litUnknowns(kLines)> sums;
+  sumLitDisc<kLines>(window, task.constants, lit, kNoCutoff, sums);
+}
+
 Outcome fitLit(const Task& task, Window& window, const Disc& rough) {
   const Surroundings around(window, task.constants, rough);
   LitFit best;
@@ -167,11 +174,23 @@ Outcome fitLit(const Task& task, Window& window, const Disc& rough) {
   }
   const Disc better = best.outcome.good ? best.lit.disc : rough;
   const TwoLines lines = around.twoLines();
+  std::size_t count = 1;  // lines of the best
+  bool is_last = true;    // so that what it leaves in the window is there
   for (const Split& split : {lines.parallel, lines.crossing}) {
     if (!split.good) continue;
     const LitFit two = fitLines<2>(task, window, litFrom(better, split, task.sigma));
-    if (!two.outcome.good) continue;
-    if (!best.outcome.good || two.outcome.cost < kBetter * best.outcome.cost) best = two;
+    is_last = two.outcome.good &&
+              (!best.outcome.good || two.outcome.cost < kBetter * best.outcome.cost);
+    if (!is_last) continue;
+    best = two;
+    count = 2;
+  }
+  if (best.outcome.good && !is_last) {
+    if (count == 1) {
+      light<1>(task, window, best.lit);
+    } else {
+      light<2>(task, window, best.lit);
+    }
   }
   return best.outcome;
 }

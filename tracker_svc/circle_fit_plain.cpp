@@ -185,12 +185,17 @@ Outcome fitPlain(const Task& task, Window& window, const Disc& rough) {
     return kCutoff * std::max(1.0F, noiseOver(squares, pixels - kFreedoms, robust));
   };
   // Whole steps until they are small: one, mostly.
-  std::optional<Factor<kBlock>> odd;
-  std::optional<Factor<kBlock>> even;
+  std::optional<Factor<kBlock, Both>> factor;  // odd and even
   const auto solve = [&](const Row& right) {
-    const auto a = odd->solve({right[0], right[1], right[2], right[3]});
-    const auto b = even->solve({right[4], right[5], right[6], right[7]});
-    return Row{a[0], a[1], a[2], a[3], b[0], b[1], b[2], b[3]};
+    std::array<Both, kBlock> both;
+    for (std::size_t i = 0; i < kBlock; ++i) both[i] = Both{right[i], right[i + kBlock]};
+    both = factor->solve(both);
+    Row steps;
+    for (std::size_t i = 0; i < kBlock; ++i) {
+      steps[i] = both[i][0];
+      steps[i + kBlock] = both[i][1];
+    }
+    return steps;
   };
   float matrix_cutoff = cutoff;
   Row by{};
@@ -207,9 +212,12 @@ Outcome fitPlain(const Task& task, Window& window, const Disc& rough) {
       const std::size_t i = k.i % kBlock;
       (k.i < kBlock ? blocks.odd : blocks.even)[i * (i + 1) / 2 + i] += 1 / (k.spread * k.spread);
     }
-    odd.emplace(blocks.odd);
-    even.emplace(blocks.even);
-    if (!odd->good() || !even->good()) return out;
+    std::array<Both, 10> normal;
+    for (std::size_t i = 0; i < normal.size(); ++i) {
+      normal[i] = Both{blocks.odd[i], blocks.even[i]};
+    }
+    factor.emplace(normal);
+    if (!factor->good()) return out;
     by = solve(right);
     cutoff =
         cutoffAfter(blocks.squares, by, right, pass > 0 ? counts.weight : counts.pixels, pass > 0);
@@ -222,8 +230,14 @@ Outcome fitPlain(const Task& task, Window& window, const Disc& rough) {
     }
   }
   // Then one of the centre alone, robust in any case, which also says how well it is known.
-  BlockRow row_x = odd->inverseColumn(kX);
-  BlockRow row_y = odd->inverseColumn(kY);
+  const auto column = [&](std::size_t unknown, bool even) {
+    const std::array<Both, kBlock> both = factor->inverseColumn(unknown % kBlock);
+    BlockRow out_row;
+    for (std::size_t i = 0; i < kBlock; ++i) out_row[i] = both[i][even ? 1 : 0];
+    return out_row;
+  };
+  BlockRow row_x = column(kX, false);
+  BlockRow row_y = column(kY, false);
   const double belief = beliefAt(kCutoff) / beliefAt(matrix_cutoff);
   for (double& r : row_x) r /= belief;
   for (double& r : row_y) r /= belief;
@@ -247,8 +261,7 @@ Outcome fitPlain(const Task& task, Window& window, const Disc& rough) {
   out.pixels = static_cast<int>(last.counts.pixels);
   out.cost = static_cast<float>(last.counts.cost);
   out.correlation = static_cast<float>(correlation(window));
-  constexpr std::size_t kRow = kRatio - kBlock;
-  out.ratio_error = static_cast<float>(std::sqrt(even->inverseColumn(kRow)[kRow]));
+  out.ratio_error = static_cast<float>(std::sqrt(column(kRatio, true)[kRatio - kBlock]));
   out.good = std::isfinite(out.x) && std::isfinite(out.y);
   return out;
 }

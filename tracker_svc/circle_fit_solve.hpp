@@ -7,25 +7,34 @@
 
 namespace lab::tracker::fit {
 
+/// Two systems side by side.
+using Both = double __attribute__((vector_size(16)));
+
+inline bool isPositive(double v) { return v > 0; }
+inline bool isPositive(const Both& v) { return v[0] > 0 && v[1] > 0; }
+inline double rootOf(double v) { return std::sqrt(v); }
+inline Both rootOf(const Both& v) { return Both{std::sqrt(v[0]), std::sqrt(v[1])}; }
+
 /// Cholesky factor of a symmetric matrix, lower triangle row by row.
-template <std::size_t kCount>
+/// @tparam Number double, or Both for two systems at once
+template <std::size_t kCount, typename Number = double>
 class Factor {
  public:
-  using Vector = std::array<double, kCount>;
+  using Vector = std::array<Number, kCount>;
   static constexpr std::size_t kPairs = kCount * (kCount + 1) / 2;
 
   /// good() is false where the matrix is not positive definite.
-  explicit Factor(const std::array<double, kPairs>& normal) : l_(normal) {
+  explicit Factor(const std::array<Number, kPairs>& normal) : l_(normal) {
     for (std::size_t i = 0; i < kCount; ++i) {
       for (std::size_t j = 0; j <= i; ++j) {
-        double sum = at(i, j);
+        Number sum = at(i, j);
         for (std::size_t k = 0; k < j; ++k) sum -= at(i, k) * at(j, k);
         if (i == j) {
-          if (!(sum > 0)) {
+          if (!isPositive(sum)) {
             good_ = false;
             return;
           }
-          inverse_[i] = 1.0 / std::sqrt(sum);
+          inverse_[i] = 1.0 / rootOf(sum);
         } else {
           at(i, j) = sum * inverse_[j];
         }
@@ -51,18 +60,18 @@ class Factor {
   /// One column of the inverse matrix.
   [[nodiscard]] Vector inverseColumn(std::size_t column) const {
     Vector unit;
-    for (std::size_t i = 0; i < kCount; ++i) unit[i] = i == column ? 1 : 0;
+    for (std::size_t i = 0; i < kCount; ++i) unit[i] = Number{} + (i == column ? 1.0 : 0.0);
     return solve(unit);
   }
 
  private:
-  double& at(std::size_t i, std::size_t j) { return l_[i * (i + 1) / 2 + j]; }
-  [[nodiscard]] const double& at(std::size_t i, std::size_t j) const {
+  Number& at(std::size_t i, std::size_t j) { return l_[i * (i + 1) / 2 + j]; }
+  [[nodiscard]] const Number& at(std::size_t i, std::size_t j) const {
     return l_[i * (i + 1) / 2 + j];
   }
 
-  std::array<double, kPairs> l_;
-  std::array<double, kCount> inverse_;  ///< of the diagonal; not set to zero, which takes time
+  std::array<Number, kPairs> l_;
+  std::array<Number, kCount> inverse_;  ///< of the diagonal; not set to zero, which takes time
   bool good_ = true;
 };
 

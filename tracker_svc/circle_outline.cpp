@@ -345,13 +345,13 @@ int CircleSearch::centre(const Plane& plane, float x, float y, float radius, Spo
   return ring.open == 0 ? ring.outlines : 0;
 }
 
-std::optional<Spot> CircleSearch::centredAs(const Spot& spot, bool big) const {
+std::optional<Spot> CircleSearch::centredAs(const Spot& spot, bool big) {
   const float x = spot.x + static_cast<float>(padding_);
   const float y = spot.y + static_cast<float>(padding_);
   const auto word = std::min(static_cast<std::size_t>(spot.x) / kWord, word_starts_.size() - 1);
   const Sizes& sizes =
       sizes_[static_cast<std::size_t>(y) / kBand * word_starts_.size() + word];
-  const Plane& plane = planeAt(static_cast<int>(x), static_cast<int>(y));
+  const Plane& plane = planeAt(static_cast<int>(x), static_cast<int>(y), reach_);
   Spot out;
   if (sizes.big <= 0 ||
       centre(plane, x, y, big ? sizes.big : sizes.small, out) < kLeastOutlines) {

@@ -11,12 +11,11 @@ namespace lab::tracker {
 namespace {
 
 constexpr double kToNeighbour = 1.25;  // [big radii] outside of both circles, inside the cap
-constexpr double kRowsPerRadius = 0.72;  // of the small circle, between tested rows
+constexpr double kRowsPerRadius = 0.8;  // of the small circle, between tested rows
 constexpr double kReach = 2.65;        // [big radii] from a candidate to the farthest pixel, and
 constexpr double kReachMore = 5;       // [px] on top
 constexpr float kSigmas = 3.3F;        // of read noise that no candidate is made of
 constexpr float kJunk = 0.9F;          // [big radii] around it in which nothing else is looked at
-constexpr int kDarker = 2;             // [1] than something long: a circle in it after all
 constexpr int kStandOut = 3;           // [noise / 4] of means around over means inside
 constexpr int kLine = 64;              // [bytes] that come from memory together
 constexpr int kAhead = 4;              // [tested rows] that are asked for before they are needed
@@ -39,7 +38,7 @@ CircleSearch::CircleSearch(const ScaleMap& scale, const optics::CapGeometry& cap
                       1, 100);
   levels_ = levelsOf(black_, noise_);
   softness_ = static_cast<float>(std::sqrt(imaging.blur * imaging.blur + 1.0 / 12));
-  if (scale.largest() <= 0 || width < kWord || height < 1) return;
+  if (scale.largest() <= 0 || width <= kWord || height < 1) return;
   const double small = cap.small_radius * static_cast<double>(scale.smallest());
   const double big = cap.big_radius * static_cast<double>(scale.largest());
   step_ = std::max(1, static_cast<int>(std::lround(kRowsPerRadius * small)));
@@ -51,19 +50,20 @@ CircleSearch::CircleSearch(const ScaleMap& scale, const optics::CapGeometry& cap
   const int last = padding_ + width - kWord;
   if (word_starts_.back() < last) word_starts_.push_back(last);
   const std::size_t blocks = (word_starts_.size() + kBits - 1) / kBits;
+  addSizes(scale, cap);
+  for (const Neighbours& to : neighbours_) near_ = std::max<int>(near_, to.across);
   edge_words_.assign(blocks, 0);
+  std::vector<int> starts;
   for (std::size_t i = 0; i < word_starts_.size(); ++i) {
-    const bool inside = word_starts_[i] - reach_ >= padding_ &&
-                        word_starts_[i] + kWord + reach_ <= width_ - padding_;
+    const int start = word_starts_[i];
+    starts.push_back(start - padding_);
+    const bool inside = start - near_ >= padding_ && start + kWord + near_ <= width_ - padding_;
     if (!inside) edge_words_[i / kBits] |= std::uint64_t{1} << (i % kBits);
   }
-  addSizes(scale, cap);
-  cell_columns_ = width_ / kCell + 1;
-  cells_.assign(static_cast<std::size_t>(cell_columns_) *
-                    static_cast<std::size_t>(height_ / kCell + 1), std::int16_t{-1});
-  covered_.assign(cells_.size(), 0);
+  glance_ = FirstGlance(width, height, starts, (step_ - padding_ % step_) % step_, step_, near_);
+  claims_ = ClaimMap(width_, height_);
   dark_.resize(2 * kBits);
-  marks_.assign(static_cast<std::size_t>(height_ / step_ + 1) * blocks, 0);
+  marks_.assign(static_cast<std::size_t>(height_) * blocks, 0);
 }
 
 void CircleSearch::addSizes(const ScaleMap& scale, const optics::CapGeometry& cap) {
@@ -103,8 +103,9 @@ void CircleSearch::findRound(const optics::GreyView& picture, std::span<const Re
   if (word_starts_.empty()) return;
   spots_ = &spots;
   refused_ = refused;
-  forget();
-  open(picture, regions);
+  claims_.forget();
+  aimAt(picture);
+  aim(edges_, padded_.begin(picture, padding_));
   int top = picture.height;
   int bottom = 0;
   for (const Region& region : regions) {
@@ -112,8 +113,10 @@ void CircleSearch::findRound(const optics::GreyView& picture, std::span<const Re
     top = std::min(top, std::max(region.top, 0));
     bottom = std::max(bottom, std::min(region.bottom, picture.height - 1));
   }
+  if (top > bottom) return;
+  glance_.look(picture, levels_, top, bottom);
   const int last = bottom + padding_;
-  for (int y = (top + padding_ + step_ - 1) / step_ * step_; y <= last; y += step_) {
+  for (int y = top + padding_; y <= last; ++y) {
     testRow(y, std::min(kAhead * step_, last - y) * picture.stride);
   }
   bringBack(spots, 0);
@@ -124,9 +127,8 @@ void CircleSearch::findRest(std::vector<Spot>& spots, std::vector<Refused>* refu
   spots_ = &spots;
   refused_ = refused;
   for (const Candidate& candidate : rest_) {
-    const int cell = candidate.y / kCell * cell_columns_ + candidate.x / kCell;
-    if (covered_[static_cast<std::size_t>(cell)] != 0) continue;
-    if (known(static_cast<float>(candidate.x), static_cast<float>(candidate.y), candidate.dark)) {
+    if (claims_.isCovered(candidate.x, candidate.y)) continue;
+    if (isClaimed(static_cast<float>(candidate.x), static_cast<float>(candidate.y), candidate.dark)) {
       continue;
     }
     take(candidate);
@@ -156,22 +158,9 @@ void CircleSearch::bringBack(std::vector<Spot>& spots, std::size_t first) const 
 }
 
 void CircleSearch::cover(double x, double y, double radius) {
-  // Cells whose middle lies within.
   if (word_starts_.empty()) return;
-  const auto at_x = static_cast<float>(x + padding_) / kCell - 0.5F;
-  const auto at_y = static_cast<float>(y + padding_) / kCell - 0.5F;
-  const float reach = static_cast<float>(radius) / kCell;
-  const int top = std::max(static_cast<int>(std::ceil(at_y - reach)), 0);
-  const int bottom = std::min(static_cast<int>(at_y + reach), height_ / kCell);
-  for (int j = top; j <= bottom; ++j) {
-    const float aside = static_cast<float>(j) - at_y;
-    const float half = std::sqrt(std::max(reach * reach - aside * aside, 0.0F));
-    const int first = std::clamp(static_cast<int>(std::ceil(at_x - half)), 0, cell_columns_);
-    const int last = std::min(static_cast<int>(at_x + half), cell_columns_ - 1);
-    if (first > last) continue;
-    std::memset(covered_.data() + j * cell_columns_ + first, 1,
-                static_cast<std::size_t>(last - first + 1));
-  }
+  claims_.cover(static_cast<float>(x + padding_), static_cast<float>(y + padding_),
+                static_cast<float>(radius));
 }
 
 void CircleSearch::aimAt(const optics::GreyView& picture) {
@@ -194,7 +183,7 @@ std::optional<Spot> CircleSearch::circleAt(optics::Pixel place, bool big) const 
   for (const auto& aside : kAside) {
     candidate.x = static_cast<int>(std::lround(place.x + radius * aside[0])) + padding_;
     candidate.y = static_cast<int>(std::lround(place.y + radius * aside[1])) + padding_;
-    if (&planeAt(candidate.x, candidate.y) != &inner_) continue;
+    if (!isInner(candidate.x, candidate.y, reach_)) continue;
     if (!isDark(inner_, candidate)) continue;
     Spot spot;
     if (shapeAround(inner_, candidate, spot) != Shape::kRound) continue;
@@ -204,30 +193,6 @@ std::optional<Spot> CircleSearch::circleAt(optics::Pixel place, bool big) const 
     return spot;
   }
   return std::nullopt;
-}
-
-void CircleSearch::open(const optics::GreyView& picture, std::span<const Region> regions) {
-  aim(inner_, PaddedPicture::within(picture, padding_));
-  aim(edges_, padded_.begin(picture, padding_));
-  // Words at an edge, and all around their candidates, are read in the padded picture.
-  const int rows = padding_ + 2 * reach_ + 1;
-  const int columns = padding_ + 2 * reach_ + kWord;
-  const int grow = reach_ + kWord;
-  const int far_x = width_ - columns;
-  const int far_y = height_ - rows;
-  const int first = padding_ - reach_;  // nothing is read farther out
-  for (const Region& region : regions) {
-    const Region all{std::max(region.left + padding_ - grow, first),
-                     std::max(region.top + padding_ - grow, first),
-                     std::min(region.right + padding_ + grow, width_ - 1 - first),
-                     std::min(region.bottom + padding_ + grow, height_ - 1 - first)};
-    const int top = std::max(all.top, rows);
-    const int bottom = std::min(all.bottom, far_y - 1);
-    padded_.fill({all.left, all.top, all.right, std::min(all.bottom, rows - 1)});
-    padded_.fill({all.left, std::max({all.top, far_y, rows}), all.right, all.bottom});
-    padded_.fill({all.left, top, std::min(all.right, columns - 1), bottom});
-    padded_.fill({std::max({all.left, far_x, columns}), top, all.right, bottom});
-  }
 }
 
 void CircleSearch::aim(Plane& plane, const optics::GreyView& view) const {
@@ -244,11 +209,15 @@ void CircleSearch::aim(Plane& plane, const optics::GreyView& view) const {
   }
 }
 
-const CircleSearch::Plane& CircleSearch::planeAt(int x, int y) const {
-  const int least = padding_ + reach_;
-  const bool inside =
-      x >= least && y >= least && x < width_ - least && y < height_ - least;
-  return inside ? inner_ : edges_;
+bool CircleSearch::isInner(int x, int y, int around) const {
+  const int least = padding_ + around;
+  return x >= least && y >= least && x < width_ - least && y < height_ - least;
+}
+
+const CircleSearch::Plane& CircleSearch::planeAt(int x, int y, int around) {
+  if (isInner(x, y, around)) return inner_;
+  padded_.need({x - around, y - around, x + around, y + around});
+  return edges_;
 }
 
 void CircleSearch::mark(const optics::GreyView& picture, const Region& region) {
@@ -267,9 +236,7 @@ void CircleSearch::mark(const optics::GreyView& picture, const Region& region) {
     const int to = std::min(last - block * kBits, kBits - 1);
     const std::uint64_t bits = ~std::uint64_t{0} >> (kBits - 1 - to + from) << from;
     const auto place = static_cast<std::size_t>(block);
-    for (int y = (top + step_ - 1) / step_ * step_; y <= bottom; y += step_) {
-      marks_[static_cast<std::size_t>(y / step_) * blocks + place] |= bits;
-    }
+    for (int y = top; y <= bottom; ++y) marks_[static_cast<std::size_t>(y) * blocks + place] |= bits;
   }
   // Scattered places come from memory one after the other unless all are asked for at once.
   for (int y = region.top; y <= region.bottom && !whole; ++y) {
@@ -281,11 +248,14 @@ void CircleSearch::mark(const optics::GreyView& picture, const Region& region) {
 
 void CircleSearch::testRow(int y, std::ptrdiff_t ahead) {
   const std::size_t blocks = edge_words_.size();
-  std::uint64_t* marks = marks_.data() + static_cast<std::size_t>(y / step_) * blocks;
+  std::uint64_t* marks = marks_.data() + static_cast<std::size_t>(y) * blocks;
   const std::size_t first = static_cast<std::size_t>(y / kBand) * word_starts_.size();
-  const bool at_edge = y < padding_ + reach_ || y >= height_ - padding_ - reach_;
+  const bool at_edge = y < padding_ + near_ || y >= height_ - padding_ - near_;
   for (std::size_t block = 0; block < blocks; ++block) {
-    const std::uint64_t wanted = marks[block];
+    // In little light single pixels say less: more of them.
+    const std::uint64_t wanted =
+        marks[block] & (y % step_ == 0 ? glance_.words(y - padding_, block)
+                                       : glance_.faintWords(y - padding_, block));
     marks[block] = 0;
     if (wanted == 0) continue;
     const std::uint64_t edge = at_edge ? wanted : wanted & edge_words_[block];
@@ -293,6 +263,10 @@ void CircleSearch::testRow(int y, std::ptrdiff_t ahead) {
     const Neighbours* to = neighbours_.data() + first + block * kBits;
     int found = 0;
     if (edge != 0) {
+      for (std::uint64_t rest = edge; rest != 0; rest &= rest - 1) {
+        const int x = starts[std::countr_zero(rest)];
+        padded_.need({x - near_, y - near_, x + kWord + near_, y + near_});
+      }
       found = darkWords(edges_.view.row(y), edges_.view.stride, starts, to, edge, 0, levels_,
                         dark_.data());
     }
@@ -320,8 +294,8 @@ void CircleSearch::takeWord(const DarkWord& word, int y) {
     const int middle = done + begin + (length - 1) / 2;
     candidate.x = word_starts_[number] + middle;
     candidate.white = word.white[middle];
-    candidate.dark = planeAt(candidate.x, y).view.row(y)[candidate.x];
-    if (!known(static_cast<float>(candidate.x), static_cast<float>(y), candidate.dark)) {
+    candidate.dark = inner_.view.row(y)[candidate.x];
+    if (!isClaimed(static_cast<float>(candidate.x), static_cast<float>(y), candidate.dark)) {
       if (!takeRound(candidate)) rest_.push_back(candidate);
     }
     const int end = begin + length;
@@ -331,13 +305,13 @@ void CircleSearch::takeWord(const DarkWord& word, int y) {
 }
 
 bool CircleSearch::takeRound(const Candidate& candidate) {
-  const Plane& plane = planeAt(candidate.x, candidate.y);
   Spot spot;
-  if (candidate.white - candidate.dark < kFaint * noise_ || !isRound(plane, candidate) ||
-      shapeAround(plane, candidate, spot) != Shape::kRound) {
+  if (candidate.white - candidate.dark < kFaint * noise_ ||
+      !isRound(planeAt(candidate.x, candidate.y, near_), candidate) ||
+      shapeAround(planeAt(candidate.x, candidate.y, reach_), candidate, spot) != Shape::kRound) {
     return false;
   }
-  if (!known(spot.x, spot.y, candidate.dark)) add(spot, candidate.sizes);
+  if (!isClaimed(spot.x, spot.y, candidate.dark)) add(spot, candidate.sizes);
   return true;
 }
 
@@ -361,15 +335,15 @@ bool CircleSearch::isRound(const Plane& plane, const Candidate& candidate) {
 }
 
 void CircleSearch::take(const Candidate& candidate) {
-  const Plane& plane = planeAt(candidate.x, candidate.y);
+  const Plane& plane = planeAt(candidate.x, candidate.y, reach_);
   const bool faint = candidate.white - candidate.dark < kFaint * noise_;
   if (faint && !standsOut(plane, candidate, noise_)) return;
   Spot spot;
   const Shape shape = shapeAround(plane, candidate, spot);
   if (shape == Shape::kLong) {
     // The next rows would only say the same again.
-    remember({static_cast<float>(candidate.x), static_cast<float>(candidate.y)},
-             kJunk * candidate.sizes.big, candidate.dark);
+    claims_.claim(static_cast<float>(candidate.x), static_cast<float>(candidate.y),
+                  kJunk * candidate.sizes.big, candidate.dark - black_);
     return;
   }
   if (shape == Shape::kThin) return;
@@ -378,12 +352,12 @@ void CircleSearch::take(const Candidate& candidate) {
   } else if (shape == Shape::kOther && !settle(plane, candidate, spot)) {
     return;
   }
-  if (!known(spot.x, spot.y, candidate.dark)) add(spot, candidate.sizes);
+  if (!isClaimed(spot.x, spot.y, candidate.dark)) add(spot, candidate.sizes);
 }
 
 void CircleSearch::add(Spot spot, const Sizes& sizes) {
   spots_->push_back(spot);
-  remember(spot, (spot.can_be_big ? sizes.big : sizes.small) + 1, 0);
+  claims_.claim(spot.x, spot.y, (spot.can_be_big ? sizes.big : sizes.small) + 1, 0);
 }
 
 bool CircleSearch::isDark(const Plane& plane, Candidate& candidate) const {
@@ -415,48 +389,6 @@ bool CircleSearch::standsOut(const Plane& plane, const Candidate& candidate, int
   }
   // The mean of eight less the mean of five, in units of 1/40 DN.
   return 5 * outer - 8 * inner >= 40 * kStandOut * noise / 4;
-}
-
-void CircleSearch::forget() {
-  for (const Claim& claim : claims_) {
-    for (int j = claim.top; j <= claim.bottom; ++j) {
-      for (int i = claim.left; i <= claim.right; ++i) {
-        cells_[static_cast<std::size_t>(j * cell_columns_ + i)] = -1;
-      }
-    }
-  }
-  claims_.clear();
-  std::fill(covered_.begin(), covered_.end(), std::uint8_t{0});
-}
-
-bool CircleSearch::known(float x, float y, int dark) const {
-  const int i = static_cast<int>(x) / kCell;
-  const int j = static_cast<int>(y) / kCell;
-  const int at = cells_[static_cast<std::size_t>(j * cell_columns_ + i)];
-  if (at < 0) return false;
-  const Claim& claim = claims_[static_cast<std::size_t>(at)];
-  const float dx = x - claim.x;
-  const float dy = y - claim.y;
-  // Something much darker in the middle of something long may be a circle after all.
-  const bool darker = kDarker * (dark - black_) + noise_ < claim.dark - black_;
-  return !darker && dx * dx + dy * dy < claim.reach * claim.reach;
-}
-
-void CircleSearch::remember(const Spot& spot, float radius, int dark) {
-  if (claims_.size() >= 32767) return;
-  const int rows = height_ / kCell + 1;
-  Claim claim{.x = spot.x, .y = spot.y, .reach = radius, .dark = dark};
-  claim.left = std::clamp(static_cast<int>(spot.x - claim.reach) / kCell, 0, cell_columns_ - 1);
-  claim.right = std::clamp(static_cast<int>(spot.x + claim.reach) / kCell, 0, cell_columns_ - 1);
-  claim.top = std::clamp(static_cast<int>(spot.y - claim.reach) / kCell, 0, rows - 1);
-  claim.bottom = std::clamp(static_cast<int>(spot.y + claim.reach) / kCell, 0, rows - 1);
-  const auto number = static_cast<std::int16_t>(claims_.size());
-  claims_.push_back(claim);
-  for (int j = claim.top; j <= claim.bottom; ++j) {
-    for (int i = claim.left; i <= claim.right; ++i) {
-      cells_[static_cast<std::size_t>(j * cell_columns_ + i)] = number;
-    }
-  }
 }
 
 }  // namespace lab::tracker

@@ -10,7 +10,9 @@
 
 #include "optics/image.hpp"
 #include "optics/imaging.hpp"
+#include "tracker_svc/claim_map.hpp"
 #include "tracker_svc/dark_words.hpp"
+#include "tracker_svc/first_glance.hpp"
 #include "tracker_svc/padded_picture.hpp"
 #include "tracker_svc/scale_map.hpp"
 
@@ -68,13 +70,12 @@ class CircleSearch {
 
   /// The circle of the given size that a spot is part of, in the picture that find() was given last
   /// and that is still there; empty where the outline is not there.
-  [[nodiscard]] std::optional<Spot> centredAs(const Spot& spot, bool big) const;
+  [[nodiscard]] std::optional<Spot> centredAs(const Spot& spot, bool big);
 
  private:
   static constexpr int kDirections = 16;
   static constexpr int kMostSamples = 48;  // [px] along a direction
   static constexpr int kBand = 32;         // rows that share one set of sizes
-  static constexpr int kCell = 8;          // [px] of the map of circles already found
 
   struct Sizes {    // of one word in one band
     float big = 0;  // [px]
@@ -101,17 +102,12 @@ class CircleSearch {
   };
 
   enum class Shape : std::uint8_t { kRound, kLong, kThin, kOther };
-  struct Claim {  // a circle, or something long, that was found
-    float x = 0, y = 0;
-    float reach = 0;  // [px]
-    int dark = 0;     // [DN] of something long, 0: a circle
-    int left = 0, top = 0, right = 0, bottom = 0;  // cells
-  };
 
   void addSizes(const ScaleMap& scale, const optics::CapGeometry& cap);
-  void open(const optics::GreyView& picture, std::span<const Region> regions);
   void aim(Plane& plane, const optics::GreyView& view) const;
-  [[nodiscard]] const Plane& planeAt(int x, int y) const;
+  /// @param around [px] how far from there something is read
+  [[nodiscard]] bool isInner(int x, int y, int around) const;
+  [[nodiscard]] const Plane& planeAt(int x, int y, int around);
   void mark(const optics::GreyView& picture, const Region& region);
   void testRow(int y, std::ptrdiff_t ahead);
   void takeWord(const DarkWord& word, int y);
@@ -131,15 +127,16 @@ class CircleSearch {
   [[nodiscard]] bool weigh(const Plane& plane, const Candidate& candidate, Spot& spot) const;
   [[nodiscard]] bool settle(const Plane& plane, const Candidate& candidate, Spot& spot);
   [[nodiscard]] int centre(const Plane& plane, float x, float y, float radius, Spot& spot) const;
-  void forget();
-  [[nodiscard]] bool known(float x, float y, int dark) const;
-  void remember(const Spot& spot, float radius, int dark);
+  [[nodiscard]] bool isClaimed(float x, float y, int dark) const {
+    return claims_.isClaimed(x, y, dark - black_, noise_);
+  }
 
   optics::Imaging imaging_;
   int padding_ = 0;  // [px] added on every side of a picture
   int width_ = 0;    // [px] with padding
   int height_ = 0;
-  int step_ = 3;     // [rows] between tested ones
+  int step_ = 3;     // [rows] between tested ones, where there is light
+  int near_ = 0;     // [px] that darkWords() looks to the sides, at most
   int reach_ = 0;    // [px] around a candidate in which pixels are looked at
   int black_ = 0;    // [DN]
   float softness_ = 0;  // [px] standard deviation of blur and pixel
@@ -151,17 +148,15 @@ class CircleSearch {
   std::vector<Sizes> sizes_;               // by band, by word
   std::array<float, kDirections> cos_{};
   std::array<float, kDirections> sin_{};
+  FirstGlance glance_;
   PaddedPicture padded_;
   Plane inner_;  // of the picture as it is
   Plane edges_;  // of its edges, padded
   std::vector<Spot>* spots_ = nullptr;
   std::vector<Refused>* refused_ = nullptr;
-  int cell_columns_ = 0;
-  std::vector<std::int16_t> cells_;  // last circle that covers each cell, -1: none
-  std::vector<Claim> claims_;
-  std::vector<std::uint8_t> covered_;  // by cell
-  std::vector<DarkWord> dark_;       // of the row that is tested
-  std::vector<Candidate> rest_;      // to be looked at closely
+  ClaimMap claims_;
+  std::vector<DarkWord> dark_;        // of the row that is tested
+  std::vector<Candidate> rest_;       // to be looked at closely
   std::vector<std::uint64_t> marks_;  // by tested row, bits: words to be tested
 };
 

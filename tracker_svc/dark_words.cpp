@@ -1,29 +1,13 @@
 #include "tracker_svc/dark_words.hpp"
 
-#include <emmintrin.h>
-
 #include <algorithm>
 #include <bit>
 #include <cstring>
 
+#include "tracker_svc/byte_lanes.hpp"
+
 namespace lab::tracker {
 namespace {
-
-using Bytes = std::uint8_t __attribute__((vector_size(kWord)));
-
-/// Which bytes have their top bit set. Of two halves: this much every processor has.
-[[gnu::always_inline]] inline std::uint32_t topBits(const Bytes& bytes) {
-  __m128i half[2];
-  std::memcpy(half, &bytes, sizeof half);
-  return static_cast<std::uint32_t>(_mm_movemask_epi8(half[0])) |
-         static_cast<std::uint32_t>(_mm_movemask_epi8(half[1])) << 16;
-}
-
-[[gnu::always_inline]] inline bool anyTopBit(const Bytes& bytes) {
-  __m128i half[2];
-  std::memcpy(half, &bytes, sizeof half);
-  return _mm_movemask_epi8(_mm_or_si128(half[0], half[1])) != 0;
-}
 
 /// Pixels that are dark a bit beside them too, and not to both ends of a pair as in something long.
 /// @param worst the brighter end of the darkest pair
@@ -38,12 +22,7 @@ using Bytes = std::uint8_t __attribute__((vector_size(kWord)));
   const auto ends = (here + above <= worst) | (contrast < levels.faint);
   Bytes beside{};
   for (const std::ptrdiff_t near : {static_cast<std::ptrdiff_t>(to.near), to.near * stride}) {
-    Bytes one;
-    Bytes other;
-    std::memcpy(&one, at - near, sizeof one);
-    std::memcpy(&other, at + near, sizeof other);
-    const Bytes brighter = one > other ? one : other;
-    beside = beside > brighter ? beside : brighter;
+    beside = brighterOf(beside, brighterOf(loadBytes(at - near), loadBytes(at + near)));
   }
   dark &= reinterpret_cast<Bytes>(ends & (beside <= best - (best >> 2)));
 }
@@ -77,38 +56,32 @@ __attribute__((target_clones("avx2", "default"))) int darkWords(
     if (to.across == 0) continue;
     const std::uint8_t* at = row + starts[word];
     __builtin_prefetch(at + ahead);
-    Bytes here;
-    Bytes one;
-    Bytes other;
-    std::memcpy(&here, at, sizeof here);
-    std::memcpy(&one, at - to.across, sizeof one);
-    std::memcpy(&other, at + to.across, sizeof other);
-    here = here > low ? here : low;
+    const Bytes here = brighterOf(loadBytes(at), low);
     const Bytes least = here + (here >> 3) + barely;
-    Bytes darker = one < other ? one : other;  // end of a pair
+    Bytes one = loadBytes(at - to.across);
+    Bytes other = loadBytes(at + to.across);
+    Bytes darker = darkerOf(one, other);  // end of a pair
     Bytes dark = reinterpret_cast<Bytes>((least <= darker) & (here <= most));
     if (!anyTopBit(dark)) continue;
     Bytes best = darker;
-    Bytes worst = one > other ? one : other;
+    Bytes worst = brighterOf(one, other);
 
     const std::ptrdiff_t column = to.across * stride;
-    std::memcpy(&one, at - column, sizeof one);
-    std::memcpy(&other, at + column, sizeof other);
-    darker = one < other ? one : other;
+    one = loadBytes(at - column);
+    other = loadBytes(at + column);
+    darker = darkerOf(one, other);
     dark &= reinterpret_cast<Bytes>(least <= darker);
     if (!anyTopBit(dark)) continue;
-    best = best > darker ? best : darker;
-    Bytes brighter = one > other ? one : other;
-    worst = worst < brighter ? worst : brighter;
+    best = brighterOf(best, darker);
+    worst = darkerOf(worst, brighterOf(one, other));
 
     for (const std::ptrdiff_t diagonal : {to.diagonal * (stride + 1), to.diagonal * (stride - 1)}) {
-      std::memcpy(&one, at - diagonal, sizeof one);
-      std::memcpy(&other, at + diagonal, sizeof other);
-      darker = one < other ? one : other;
+      one = loadBytes(at - diagonal);
+      other = loadBytes(at + diagonal);
+      darker = darkerOf(one, other);
       dark &= reinterpret_cast<Bytes>(least <= darker);
-      best = best > darker ? best : darker;
-      brighter = one > other ? one : other;
-      worst = worst < brighter ? worst : brighter;
+      best = brighterOf(best, darker);
+      worst = darkerOf(worst, brighterOf(one, other));
     }
     dark &= reinterpret_cast<Bytes>(here + here + levels.clear <= best);
     if (!anyTopBit(dark)) continue;

@@ -84,6 +84,7 @@ void Detector::look(const optics::GreyView& picture, std::span<const Region> reg
   settleCouples(picture, rejected);
   lookAgain(picture, rejected);
   settleCouples(picture, rejected);
+  lookBeside(picture, rejected);
   if (rejected != nullptr) explainTheRest(*rejected);
 }
 
@@ -112,12 +113,14 @@ bool Detector::overlapsSeen(const Detection& pose) const {
   });
 }
 
-void Detector::cover(const Detection& pose) {
-  // As far as no middle of a neighbour's circle can be.
+double Detector::alone() const {
   const double offset = std::max(std::abs(cap_.big_offset), std::abs(cap_.small_offset));
-  const double radius = 2 * cap_.robot_radius - offset - kClear * cap_.big_radius;
+  return 2 * cap_.robot_radius - offset - kClear * cap_.big_radius;
+}
+
+void Detector::cover(const Detection& pose) {
   const LocalScale scale = scale_.at(pose.middle.x, pose.middle.y);
-  search_.cover(pose.middle.x, pose.middle.y, radius * static_cast<double>(scale.mean));
+  search_.cover(pose.middle.x, pose.middle.y, alone() * static_cast<double>(scale.mean));
 }
 
 void Detector::gatherCouples(const optics::GreyView& picture, std::size_t first,
@@ -167,7 +170,8 @@ void Detector::tryCouple(const optics::GreyView& picture, std::size_t big_spot,
   const float distance = std::hypot(scale.inverse[0] * dx + scale.inverse[1] * dy,
                                     scale.inverse[2] * dx + scale.inverse[3] * dy);
   if (std::abs(distance - spacing) > kRoughSpacing) return;
-  const float rim = rimContrast(picture, middle, scale, cap_, imaging_);
+  // Roughly, since two fits of something else take long; measure() looks at all of the rim.
+  const float rim = rimContrast(picture, middle, scale, cap_, imaging_, RimLook::kRough);
   if (rim < kLeastRim) {
     if (rejected != nullptr) rejected->push_back({middle, Reason::kNoCap, rim, kLeastRim});
     return;
@@ -223,7 +227,7 @@ const Detector::Circle& Detector::fit(const optics::GreyView& picture, int spot,
 }
 
 const Detector::Circle& Detector::fitFrom(const optics::GreyView& picture, optics::Pixel start,
-                                          int spot, bool big) {
+                                          int spot, bool big, bool glare) {
   Circle& circle = circleOf(spot, big);
   circle = Circle{};
   circle.fitted = true;
@@ -232,6 +236,7 @@ const Detector::Circle& Detector::fitFrom(const optics::GreyView& picture, optic
     return discShape(scale_.at(at.x, at.y), radius);
   };
   circle.fit = fitCircle(picture, start, shapeAt, imaging_);
+  if (glare && circle.fit.glare) circle.fit.fault = FitFault::kNone;
   if (circle.fit.fault != FitFault::kNone) return circle;
   const LocalScale scale = scale_.at(circle.fit.x, circle.fit.y);
   const auto bent = static_cast<float>(radius * radius);

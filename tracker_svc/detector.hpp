@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -113,9 +114,23 @@ class Detector {
   void tryCouple(const optics::GreyView& picture, std::size_t big, std::size_t small,
                  std::vector<Rejection>* rejected);
   void lookAgain(const optics::GreyView& picture, std::vector<Rejection>* rejected);
+  /// For circles that are left alone: their partners, where the rim says that they are.
+  void lookBeside(const optics::GreyView& picture, std::vector<Rejection>* rejected);
+  /// The direction in which the other circle of a cap may be: it is dark there, and a rim is around
+  /// both.
+  /// @param step every so many headings are tried
+  /// @return [rad] from the small one to the big one
+  [[nodiscard]] std::optional<double> partnerOf(const optics::GreyView& picture,
+                                                optics::Place circle, bool big,
+                                                std::size_t step) const;
+  void coupleBeside(const optics::GreyView& picture, int spot, bool big, double theta,
+                    std::vector<Rejection>* rejected);
+  [[nodiscard]] float leastRim(const Couple& couple) const;
   /// Fits the couples, and adds the best of them to what is seen.
   void settleCouples(const optics::GreyView& picture, std::vector<Rejection>* rejected);
   [[nodiscard]] bool overlapsSeen(const Detection& pose) const;
+  /// [m] from an axis, as far as no middle of another cap's circle can be.
+  [[nodiscard]] double alone() const;
   void cover(const Detection& pose);
   /// Adds the cap to what is seen if it is where it is expected, by fits that begin there.
   [[nodiscard]] bool seeExpected(const optics::GreyView& picture, const Expected& expected);
@@ -123,7 +138,9 @@ class Detector {
   [[nodiscard]] Circle& circleOf(int spot, bool big);
   [[nodiscard]] const Circle& circleOf(int spot, bool big) const;
   const Circle& fit(const optics::GreyView& picture, int spot, bool big);
-  const Circle& fitFrom(const optics::GreyView& picture, optics::Pixel start, int spot, bool big);
+  /// @param glare light on top is no fault
+  const Circle& fitFrom(const optics::GreyView& picture, optics::Pixel start, int spot, bool big,
+                        bool glare = false);
   [[nodiscard]] bool fitBoth(const optics::GreyView& picture, const Couple& couple);
   [[nodiscard]] bool measure(const optics::GreyView& picture, Couple& couple,
                              std::vector<Rejection>* rejected);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstring>
 
 namespace lab::tracker {
 
@@ -10,23 +11,42 @@ optics::GreyView PaddedPicture::begin(const optics::GreyView& picture, int paddi
   padding_ = padding;
   width_ = picture.width + 2 * padding;
   height_ = picture.height + 2 * padding;
+  columns_ = (width_ + kTile - 1) / kTile;
+  filled_.assign(static_cast<std::size_t>(columns_) *
+                     static_cast<std::size_t>((height_ + kTile - 1) / kTile), 0);
   pixels_.resize(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_));
   return {pixels_.data(), width_, height_, width_};
 }
 
-void PaddedPicture::fill(const Region& part) {
-  const int left = std::max(part.left, 0);
-  const int right = std::min(part.right, width_ - 1) + 1;
-  const int begin = std::clamp(padding_, left, std::max(left, right));
-  const int end = std::clamp(padding_ + picture_.width, left, std::max(left, right));
-  const int bottom = std::min(part.bottom, height_ - 1);
-  if (left >= right) return;
-  for (int y = std::max(part.top, 0); y <= bottom; ++y) {
+void PaddedPicture::need(const Region& part) {
+  const int right = std::min(part.right, width_ - 1) / kTile;
+  const int bottom = std::min(part.bottom, height_ - 1) / kTile;
+  if (part.right < 0 || part.bottom < 0) return;
+  for (int row = std::max(part.top, 0) / kTile; row <= bottom; ++row) {
+    for (int column = std::max(part.left, 0) / kTile; column <= right; ++column) {
+      char& filled = filled_[static_cast<std::size_t>(row * columns_ + column)];
+      if (filled != 0) continue;
+      filled = 1;
+      fill({column * kTile, row * kTile, std::min((column + 1) * kTile, width_) - 1,
+            std::min((row + 1) * kTile, height_) - 1});
+    }
+  }
+}
+
+void PaddedPicture::fill(const Region& tile) {
+  const int end = tile.right + 1;
+  const int first = std::clamp(padding_, tile.left, end);  // of the picture's own columns
+  const int last = std::clamp(padding_ + picture_.width, tile.left, end);
+  for (int y = tile.top; y <= tile.bottom; ++y) {
     const std::uint8_t* from = picture_.row(std::clamp(y - padding_, 0, picture_.height - 1));
     std::uint8_t* to = pixels_.data() + static_cast<std::ptrdiff_t>(y) * width_;
-    std::fill(to + left, to + begin, from[0]);
-    std::copy(from + (begin - padding_), from + (end - padding_), to + begin);
-    std::fill(to + end, to + right, from[picture_.width - 1]);
+    if (last - first == kTile) {
+      std::memcpy(to + first, from + (first - padding_), kTile);
+      continue;
+    }
+    std::fill(to + tile.left, to + first, from[0]);
+    if (first < last) std::copy(from + (first - padding_), from + (last - padding_), to + first);
+    std::fill(to + last, to + end, from[picture_.width - 1]);
   }
 }
 

@@ -25,8 +25,8 @@ class PaddedPicture {
   /// @return of the size of all of it; valid until the next call
   [[nodiscard]] optics::GreyView begin(const optics::GreyView& picture, int padding);
 
-  /// Fills a part of the padded picture, as far as it lies in it.
-  void fill(const Region& part);
+  /// Makes sure that a part of the padded picture is there, as far as it lies in it.
+  void need(const Region& part);
 
   /// The same coordinates without a copy, for who reads no pixel that the picture has not.
   [[nodiscard]] static optics::GreyView within(const optics::GreyView& picture, int padding) {
@@ -35,10 +35,16 @@ class PaddedPicture {
   }
 
  private:
+  static constexpr int kTile = 32;  // [px] a side of what is filled at once
+
+  void fill(const Region& tile);
+
   optics::GreyView picture_;
   int padding_ = 0;
   int width_ = 0;
   int height_ = 0;
+  int columns_ = 0;  // of tiles
+  std::vector<char> filled_;  // by tile
   std::vector<std::uint8_t> pixels_;
 };
 

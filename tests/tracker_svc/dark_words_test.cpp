@@ -115,7 +115,7 @@ TEST(PaddedPicture, RepeatsTheOutermostPixels) {
     const optics::GreyView all = padded.begin(picture, kPadding);
     ASSERT_EQ(all.width, 34);
     ASSERT_EQ(all.height, 23);
-    padded.fill(part);
+    padded.need(part);
     for (int y = std::max(part.top, 0); y <= std::min(part.bottom, all.height - 1); ++y) {
       for (int x = std::max(part.left, 0); x <= std::min(part.right, all.width - 1); ++x) {
         EXPECT_EQ(all.row(y)[x], picture.row(std::clamp(y - kPadding, 0, 8))
