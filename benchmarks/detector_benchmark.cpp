@@ -85,18 +85,25 @@ const Film& film(int height, int robots) {
   return *kept;
 }
 
+// As fast as memory gives them.
+__attribute__((target_clones("avx2", "default"))) std::uint64_t sumOf(const std::uint8_t* bytes,
+                                                                      std::size_t count) {
+  using Four = std::uint64_t __attribute__((vector_size(32)));
+  Four sum{};
+  for (std::size_t i = 0; i + sizeof sum <= count; i += sizeof sum) {
+    Four some;
+    std::memcpy(&some, bytes + i, sizeof some);
+    sum += some;
+  }
+  return sum[0] + sum[1] + sum[2] + sum[3];
+}
+
 void readOnce(benchmark::State& state) {
   const Film& pictures = film(static_cast<int>(state.range(0)), 50);
   std::int64_t number = 0;
   for (auto _ : state) {
     const GreyView frame = pictures.frame(number++);
-    std::uint64_t sum[4] = {0, 0, 0, 0};
-    for (std::size_t i = 0; i + 32 <= pictures.bytes(); i += 32) {
-      std::uint64_t four[4];
-      std::memcpy(four, frame.data + i, sizeof four);
-      for (int k = 0; k < 4; ++k) sum[k] += four[k];
-    }
-    benchmark::DoNotOptimize(sum);
+    benchmark::DoNotOptimize(sumOf(frame.data, pictures.bytes()));
   }
   state.SetBytesProcessed(state.iterations() * static_cast<std::int64_t>(pictures.bytes()));
 }

@@ -39,8 +39,9 @@ std::map<int, std::vector<TrueRobot>> readTruth(const std::filesystem::path& fil
   return truth;
 }
 
-void Score::add(const std::vector<TrueRobot>& truth, const std::vector<tracker::Detection>& poses,
-                const optics::CameraModel& camera, double height, double seconds) {
+Unmatched Score::add(const std::vector<TrueRobot>& truth,
+                     const std::vector<tracker::Detection>& poses,
+                     const optics::CameraModel& camera, double height, double seconds) {
   ++frames_;
   fastest_ += seconds;
   struct Match {
@@ -86,7 +87,21 @@ void Score::add(const std::vector<TrueRobot>& truth, const std::vector<tracker::
       ++surprises_;
     }
   }
-  for (const bool done : pose_done) wrong_ += done ? 0 : 1;
+  Unmatched left;
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    if (truth[i].counts && !robot_done[i]) left.missed.push_back(i);
+  }
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    if (!pose_done[i]) left.wrong.push_back(i);
+  }
+  wrong_ += static_cast<int>(left.wrong.size());
+  return left;
+}
+
+bool Score::isSurprising() const {
+  if (surprises_ == 0) return false;
+  const double freedom = 3.0 * surprises_;
+  return std::abs(surprise_ / surprises_ - 1) > 0.1 + 3 * std::sqrt(2 / freedom);
 }
 
 std::string Score::header() {

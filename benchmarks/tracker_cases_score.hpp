@@ -1,6 +1,7 @@
 // What a tracker's poses are worth against truth.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <map>
 #include <string>
@@ -20,12 +21,24 @@ struct TrueRobot {
 // Frame by frame, from truth.csv.
 std::map<int, std::vector<TrueRobot>> readTruth(const std::filesystem::path& file);
 
+// What a frame's poses and robots have left over, by their place in the lists.
+struct Unmatched {
+  std::vector<std::size_t> missed;  // robots that count
+  std::vector<std::size_t> wrong;   // poses
+};
+
 // Adds up over frames.
 class Score {
  public:
   // Poses without covariance count for everything but the surprise.
-  void add(const std::vector<TrueRobot>& truth, const std::vector<tracker::Detection>& poses,
+  Unmatched add(const std::vector<TrueRobot>& truth, const std::vector<tracker::Detection>& poses,
            const optics::CameraModel& camera, double height, double seconds);
+
+  [[nodiscard]] int robots() const { return robots_; }
+
+  // Whether the mean normalised error squared, for each degree of freedom, is off by more than a
+  // tenth of what it should be and three of its standard errors.
+  [[nodiscard]] bool isSurprising() const;
 
   [[nodiscard]] std::string text() const;       // one line of the table
   [[nodiscard]] static std::string header();
