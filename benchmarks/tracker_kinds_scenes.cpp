@@ -34,7 +34,6 @@ constexpr Kind with(Kind kind, const char* name, auto change) {
   return kind;
 }
 
-// Names as those of ../shared/tracker_cases where there are such pictures.
 constexpr Kind kKinds[] = {
     {.name = "clean_720"},
     {.name = "clean_1080", .rows = 1080},

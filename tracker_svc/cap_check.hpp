@@ -11,13 +11,18 @@
 
 namespace lab::tracker {
 
+/// [1] contrast at the rim of a cap, at least; bare floor has 0 +- 0.03.
+inline constexpr float kLeastRim = 0.05F;
+inline constexpr float kUsualRim = 0.15F;  ///< [1]
+
 /// At how many places of a rim to look.
 enum class RimLook : std::uint8_t { kAll, kRough };
 
 /// Median over the directions of the contrast (inside - rim) / (inside + rim) at the rim of a cap
 /// with its axis at `middle`; about 0 on bare floor, 0.15 and more around a cap whatever the light.
 /// A light edge touches few directions, so the median does not see it. 0 where less than half of
-/// the rim lies in the picture.
+/// the rim lies in the picture. In little light, where single pixels say nothing, of sectors.
+/// @param look for a first look at many places a third of the directions is enough
 [[nodiscard]] float rimContrast(const optics::GreyView& picture, optics::Pixel middle,
                                 const LocalScale& scale, const optics::CapGeometry& cap,
                                 const optics::Imaging& imaging, RimLook look = RimLook::kAll);

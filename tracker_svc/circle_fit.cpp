@@ -189,6 +189,7 @@ CircleFit fitCircle(const optics::GreyView& picture, optics::Pixel start, const 
   const double most = kMostWay * radius;
   if (way_x * way_x + way_y * way_y > most * most) {
     out.fault = FitFault::kDiverged;
+    out.glare = false;
   }
   out.x = best.x;
   out.y = best.y;

@@ -106,6 +106,7 @@ void CircleSearch::findRound(const optics::GreyView& picture, std::span<const Re
   claims_.forget();
   aimAt(picture);
   aim(edges_, padded_.begin(picture, padding_));
+  std::fill(marks_.begin(), marks_.end(), 0);
   int top = picture.height;
   int bottom = 0;
   for (const Region& region : regions) {
@@ -117,6 +118,8 @@ void CircleSearch::findRound(const optics::GreyView& picture, std::span<const Re
   glance_.look(picture, levels_, top, bottom);
   const int last = bottom + padding_;
   for (int y = top + padding_; y <= last; ++y) {
+    // In little light single pixels say less: more of them.
+    if (y % step_ != 0 && !glance_.anyFaint(y - padding_)) continue;
     testRow(y, std::min(kAhead * step_, last - y) * picture.stride);
   }
   bringBack(spots, 0);
@@ -128,9 +131,8 @@ void CircleSearch::findRest(std::vector<Spot>& spots, std::vector<Refused>* refu
   refused_ = refused;
   for (const Candidate& candidate : rest_) {
     if (claims_.isCovered(candidate.x, candidate.y)) continue;
-    if (isClaimed(static_cast<float>(candidate.x), static_cast<float>(candidate.y), candidate.dark)) {
-      continue;
-    }
+    const auto x = static_cast<float>(candidate.x);
+    if (isClaimed(x, static_cast<float>(candidate.y), candidate.dark)) continue;
     take(candidate);
   }
   rest_.clear();
@@ -236,7 +238,9 @@ void CircleSearch::mark(const optics::GreyView& picture, const Region& region) {
     const int to = std::min(last - block * kBits, kBits - 1);
     const std::uint64_t bits = ~std::uint64_t{0} >> (kBits - 1 - to + from) << from;
     const auto place = static_cast<std::size_t>(block);
-    for (int y = top; y <= bottom; ++y) marks_[static_cast<std::size_t>(y) * blocks + place] |= bits;
+    for (int y = top; y <= bottom; ++y) {
+      marks_[static_cast<std::size_t>(y) * blocks + place] |= bits;
+    }
   }
   // Scattered places come from memory one after the other unless all are asked for at once.
   for (int y = region.top; y <= region.bottom && !whole; ++y) {
@@ -248,15 +252,13 @@ void CircleSearch::mark(const optics::GreyView& picture, const Region& region) {
 
 void CircleSearch::testRow(int y, std::ptrdiff_t ahead) {
   const std::size_t blocks = edge_words_.size();
-  std::uint64_t* marks = marks_.data() + static_cast<std::size_t>(y) * blocks;
+  const std::uint64_t* marks = marks_.data() + static_cast<std::size_t>(y) * blocks;
   const std::size_t first = static_cast<std::size_t>(y / kBand) * word_starts_.size();
   const bool at_edge = y < padding_ + near_ || y >= height_ - padding_ - near_;
   for (std::size_t block = 0; block < blocks; ++block) {
-    // In little light single pixels say less: more of them.
     const std::uint64_t wanted =
         marks[block] & (y % step_ == 0 ? glance_.words(y - padding_, block)
                                        : glance_.faintWords(y - padding_, block));
-    marks[block] = 0;
     if (wanted == 0) continue;
     const std::uint64_t edge = at_edge ? wanted : wanted & edge_words_[block];
     const int* starts = word_starts_.data() + block * kBits;

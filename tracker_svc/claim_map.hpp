@@ -27,8 +27,8 @@ class ClaimMap {
   void claim(float x, float y, float reach, int dark);
 
   /// Whether it belongs to something that was found.
-  /// @param dark [DN above black] of what is there: something much darker in the middle of something
-  ///   long may be a circle after all
+  /// @param dark [DN above black] of what is there: something much darker in the middle of
+  ///   something long may be a circle after all
   /// @param noise [DN]
   [[nodiscard]] bool isClaimed(float x, float y, int dark, int noise) const;
 

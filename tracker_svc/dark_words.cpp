@@ -24,7 +24,8 @@ namespace {
   for (const std::ptrdiff_t near : {static_cast<std::ptrdiff_t>(to.near), to.near * stride}) {
     beside = brighterOf(beside, brighterOf(loadBytes(at - near), loadBytes(at + near)));
   }
-  dark &= reinterpret_cast<Bytes>(ends & (beside <= best - (best >> 2)));
+  const auto quarter = static_cast<std::uint8_t>(levels.black / 4);
+  dark &= reinterpret_cast<Bytes>(ends & (beside <= best - (best >> 2) + quarter));
 }
 
 }  // namespace
@@ -34,8 +35,8 @@ Levels levelsOf(int black, int noise) {
   levels.black = static_cast<std::uint8_t>(black);
   levels.noise = static_cast<std::uint8_t>(noise);
   levels.faint = static_cast<std::uint8_t>(std::min(kFaint * noise, 255));
-  levels.clear = static_cast<std::uint8_t>(std::max(noise - black, 0));
-  levels.barely = static_cast<std::uint8_t>(std::max(noise / 2 - black / 8, 0));
+  levels.clear = noise - black;
+  levels.barely = noise / 2 - black / 8;
   levels.most = static_cast<std::uint8_t>((255 - levels.clear) / 2 - 1);
   return levels;
 }
@@ -48,7 +49,9 @@ __attribute__((target_clones("avx2", "default"))) int darkWords(
     const Levels& levels, DarkWord* found) {
   const Bytes low = Bytes{} + levels.black;
   const Bytes most = Bytes{} + levels.most;
-  const Bytes barely = Bytes{} + levels.barely;
+  // Where they are below 0 they wrap round, and so do the sums: back to where they belong.
+  const Bytes barely = Bytes{} + static_cast<std::uint8_t>(levels.barely);
+  const Bytes clear = Bytes{} + static_cast<std::uint8_t>(levels.clear);
   int count = 0;
   for (; wanted != 0; wanted &= wanted - 1) {
     const int word = std::countr_zero(wanted);
@@ -71,7 +74,6 @@ __attribute__((target_clones("avx2", "default"))) int darkWords(
     other = loadBytes(at + column);
     darker = darkerOf(one, other);
     dark &= reinterpret_cast<Bytes>(least <= darker);
-    if (!anyTopBit(dark)) continue;
     best = brighterOf(best, darker);
     worst = darkerOf(worst, brighterOf(one, other));
 
@@ -83,7 +85,7 @@ __attribute__((target_clones("avx2", "default"))) int darkWords(
       best = brighterOf(best, darker);
       worst = darkerOf(worst, brighterOf(one, other));
     }
-    dark &= reinterpret_cast<Bytes>(here + here + levels.clear <= best);
+    dark &= reinterpret_cast<Bytes>(here + here + clear <= best);
     if (!anyTopBit(dark)) continue;
 
     keepDarkToTheSides(at, stride, to, levels, here, best, worst, dark);

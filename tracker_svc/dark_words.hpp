@@ -17,12 +17,12 @@ struct Neighbours {
   std::int16_t near = 0;      ///< inside of both circles
 };
 
-/// What a row is tested with [DN]; sums stay within a byte for pixels below `most`.
+/// What a row is tested with [DN]; sums stay within a byte for pixels from `black` to `most`.
 struct Levels {
   std::uint8_t black = 0;
   std::uint8_t most = 0;    ///< brighter pixels are in no circle
-  std::uint8_t clear = 0;   ///< added to twice the pixel: clearly darker, whatever the noise
-  std::uint8_t barely = 0;  ///< added to 9/8 of the pixel: darker at all
+  int clear = 0;            ///< added to twice the pixel: clearly darker, whatever the noise
+  int barely = 0;           ///< added to 9/8 of the pixel: darker at all
   std::uint8_t faint = 0;   ///< smaller contrasts say nothing about single pixels
   std::uint8_t noise = 0;   ///< a difference that read noise alone does not make
 };

@@ -19,8 +19,6 @@ constexpr double kScaleDoubt = 0.0009;    // [m] of the spacing: a camera that i
 constexpr double kMostDoubt = 0.0015;     // [m] whatever the covariance says
 constexpr double kSigmas = 4;
 constexpr double kMostUncertain = 0.06;   // [radii] standard deviation of a centre
-constexpr float kLeastRim = 0.05F;        // [1] contrast around a cap; bare floor has 0 +- 0.03
-constexpr float kUsualRim = 0.15F;        // [1]
 constexpr double kOverlap = 1.7;          // [cap radii] between two axes, at least
 constexpr double kClear = 0.6;            // [big radii] from a neighbour's circle's centre
 
@@ -170,8 +168,7 @@ void Detector::tryCouple(const optics::GreyView& picture, std::size_t big_spot,
   const float distance = std::hypot(scale.inverse[0] * dx + scale.inverse[1] * dy,
                                     scale.inverse[2] * dx + scale.inverse[3] * dy);
   if (std::abs(distance - spacing) > kRoughSpacing) return;
-  // Roughly, since two fits of something else take long; measure() looks at all of the rim.
-  const float rim = rimContrast(picture, middle, scale, cap_, imaging_, RimLook::kRough);
+  const float rim = rimContrast(picture, middle, scale, cap_, imaging_);
   if (rim < kLeastRim) {
     if (rejected != nullptr) rejected->push_back({middle, Reason::kNoCap, rim, kLeastRim});
     return;

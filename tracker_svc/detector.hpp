@@ -114,7 +114,8 @@ class Detector {
   void tryCouple(const optics::GreyView& picture, std::size_t big, std::size_t small,
                  std::vector<Rejection>* rejected);
   void lookAgain(const optics::GreyView& picture, std::vector<Rejection>* rejected);
-  /// For circles that are left alone: their partners, where the rim says that they are.
+  /// For circles that are left alone, some hundred of them at most: their partners, where the rim
+  /// says that they are.
   void lookBeside(const optics::GreyView& picture, std::vector<Rejection>* rejected);
   /// The direction in which the other circle of a cap may be: it is dark there, and a rim is around
   /// both.
@@ -123,8 +124,9 @@ class Detector {
   [[nodiscard]] std::optional<double> partnerOf(const optics::GreyView& picture,
                                                 optics::Place circle, bool big,
                                                 std::size_t step) const;
-  void coupleBeside(const optics::GreyView& picture, int spot, bool big, double theta,
-                    std::vector<Rejection>* rejected);
+  /// @return how many circles were fitted
+  int coupleBeside(const optics::GreyView& picture, int spot, bool big, double theta,
+                   std::vector<Rejection>* rejected);
   [[nodiscard]] float leastRim(const Couple& couple) const;
   /// Fits the couples, and adds the best of them to what is seen.
   void settleCouples(const optics::GreyView& picture, std::vector<Rejection>* rejected);

@@ -16,13 +16,18 @@ namespace {
 
 constexpr int kHeadings = 126;      // that are tried, 0.9 mm of the rim apart
 constexpr std::size_t kRough = 2;   // every second at first
-constexpr float kLeastRim = 0.05F;  // [1] as of every cap
 constexpr double kSure = 4;         // [standard errors] of a rim: the best of many is taken
 constexpr float kDark = 0.9F;       // [1] of the white around it is left inside: light on top
 constexpr float kBlack = 0.5F;      // [1] and without
 constexpr double kAgain = 0.1;      // [small radii] between two that are the same
 constexpr float kClear = 4;         // [standard errors] by which it is darker
 constexpr float kHardly = 2;        // [read noise] by which single pixels are darker
+// Of one picture, from its top: a floor full of dark junk must not hold up the tracker. Robots that
+// are there have a few hints in a picture, in stripes as fine as a circle a few dozen.
+constexpr int kMostHints = 300;  // lone circles whose partner is looked for
+constexpr int kMostFits = 40;    // of those, and of their partners: a wrong one takes a millisecond
+// [m] of the spacing: chosen among many, so no more than a camera that is 2.5 % off
+constexpr double kMostOff = 0.0009;
 constexpr float kAway = 1.4F;       // [radii] where white is looked for around a circle
 constexpr float kCore = 0.35F;      // [radii] inside, whatever the heading's error
 // [rad] beside the heading: what is looked at is sure to a millimetre or two
@@ -127,6 +132,8 @@ void Detector::lookBeside(const optics::GreyView& picture, std::vector<Rejection
       return distance(place, {cap.x, cap.y}) < least;
     });
   };
+  int hints = kMostHints;
+  int fits = kMostFits;
   const std::size_t known = spots_.size();
   for (std::size_t i = 0; i < known; ++i) {
     for (const bool big : {true, false}) {
@@ -138,12 +145,14 @@ void Detector::lookBeside(const optics::GreyView& picture, std::vector<Rejection
       if (leftInside(picture, spot.x, spot.y, radius * mean, imaging_) > kBlack) continue;
       const std::optional<optics::Place> rough = camera_.toPlane(at, cap_.height);
       if (!rough || isByCap(*rough) || !isNew(*rough, big)) continue;
+      if (hints-- == 0) return;
       done.push_back({*rough, big});
       if (!partnerOf(picture, *rough, big, kRough)) continue;
+      if (fits-- <= 0) return;
       const Circle& circle = fit(picture, static_cast<int>(i), big);
       if (circle.fit.fault != FitFault::kNone || isByCap(circle.place)) continue;
       if (const std::optional<double> theta = partnerOf(picture, circle.place, big, 1)) {
-        coupleBeside(picture, static_cast<int>(i), big, *theta, rejected);
+        fits -= coupleBeside(picture, static_cast<int>(i), big, *theta, rejected);
       }
     }
   }
@@ -185,8 +194,9 @@ std::optional<double> Detector::partnerOf(const optics::GreyView& picture, optic
   return best;
 }
 
-void Detector::coupleBeside(const optics::GreyView& picture, int spot, bool big, double theta,
-                            std::vector<Rejection>* rejected) {
+int Detector::coupleBeside(const optics::GreyView& picture, int spot, bool big, double theta,
+                           std::vector<Rejection>* rejected) {
+  int fits = 0;
   const optics::Place circle = circleOf(spot, big).place;
   const double apart = big ? cap_.small_offset - cap_.big_offset
                            : cap_.big_offset - cap_.small_offset;
@@ -205,16 +215,20 @@ void Detector::coupleBeside(const optics::GreyView& picture, int spot, bool big,
     circles_.resize(2 * spots_.size());
     taken_.resize(spots_.size(), 0);
     Couple couple{big ? spot : partner, big ? partner : spot, 0, 0};
+    ++fits;
     if (fitFrom(picture, start, partner, !big, true).fit.fault == FitFault::kNone &&
-        measure(picture, couple, rejected) && couple.rim > leastRim(couple)) {
+        measure(picture, couple, nullptr) && couple.rim > leastRim(couple) &&
+        std::abs(distance(circle, circleOf(partner, !big).place) - cap_.spacing()) < kMostOff) {
+      const std::size_t before = seen_.size();
       couples_.assign(1, couple);
       settleCouples(picture, rejected);
-      if (taken_.back() != 0) return;
+      if (seen_.size() > before) return fits;
     }
     spots_.pop_back();
     circles_.resize(2 * spots_.size());
     taken_.pop_back();
   }
+  return fits;
 }
 
 // Where there is little light, noise makes some rim in the best of many directions.

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "tracker_svc/cap_pose.hpp"
+#include "tracker_svc/cap_check.hpp"
 #include "tracker_svc/detector.hpp"
 #include "tracker_svc/rim_fit.hpp"
 
@@ -14,8 +15,6 @@ namespace {
 constexpr double kRough = 0.003;        // [m] by which a spot may miss the centre of its circle
 constexpr double kApart = 1.7;          // [cap radii] between two axes, at least
 constexpr double kScan = 0.05;          // [rad] between headings that are tried
-constexpr float kLeastRim = 0.05F;      // [1] bare floor has 0 +- 0.03
-constexpr float kUsualRim = 0.15F;      // [1]
 constexpr double kLeastShare = 0.6;     // of the directions in the picture that must show the rim
 constexpr int kLeastDirections = kRimDirections / 3;
 constexpr double kMostSurprise = 16;    // of one degree of freedom

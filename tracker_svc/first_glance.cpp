@@ -10,7 +10,7 @@ namespace lab::tracker {
 namespace {
 
 constexpr std::size_t kBits = 64;
-constexpr int kLittle = 2;  // [contrasts at which single pixels are no guide] of white above black
+constexpr int kLittle = 2;  // [1] of Levels::faint: white above black that is little light
 constexpr std::size_t kBeside = 1;  // words before the first and behind the last of the brightest
 
 /// The largest byte of each of two.
@@ -100,10 +100,11 @@ void FirstGlance::lookAtRow(const optics::GreyView& picture, int cell) {
 __attribute__((target_clones("avx2", "default"))) void FirstGlance::compare(
     const Levels& levels, int top, int bottom) {
   // What the extremes of a thousand pairs of pixels differ by, with nothing but noise.
-  const Bytes by_chance = Bytes{} + static_cast<std::uint8_t>(std::min(levels.noise * 3 / 2, 255));
+  const Bytes by_chance = Bytes{} + static_cast<std::uint8_t>(std::min(levels.noise * 5 / 4, 255));
   const Bytes little =
       Bytes{} + static_cast<std::uint8_t>(std::min(levels.black + kLittle * levels.faint, 255));
-  const Bytes clear = Bytes{} + levels.clear;
+  const Bytes clear = Bytes{} + static_cast<std::uint8_t>(std::max(levels.clear, 0));
+  const Bytes lift = Bytes{} + static_cast<std::uint8_t>((std::max(-levels.clear, 0) + 1) / 2);
   const Bytes most = Bytes{} + levels.most;
   const Bytes black = Bytes{} + levels.black;
   for (int cell = top; cell <= bottom; ++cell) {
@@ -116,7 +117,7 @@ __attribute__((target_clones("avx2", "default"))) void FirstGlance::compare(
         white = brighterOf(white, brighterOf(loadBytes(at),
                                              brighterOf(loadBytes(at - 1), loadBytes(at + 1))));
       }
-      const Bytes half = (brighterOf(white, clear) - clear) >> 1;
+      const Bytes half = ((brighterOf(white, clear) - clear) >> 1) + lift;
       const Bytes apart = brighterOf(white, by_chance) - by_chance;
       const Bytes dark = brighterOf(loadBytes(dark_.data() + placeOf(cell) + word), black);
       const auto may = reinterpret_cast<Bytes>(dark <= darkerOf(darkerOf(half, apart), most));

@@ -37,6 +37,13 @@ class FirstGlance {
   [[nodiscard]] std::uint64_t faintWords(int row, std::size_t block) const {
     return faint_[static_cast<std::size_t>(row / kTall) * blocks_ + block];
   }
+  [[nodiscard]] bool anyFaint(int row) const {
+    const auto first = static_cast<std::size_t>(row / kTall) * blocks_;
+    for (std::size_t block = 0; block < blocks_; ++block) {
+      if (faint_[first + block] != 0) return true;
+    }
+    return false;
+  }
 
  private:
   static constexpr int kTall = 8;  // [rows] of a cell

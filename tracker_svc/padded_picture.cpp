@@ -13,22 +13,22 @@ optics::GreyView PaddedPicture::begin(const optics::GreyView& picture, int paddi
   height_ = picture.height + 2 * padding;
   columns_ = (width_ + kTile - 1) / kTile;
   filled_.assign(static_cast<std::size_t>(columns_) *
-                     static_cast<std::size_t>((height_ + kTile - 1) / kTile), 0);
+                     static_cast<std::size_t>((height_ + kTall - 1) / kTall), 0);
   pixels_.resize(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_));
   return {pixels_.data(), width_, height_, width_};
 }
 
 void PaddedPicture::need(const Region& part) {
   const int right = std::min(part.right, width_ - 1) / kTile;
-  const int bottom = std::min(part.bottom, height_ - 1) / kTile;
+  const int bottom = std::min(part.bottom, height_ - 1) / kTall;
   if (part.right < 0 || part.bottom < 0) return;
-  for (int row = std::max(part.top, 0) / kTile; row <= bottom; ++row) {
+  for (int row = std::max(part.top, 0) / kTall; row <= bottom; ++row) {
     for (int column = std::max(part.left, 0) / kTile; column <= right; ++column) {
       char& filled = filled_[static_cast<std::size_t>(row * columns_ + column)];
       if (filled != 0) continue;
       filled = 1;
-      fill({column * kTile, row * kTile, std::min((column + 1) * kTile, width_) - 1,
-            std::min((row + 1) * kTile, height_) - 1});
+      fill({column * kTile, row * kTall, std::min((column + 1) * kTile, width_) - 1,
+            std::min((row + 1) * kTall, height_) - 1});
     }
   }
 }

@@ -35,7 +35,8 @@ class PaddedPicture {
   }
 
  private:
-  static constexpr int kTile = 32;  // [px] a side of what is filled at once
+  static constexpr int kTile = 32;  // [px] columns of what is filled at once
+  static constexpr int kTall = 8;   // [px] rows of it
 
   void fill(const Region& tile);
 

@@ -37,7 +37,7 @@ int whiteBeside(const optics::GreyView& picture, int x, int y, const Neighbours&
   const int beside =
       std::max({at(to.near, 0), at(-to.near, 0), at(0, to.near), at(0, -to.near)});
   if (here > levels.most || least < here + here / 8 + levels.barely) return 0;
-  if (best < 2 * here + levels.clear || beside > best - best / 4) return 0;
+  if (best < 2 * here + levels.clear || beside > best - best / 4 + levels.black / 4) return 0;
   const int contrast = best - here;
   const int above = std::max<int>(contrast / 8 + contrast / 16, levels.noise);
   if (contrast >= levels.faint && worst < here + above) return 0;
@@ -70,7 +70,7 @@ TEST(DarkWords, AreThoseWithPixelsThatPassEveryTest) {
     }
     const optics::GreyView picture = image.view();
     const Levels levels =
-        levelsOf(static_cast<int>(random() % 6), 1 + static_cast<int>(random() % 8));
+        levelsOf(static_cast<int>(random() % 25), 1 + static_cast<int>(random() % 8));
     std::vector<Neighbours> to(kWords);
     for (Neighbours& one : to) {
       one = {static_cast<std::int16_t>(random() % 10), static_cast<std::int16_t>(1 + random() % 8),
