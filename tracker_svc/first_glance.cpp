@@ -100,7 +100,8 @@ void FirstGlance::lookAtRow(const optics::GreyView& picture, int cell) {
 __attribute__((target_clones("avx2", "default"))) void FirstGlance::compare(
     const Levels& levels, int top, int bottom) {
   // What the extremes of a thousand pairs of pixels differ by, with nothing but noise.
-  const Bytes by_chance = Bytes{} + static_cast<std::uint8_t>(std::min((11 * levels.noise + 7) / 8, 255));
+  const Bytes by_chance =
+      Bytes{} + static_cast<std::uint8_t>(std::min((11 * levels.noise + 7) / 8, 255));
   const Bytes little =
       Bytes{} + static_cast<std::uint8_t>(std::min(levels.black + kLittle * levels.faint, 255));
   const Bytes clear = Bytes{} + static_cast<std::uint8_t>(std::max(levels.clear, 0));
