@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "optics/simulated_camera.hpp"
+#include "scattered_robots.hpp"
 #include "sim_svc/camera_painter.hpp"
 
 namespace lab::tracker {
@@ -28,18 +29,7 @@ struct Scene {
     settings.camera = optics::simulatedCamera(kWidth, kHeight, 1.20, 0.90);
     settings.seed = seed;
     field.layers = {{.kind = light::LayerKind::kUniform, .intensity = 1}};
-    std::mt19937_64 random(seed);
-    std::uniform_real_distribution<double> x(0.04, 1.16);
-    std::uniform_real_distribution<double> y(0.04, 0.86);
-    std::uniform_real_distribution<double> theta(-std::numbers::pi, std::numbers::pi);
-    while (static_cast<int>(robots.size()) < count) {
-      const sim::PaintedRobot robot{x(random), y(random), theta(random), 0, 0, 0};
-      bool free = true;
-      for (const sim::PaintedRobot& other : robots) {
-        free = free && std::hypot(robot.x - other.x, robot.y - other.y) > 0.0755;
-      }
-      if (free) robots.push_back(robot);
-    }
+    robots = scatteredRobots(count, seed);
   }
 
   [[nodiscard]] optics::GreyImage paint(std::int64_t number = 0) const {
