@@ -64,7 +64,7 @@ function(lab_benchmark name)
   set(results "${PROJECT_SOURCE_DIR}/benchmarks/results")
   file(MAKE_DIRECTORY "${results}")
   add_test(NAME ${name}
-    COMMAND ${name} "--benchmark_out=${results}/${name}.csv" --benchmark_out_format=csv)
+    COMMAND ${name} "--benchmark_out=${results}/${name}.json" --benchmark_out_format=json)
   set_tests_properties(${name} PROPERTIES LABELS long RUN_SERIAL ON TIMEOUT 600
     ENVIRONMENT "LCM_DEFAULT_URL=memq://")
 endfunction()
