@@ -157,7 +157,7 @@ class CircleSearch {
   ClaimMap claims_;
   std::vector<DarkWord> dark_;        // of the row that is tested
   std::vector<Candidate> rest_;       // to be looked at closely
-  std::vector<std::uint64_t> marks_;  // by tested row, bits: words to be tested
+  std::vector<std::uint64_t> marks_;  // by row, bits: words to be tested
 };
 
 }  // namespace lab::tracker
