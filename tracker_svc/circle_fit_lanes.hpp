@@ -40,13 +40,16 @@ LAB_INLINE void storeLanes(float* to, const Lanes& lanes) {
   __builtin_memcpy(to, &lanes, sizeof lanes);
 }
 
-/// Eight bytes as numbers, by shifts, which compilers do on all lanes at once.
+/// Eight bytes as numbers, by shifts, which compilers do on all lanes at once; spread over the lanes
+/// in registers, since lanes that are put together in memory are waited for.
 LAB_INLINE Lanes numbers(const std::uint8_t* bytes) {
-  int low;
-  int high;
-  __builtin_memcpy(&low, bytes, 4);
-  __builtin_memcpy(&high, bytes + 4, 4);
-  const LaneMask words = {low, low, low, low, high, high, high, high};
+  typedef std::int64_t Quads __attribute__((vector_size(32)));
+  std::int64_t eight;
+  __builtin_memcpy(&eight, bytes, sizeof eight);
+  const Quads all = Quads{} + eight;
+  LaneMask words;
+  __builtin_memcpy(&words, &all, sizeof words);
+  words = __builtin_shuffle(words, LaneMask{0, 0, 0, 0, 1, 1, 1, 1});
   constexpr LaneMask kShifts = {0, 8, 16, 24, 0, 8, 16, 24};
   return __builtin_convertvector((words >> kShifts) & 255, Lanes);
 }

@@ -20,7 +20,6 @@ constexpr float kSkews = 8;
 constexpr float kBlurs = 8;
 constexpr float kMargins = 8;
 constexpr std::size_t kKept = 256;
-constexpr int kPiece = 16;  // [px] of a row that are copied at once
 
 // The slopes of a pixel's value by x, y, white and dark, at a place relative to the disc.
 std::array<double, 4> slopesAt(double dx, double dy, const double* m, double radius,
@@ -116,7 +115,7 @@ Pixels::Phase Pixels::phaseOf(const Ellipse& ellipse, double sigma, double margi
       out.y.push_back(static_cast<float>(span.dy - shift_y));
     }
     out.left = std::min(out.left, span.dx);
-    out.right = std::max(out.right, span.dx + (span.count + kPiece - 1) / kPiece * kPiece - 1);
+    out.right = std::max(out.right, span.dx + (span.count + kLanes - 1) / kLanes * kLanes - 1);
     out.top = std::min(out.top, span.dy);
     out.bottom = std::max(out.bottom, span.dy);
   }
@@ -196,26 +195,18 @@ Pixels::Rough Pixels::rough(const optics::GreyView& picture, const GridPoint& po
 
 __attribute__((target_clones("avx2", "default"))) void Pixels::take(
     const optics::GreyView& picture, const Phase& phase, int x, int y, Window& window) {
-  // Whole pieces: what is too much is written over by the next row.
-  alignas(32) std::uint8_t bytes[kMostPixels + 2 * kPiece];
-  std::uint8_t* to = bytes;
+  // Whole eights: what is too much is written over by the next row.
+  Lanes brightest = {};
+  float* to = window.value;
   for (const Span& span : phase.spans) {
     const std::uint8_t* from = picture.row(y + span.dy) + x + span.dx;
-    int at = 0;
-    do {
-      __builtin_memcpy(to + at, from + at, kPiece);
-      at += kPiece;
-    } while (at < span.count);
+    for (int at = 0; at < span.count; at += kLanes) storeLanes(to + at, numbers(from + at));
     to += span.count;
   }
-  Lanes brightest = {};
-  int at = 0;
-  for (; at + kLanes < window.count; at += kLanes) {
-    const Lanes value = numbers(bytes + at);
+  for (int at = 0; at + kLanes < window.count; at += kLanes) {
+    const Lanes value = loadLanes(window.value + at);
     brightest = value > brightest ? value : brightest;
-    storeLanes(window.value + at, value);
   }
-  storeLanes(window.value + at, numbers(bytes + at));
   window.plain = true;
   for (int lane = 0; lane < kLanes; ++lane) {
     if (brightest[lane] > kNearlyFull) window.plain = false;
