@@ -160,27 +160,36 @@ struct LaneCounts {
   }
 };
 
-/// The paint at some pixels.
-struct Paint {
-  Lanes share;  ///< 0 black, 1 white
-  Lanes slope;  ///< d share / d z
-  Lanes z;
+/// Where some pixels lie in a disc.
+struct Way {
+  Lanes z;              ///< [deviations of the blur] beyond the outline
   Lanes over_distance;  ///< [1/px]
   Lanes out_x, out_y;   ///< [px] over_distance times this is the gradient of the distance
 };
 
-LAB_INLINE void paintAt(const Lanes& x, const Lanes& y, const Disc& disc, const float* rm,
-                        float outline, float over_sigma, Paint& paint) {
+LAB_INLINE void wayAt(const Lanes& x, const Lanes& y, const Disc& disc, const float* rm,
+                      float outline, float over_sigma, Way& way) {
   const Lanes dx = x - disc.x;
   const Lanes dy = y - disc.y;
   const Lanes qx = rm[0] * dx + rm[1] * dy;
   const Lanes qy = rm[2] * dx + rm[3] * dy;
   const Lanes distance = rootOf(qx * qx + qy * qy + disc.sigma * disc.sigma);
-  paint.over_distance = 1.0F / distance;
-  paint.z = (distance - outline) * over_sigma;
+  way.over_distance = 1.0F / distance;
+  way.z = (distance - outline) * over_sigma;
+  way.out_x = rm[0] * qx + rm[2] * qy;
+  way.out_y = rm[1] * qx + rm[3] * qy;
+}
+
+/// And the paint there.
+struct Paint : Way {
+  Lanes share;  ///< 0 black, 1 white
+  Lanes slope;  ///< d share / d z
+};
+
+LAB_INLINE void paintAt(const Lanes& x, const Lanes& y, const Disc& disc, const float* rm,
+                        float outline, float over_sigma, Paint& paint) {
+  wayAt(x, y, disc, rm, outline, over_sigma, paint);
   edgeProfile(paint.z, paint.share, paint.slope);
-  paint.out_x = rm[0] * qx + rm[2] * qy;
-  paint.out_y = rm[1] * qx + rm[3] * qy;
 }
 
 constexpr float kFull = 253.0F;        // [DN] expected above: clipped, or nearly so

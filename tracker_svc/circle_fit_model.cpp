@@ -20,56 +20,84 @@ struct Pass {
   float outline;
 };
 
-/// Eight pixels: slopes and certainty to window.slopes, residual to window.residual, its weight to
-/// window.light.
+// A pass looks at all pixels three times. In one look each step would wait for the one before; a
+// processor finds other pixels to go on with only while a look is short.
+
+/// First: where eight pixels lie in the disc, kept in the places of the slopes that need it.
+LAB_INLINE void placeEight(Window& window, int at, const Pass& pass) {
+  Way way;
+  wayAt(loadLanes(window.x + at), loadLanes(window.y + at), pass.disc, pass.constants.rm,
+        pass.outline, pass.over_sigma, way);
+  Slopes& kept = window.slopes[at / kLanes];
+  storeLanes(kept.by[kX], way.out_x);
+  storeLanes(kept.by[kY], way.out_y);
+  storeLanes(kept.by[kScale], way.z);
+  storeLanes(kept.by[kSigma], way.over_distance);
+}
+
+/// Then: slopes and certainty to window.slopes, residual to window.residual.
 /// @tparam kAll every lane is a pixel, and none is full: nothing is to be counted
 template <bool kAll>
-LAB_INLINE void lookAtEight(Window& window, int at, const Pass& pass, LaneCounts& counts,
-                            Lanes& squares) {
+LAB_INLINE void modelEight(Window& window, int at, const Pass& pass, LaneCounts& counts) {
   const Disc& disc = pass.disc;
+  Slopes& kept = window.slopes[at / kLanes];
   const Lanes x = loadLanes(window.x + at);
   const Lanes y = loadLanes(window.y + at);
   const Lanes value = loadLanes(window.value + at);
-  Paint paint;
-  paintAt(x, y, disc, pass.constants.rm, pass.outline, pass.over_sigma, paint);
+  const Lanes z = loadLanes(kept.by[kScale]);
+  const Lanes over_distance = loadLanes(kept.by[kSigma]);
+  Lanes share;
+  Lanes slope;
+  edgeProfile(z, share, slope);
   const Lanes white = whiteAt(disc, x, y);
-  const Lanes lightness = disc.ratio + pass.contrast * paint.share;
+  const Lanes lightness = disc.ratio + pass.contrast * share;
   const Lanes signal = white * lightness;
-  const Lanes residual = value - pass.constants.black - signal;
-  const Lanes certain = kAll ? 1.0F / varianceOf(signal, pass.constants)
-                             : certaintyOf(value, signal, pass.constants, counts);
-  const Lanes square = residual * residual * certain;
-  const Lanes belief = beliefOf(square, pass.over_cutoff);
-  counts.weight += kAll ? belief : (certain > 0.0F ? belief : Lanes{});
-  squares += square * belief;
+  storeLanes(window.residual + at, value - pass.constants.black - signal);
+  storeLanes(kept.weight, kAll ? 1.0F / varianceOf(signal, pass.constants)
+                               : certaintyOf(value, signal, pass.constants, counts));
 
-  const Lanes rise = white * paint.slope * (pass.contrast * pass.over_sigma);
-  const Lanes outward = rise * paint.over_distance;
-  Slopes& kept = window.slopes[at / kLanes];
-  storeLanes(kept.by[kX], -paint.out_x * outward);
-  storeLanes(kept.by[kY], -paint.out_y * outward);
+  const Lanes rise = white * slope * (pass.contrast * pass.over_sigma);
+  const Lanes outward = rise * over_distance;
+  storeLanes(kept.by[kX], -loadLanes(kept.by[kX]) * outward);
+  storeLanes(kept.by[kY], -loadLanes(kept.by[kY]) * outward);
   storeLanes(kept.by[kSlopeX], lightness * x);
   storeLanes(kept.by[kSlopeY], lightness * y);
   storeLanes(kept.by[kWhite], lightness);
   storeLanes(kept.by[kScale], rise * (-pass.constants.radius));
-  storeLanes(kept.by[kRatio], white * (1.0F - paint.share));
-  storeLanes(kept.by[kSigma], rise * (disc.sigma * paint.over_distance - paint.z));
-  storeLanes(kept.weight, certain);
-  storeLanes(window.residual + at, residual);
+  storeLanes(kept.by[kRatio], white * (1.0F - share));
+  storeLanes(kept.by[kSigma], rise * (disc.sigma * over_distance - z));
+}
+
+/// Last: the weights of the residuals to window.light.
+template <bool kAll>
+LAB_INLINE void believeEight(Window& window, int at, const Pass& pass, LaneCounts& counts,
+                             Lanes& squares) {
+  const Lanes residual = loadLanes(window.residual + at);
+  const Lanes certain = loadLanes(window.slopes[at / kLanes].weight);
+  const Lanes square = residual * residual * certain;
+  const Lanes belief = beliefOf(square, pass.over_cutoff);
+  counts.weight += kAll ? belief : (certain > 0.0F ? belief : Lanes{});
+  squares += square * belief;
   storeLanes(window.light + at, certain * belief);
 }
 
 /// The sums of one block, of the slopes from `first` on: fourteen, which leaves two registers.
 LAB_INLINE void sumBlock(const Window& window, std::size_t first, double* normal, double* right) {
-  Lanes normals[10] = {};
-  Lanes rights[kBlock] = {};
+  Lanes normals[10];
+  Lanes rights[kBlock];
+#pragma GCC unroll 10
+  for (Lanes& sum : normals) sum = Lanes{};
+#pragma GCC unroll 4
+  for (Lanes& sum : rights) sum = Lanes{};
   for (int at = 0; at < window.count; at += kLanes) {
     const Slopes& kept = window.slopes[at / kLanes];
+    const Lanes weight = loadLanes(window.light + at);
+    const Lanes residual = loadLanes(window.residual + at);
     std::size_t pair = 0;
 #pragma GCC unroll 4
     for (std::size_t i = 0; i < kBlock; ++i) {
-      const Lanes weighted = loadLanes(kept.by[first + i]) * loadLanes(window.light + at);
-      rights[i] += weighted * loadLanes(window.residual + at);
+      const Lanes weighted = loadLanes(kept.by[first + i]) * weight;
+      rights[i] += weighted * residual;
 #pragma GCC unroll 4
       for (std::size_t j = 0; j <= i; ++j) {
         normals[pair++] += weighted * loadLanes(kept.by[first + j]);
@@ -94,16 +122,14 @@ __attribute__((target_clones("avx2", "default"))) void sumBlocks(Window& window,
                   constants.radius * disc.scale};
   LaneCounts counts;
   Lanes squares = {};
+  const int plain = window.plain ? window.count - kLanes : 0;
+  for (int at = 0; at < window.count; at += kLanes) placeEight(window, at, pass);
   int at = 0;
-  if (window.plain) {
-    for (; at + kLanes < window.count; at += kLanes) {
-      lookAtEight<true>(window, at, pass, counts, squares);
-    }
-    counts.pixels += static_cast<float>(at / kLanes);
-  }
-  for (; at < window.count; at += kLanes) {
-    lookAtEight<false>(window, at, pass, counts, squares);
-  }
+  for (; at < plain; at += kLanes) modelEight<true>(window, at, pass, counts);
+  for (; at < window.count; at += kLanes) modelEight<false>(window, at, pass, counts);
+  for (at = 0; at < plain; at += kLanes) believeEight<true>(window, at, pass, counts, squares);
+  for (; at < window.count; at += kLanes) believeEight<false>(window, at, pass, counts, squares);
+  counts.pixels += static_cast<float>(plain / kLanes);
   sumBlock(window, 0, blocks.odd.data(), blocks.right.data());
   sumBlock(window, kBlock, blocks.even.data(), blocks.right.data() + kBlock);
   blocks.squares = total(squares);
