@@ -160,19 +160,21 @@ __attribute__((target_clones("avx2", "default"))) void sumLast(Window& window, c
   for (int at = 0; at < window.count; at += kLanes) {
     const Slopes& kept = window.slopes[at / kLanes];
     const Lanes certain = loadLanes(kept.weight);
-    Lanes residual = loadLanes(window.residual + at);
-#pragma GCC unroll 16
-    for (std::size_t i = 0; i < kUnknowns; ++i) residual -= moved[i] * loadLanes(kept.by[i]);
-    const Lanes square = residual * residual * certain;
-    const Lanes belief = beliefOf(square, over_cutoff);
-    const Lanes weighted = residual * certain * belief;
+    Lanes by_odd = moved[0] * loadLanes(kept.by[0]);
+    Lanes by_even = moved[kBlock] * loadLanes(kept.by[kBlock]);
     Lanes pull_x = to_x[0] * loadLanes(kept.by[0]);
     Lanes pull_y = to_y[0] * loadLanes(kept.by[0]);
-#pragma GCC unroll 16
+#pragma GCC unroll 4
     for (std::size_t i = 1; i < kBlock; ++i) {
+      by_odd += moved[i] * loadLanes(kept.by[i]);
+      by_even += moved[kBlock + i] * loadLanes(kept.by[kBlock + i]);
       pull_x += to_x[i] * loadLanes(kept.by[i]);
       pull_y += to_y[i] * loadLanes(kept.by[i]);
     }
+    const Lanes residual = loadLanes(window.residual + at) - (by_odd + by_even);
+    const Lanes square = residual * residual * certain;
+    const Lanes belief = beliefOf(square, over_cutoff);
+    const Lanes weighted = residual * certain * belief;
     pull_x *= weighted;
     pull_y *= weighted;
     sum_x += pull_x;

@@ -169,20 +169,23 @@ bool Pixels::Phase::within(const optics::GreyView& picture, int at_x, int at_y) 
 __attribute__((target_clones("avx2", "default"))) void Pixels::sum(const optics::GreyView& picture,
                                                                    const Phase& phase, int x,
                                                                    int y, double* sums) {
-  const bool inside = phase.within(picture, x, y);
   Lanes lanes[4] = {};
-  for (const Run& run : phase.runs) {
-    Lanes value;
-    if (inside) {
-      value = numbers(picture.row(y + run.dy) + x + run.dx);
-    } else {
+  const auto add = [&](const Run& run, const Lanes& value) LAB_INLINE_LAMBDA {
+#pragma GCC unroll 4
+    for (int i = 0; i < 4; ++i) lanes[i] += loadLanes(run.weight[i]) * value;
+  };
+  if (phase.within(picture, x, y)) {
+    const std::uint8_t* at = picture.row(y) + x;
+    for (const Run& run : phase.runs) add(run, numbers(at + run.dy * picture.stride + run.dx));
+  } else {
+    for (const Run& run : phase.runs) {
       const std::uint8_t* row = picture.row(std::clamp(y + run.dy, 0, picture.height - 1));
+      Lanes value;
       for (int lane = 0; lane < kLanes; ++lane) {
         value[lane] = row[std::clamp(x + run.dx + lane, 0, picture.width - 1)];
       }
+      add(run, value);
     }
-#pragma GCC unroll 4
-    for (int i = 0; i < 4; ++i) lanes[i] += loadLanes(run.weight[i]) * value;
   }
   totals(lanes, sums);
 }
