@@ -98,9 +98,7 @@ Outcome plainFrom(Task& task, const ShapeAt& shape_at, GridPoint start, Window& 
   point = fit::settlePlain(task, start, window, disc);
   if (!point) return {};
   // The outline there, which does not depend on the start any more.
-  const auto before = task.pixels;
-  task.setShape(shape_at(point->pixel()));
-  if (task.pixels != before) {
+  if (task.setShape(shape_at(point->pixel()))) {
     point = fit::settlePlain(task, *point, window, disc);
     if (!point) return {};
     task.setShape(shape_at(point->pixel()));

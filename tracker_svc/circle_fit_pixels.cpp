@@ -37,7 +37,8 @@ std::array<double, 4> slopesAt(double dx, double dy, const double* m, double rad
 
 }  // namespace
 
-std::shared_ptr<const Pixels> Pixels::about(const DiscShape& shape, float sigma, float margin) {
+const std::shared_ptr<const Pixels>& Pixels::about(const DiscShape& shape, float sigma,
+                                                   float margin) {
   const float* m = shape.m;
   const float a = m[0] * m[0] + m[2] * m[2];
   const float b = m[0] * m[1] + m[2] * m[3];

@@ -17,8 +17,10 @@ namespace lab::tracker::fit {
 
 class Pixels {
  public:
-  /// About this outline, blur and margin [px]; kept for the next circle of that kind.
-  static std::shared_ptr<const Pixels> about(const DiscShape& shape, float sigma, float margin);
+  /// About this outline, blur and margin [px]; kept for the next circle of that kind. To be copied
+  /// before the next call.
+  static const std::shared_ptr<const Pixels>& about(const DiscShape& shape, float sigma,
+                                                    float margin);
 
   struct Rough {
     double x = 0;  ///< [DN px] contrast times the way to the centre

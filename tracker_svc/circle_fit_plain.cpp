@@ -70,29 +70,26 @@ Rough roughAt(const Task& task, GridPoint point) {
   return out;
 }
 
-// What is known beforehand: unknown i is `off` from there, and known to `spread`.
+// What is known beforehand: unknown i is `off` from there, and known as well as `weight` says.
 struct Known {
   std::size_t i;
-  float off;
-  double spread;
+  double off;
+  double weight;  // one over the variance
 };
+
+constexpr double weightOf(double spread) { return 1 / (spread * spread); }
 
 // @param full share of the pixels that are full: they say that the light is even, as far as anybody
 //   can see
 std::array<Known, 5> knownOf(const Disc& disc, float sigma, double full) {
-  const double slope =
-      kSlopeSpread * std::max(1.0, static_cast<double>(disc.white)) / (1 + kFullSlope * full);
-  return {{{kSlopeX, -disc.slope_x, slope},
-           {kSlopeY, -disc.slope_y, slope},
-           {kScale, 1.0F - disc.scale, kScaleSpread},
-           {kRatio, kUsualRatio - disc.ratio, kRatioSpread},
-           {kSigma, sigma - disc.sigma, kSigmaSpread * static_cast<double>(sigma)}}};
-}
-
-void addKnown(Row& right, const std::array<Known, 5>& known) {
-  for (const Known& k : known) {
-    right[k.i] += static_cast<double>(k.off) / (k.spread * k.spread);
-  }
+  const double slope = weightOf(kSlopeSpread * std::max(1.0, static_cast<double>(disc.white)) /
+                                (1 + kFullSlope * full));
+  const auto off = [](float v) { return static_cast<double>(v); };
+  return {{{kSlopeX, off(-disc.slope_x), slope},
+           {kSlopeY, off(-disc.slope_y), slope},
+           {kScale, off(1.0F - disc.scale), weightOf(kScaleSpread)},
+           {kRatio, off(kUsualRatio - disc.ratio), weightOf(kRatioSpread)},
+           {kSigma, off(sigma - disc.sigma), weightOf(kSigmaSpread * static_cast<double>(sigma))}}};
 }
 
 void step(Disc& disc, const Row& by, float sigma) {
@@ -120,22 +117,25 @@ Task::Task(const optics::GreyView& the_picture, const DiscShape& the_shape,
   setShape(the_shape);
 }
 
-void Task::setShape(const DiscShape& the_shape) {
+bool Task::setShape(const DiscShape& the_shape) {
   shape = the_shape;
   constants.radius = shape.radius();
   for (int i = 0; i < 4; ++i) constants.rm[i] = constants.radius * shape.m[i];
-  setSigma(sigma);
+  return setSigma(sigma);
 }
 
-void Task::setSigma(float the_sigma) {
+bool Task::setSigma(float the_sigma) {
   sigma = the_sigma;
   const float margin =
       std::max(2.0F * sigma, std::min(kMarginSigmas * sigma, kMostMargin * constants.radius));
-  pixels = Pixels::about(shape, sigma, margin);
+  const std::shared_ptr<const Pixels>& found = Pixels::about(shape, sigma, margin);
+  if (pixels == found) return false;
+  pixels = found;
+  return true;
 }
 
 bool Task::gather(GridPoint point, Window& window) const {
-  window.pixels = pixels;
+  if (window.pixels != pixels) window.pixels = pixels;
   return pixels->gather(*picture, point, window);
 }
 
@@ -207,10 +207,10 @@ Outcome fitPlain(const Task& task, Window& window, const Disc& rough) {
     const Counts& counts = blocks.counts;
     const double full = counts.full / std::max(1.0, counts.pixels);
     const auto known = knownOf(disc, task.sigma, full);
-    addKnown(right, known);
     for (const Known& k : known) {
       const std::size_t i = k.i % kBlock;
-      (k.i < kBlock ? blocks.odd : blocks.even)[i * (i + 1) / 2 + i] += 1 / (k.spread * k.spread);
+      right[k.i] += k.off * k.weight;
+      (k.i < kBlock ? blocks.odd : blocks.even)[i * (i + 1) / 2 + i] += k.weight;
     }
     std::array<Both, 10> normal;
     for (std::size_t i = 0; i < normal.size(); ++i) {

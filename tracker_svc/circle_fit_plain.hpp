@@ -22,8 +22,8 @@ struct Task {
 
   Task(const optics::GreyView& the_picture, const DiscShape& the_shape,
        const optics::Imaging& imaging);
-  void setSigma(float the_sigma);
-  void setShape(const DiscShape& the_shape);
+  bool setSigma(float the_sigma);              ///< @return whether other pixels are looked at now
+  bool setShape(const DiscShape& the_shape);   ///< @return as above
   /// The pixels around the point. @return false where the outline would leave the picture
   bool gather(GridPoint point, Window& window) const;
 };

@@ -12,10 +12,8 @@ using Both = double __attribute__((vector_size(16)));
 
 inline bool isPositive(double v) { return v > 0; }
 inline bool isPositive(const Both& v) { return v[0] > 0 && v[1] > 0; }
-inline double rootOf(double v) { return std::sqrt(v); }
-inline Both rootOf(const Both& v) { return Both{std::sqrt(v[0]), std::sqrt(v[1])}; }
 
-/// Cholesky factor of a symmetric matrix, lower triangle row by row.
+/// A symmetric matrix as L D L', which takes no roots; lower triangle row by row.
 /// @tparam Number double, or Both for two systems at once
 template <std::size_t kCount, typename Number = double>
 class Factor {
@@ -26,19 +24,19 @@ class Factor {
   /// good() is false where the matrix is not positive definite.
   explicit Factor(const std::array<Number, kPairs>& normal) : l_(normal) {
     for (std::size_t i = 0; i < kCount; ++i) {
-      for (std::size_t j = 0; j <= i; ++j) {
-        Number sum = at(i, j);
-        for (std::size_t k = 0; k < j; ++k) sum -= at(i, k) * at(j, k);
-        if (i == j) {
-          if (!isPositive(sum)) {
-            good_ = false;
-            return;
-          }
-          inverse_[i] = 1.0 / rootOf(sum);
-        } else {
-          at(i, j) = sum * inverse_[j];
-        }
+      Vector scaled;  // row i of L D
+      for (std::size_t j = 0; j < i; ++j) {
+        scaled[j] = at(i, j);
+        for (std::size_t k = 0; k < j; ++k) scaled[j] -= scaled[k] * at(j, k);
+        at(i, j) = scaled[j] * inverse_[j];
       }
+      Number rest = at(i, i);
+      for (std::size_t k = 0; k < i; ++k) rest -= scaled[k] * at(i, k);
+      if (!isPositive(rest)) {
+        good_ = false;
+        return;
+      }
+      inverse_[i] = 1.0 / rest;
     }
   }
 
@@ -48,11 +46,10 @@ class Factor {
     Vector v = right;
     for (std::size_t i = 0; i < kCount; ++i) {
       for (std::size_t k = 0; k < i; ++k) v[i] -= at(i, k) * v[k];
-      v[i] *= inverse_[i];
     }
     for (std::size_t i = kCount; i-- > 0;) {
-      for (std::size_t k = i + 1; k < kCount; ++k) v[i] -= at(k, i) * v[k];
       v[i] *= inverse_[i];
+      for (std::size_t k = i + 1; k < kCount; ++k) v[i] -= at(k, i) * v[k];
     }
     return v;
   }
@@ -71,7 +68,7 @@ class Factor {
   }
 
   std::array<Number, kPairs> l_;
-  std::array<Number, kCount> inverse_;  ///< of the diagonal; not set to zero, which takes time
+  std::array<Number, kCount> inverse_;  ///< of D; not set to zero, which takes time
   bool good_ = true;
 };
 
