@@ -68,36 +68,37 @@ LAB_INLINE void modelEight(Window& window, int at, const Pass& pass, LaneCounts&
   storeLanes(kept.by[kSigma], rise * (disc.sigma * over_distance - z));
 }
 
-/// Last: the weights of the residuals to window.light.
+/// Last: the weights of the residuals to window.light, and the right sides.
 template <bool kAll>
 LAB_INLINE void believeEight(Window& window, int at, const Pass& pass, LaneCounts& counts,
-                             Lanes& squares) {
+                             Lanes& squares, Lanes* rights) {
+  const Slopes& kept = window.slopes[at / kLanes];
   const Lanes residual = loadLanes(window.residual + at);
-  const Lanes certain = loadLanes(window.slopes[at / kLanes].weight);
+  const Lanes certain = loadLanes(kept.weight);
   const Lanes square = residual * residual * certain;
   const Lanes belief = beliefOf(square, pass.over_cutoff);
   counts.weight += kAll ? belief : (certain > 0.0F ? belief : Lanes{});
   squares += square * belief;
-  storeLanes(window.light + at, certain * belief);
+  const Lanes weight = certain * belief;
+  const Lanes weighted = weight * residual;
+#pragma GCC unroll 8
+  for (std::size_t i = 0; i < kUnknowns; ++i) rights[i] += weighted * loadLanes(kept.by[i]);
+  storeLanes(window.light + at, weight);
 }
 
-/// The sums of one block, of the slopes from `first` on: fourteen, which leaves two registers.
-LAB_INLINE void sumBlock(const Window& window, std::size_t first, double* normal, double* right) {
+/// The normal matrix of one block, of the slopes from `first` on: ten sums, which with what they
+/// need stay in registers.
+LAB_INLINE void sumBlock(const Window& window, std::size_t first, double* normal) {
   Lanes normals[10];
-  Lanes rights[kBlock];
 #pragma GCC unroll 10
   for (Lanes& sum : normals) sum = Lanes{};
-#pragma GCC unroll 4
-  for (Lanes& sum : rights) sum = Lanes{};
   for (int at = 0; at < window.count; at += kLanes) {
     const Slopes& kept = window.slopes[at / kLanes];
     const Lanes weight = loadLanes(window.light + at);
-    const Lanes residual = loadLanes(window.residual + at);
     std::size_t pair = 0;
 #pragma GCC unroll 4
     for (std::size_t i = 0; i < kBlock; ++i) {
       const Lanes weighted = loadLanes(kept.by[first + i]) * weight;
-      rights[i] += weighted * residual;
 #pragma GCC unroll 4
       for (std::size_t j = 0; j <= i; ++j) {
         normals[pair++] += weighted * loadLanes(kept.by[first + j]);
@@ -105,7 +106,6 @@ LAB_INLINE void sumBlock(const Window& window, std::size_t first, double* normal
     }
   }
   totalEach(normals, normal);
-  totalEach(rights, right);
 }
 
 }  // namespace
@@ -122,16 +122,24 @@ __attribute__((target_clones("avx2", "default"))) void sumBlocks(Window& window,
                   constants.radius * disc.scale};
   LaneCounts counts;
   Lanes squares = {};
+  Lanes rights[kUnknowns];
+#pragma GCC unroll 8
+  for (Lanes& sum : rights) sum = Lanes{};
   const int plain = window.plain ? window.count - kLanes : 0;
   for (int at = 0; at < window.count; at += kLanes) placeEight(window, at, pass);
   int at = 0;
   for (; at < plain; at += kLanes) modelEight<true>(window, at, pass, counts);
   for (; at < window.count; at += kLanes) modelEight<false>(window, at, pass, counts);
-  for (at = 0; at < plain; at += kLanes) believeEight<true>(window, at, pass, counts, squares);
-  for (; at < window.count; at += kLanes) believeEight<false>(window, at, pass, counts, squares);
+  for (at = 0; at < plain; at += kLanes) {
+    believeEight<true>(window, at, pass, counts, squares, rights);
+  }
+  for (; at < window.count; at += kLanes) {
+    believeEight<false>(window, at, pass, counts, squares, rights);
+  }
   counts.pixels += static_cast<float>(plain / kLanes);
-  sumBlock(window, 0, blocks.odd.data(), blocks.right.data());
-  sumBlock(window, kBlock, blocks.even.data(), blocks.right.data() + kBlock);
+  sumBlock(window, 0, blocks.odd.data());
+  sumBlock(window, kBlock, blocks.even.data());
+  totalEach(rights, blocks.right.data());
   blocks.squares = total(squares);
   counts.writeTo(blocks.counts);
 }
@@ -157,21 +165,31 @@ __attribute__((target_clones("avx2", "default"))) void sumLast(Window& window, c
   Lanes xy = {};
   Lanes yy = {};
   Lanes squares = {};
+  // Two looks, as in a pass.
   for (int at = 0; at < window.count; at += kLanes) {
     const Slopes& kept = window.slopes[at / kLanes];
-    const Lanes certain = loadLanes(kept.weight);
     Lanes by_odd = moved[0] * loadLanes(kept.by[0]);
     Lanes by_even = moved[kBlock] * loadLanes(kept.by[kBlock]);
-    Lanes pull_x = to_x[0] * loadLanes(kept.by[0]);
-    Lanes pull_y = to_y[0] * loadLanes(kept.by[0]);
 #pragma GCC unroll 4
     for (std::size_t i = 1; i < kBlock; ++i) {
       by_odd += moved[i] * loadLanes(kept.by[i]);
       by_even += moved[kBlock + i] * loadLanes(kept.by[kBlock + i]);
+    }
+    storeLanes(window.residual + at, loadLanes(window.residual + at) - (by_odd + by_even));
+    storeLanes(window.light + at,
+               whiteAt(disc, loadLanes(window.x + at), loadLanes(window.y + at)));
+  }
+  for (int at = 0; at < window.count; at += kLanes) {
+    const Slopes& kept = window.slopes[at / kLanes];
+    const Lanes certain = loadLanes(kept.weight);
+    const Lanes residual = loadLanes(window.residual + at);
+    Lanes pull_x = to_x[0] * loadLanes(kept.by[0]);
+    Lanes pull_y = to_y[0] * loadLanes(kept.by[0]);
+#pragma GCC unroll 4
+    for (std::size_t i = 1; i < kBlock; ++i) {
       pull_x += to_x[i] * loadLanes(kept.by[i]);
       pull_y += to_y[i] * loadLanes(kept.by[i]);
     }
-    const Lanes residual = loadLanes(window.residual + at) - (by_odd + by_even);
     const Lanes square = residual * residual * certain;
     const Lanes belief = beliefOf(square, over_cutoff);
     const Lanes weighted = residual * certain * belief;
@@ -187,9 +205,6 @@ __attribute__((target_clones("avx2", "default"))) void sumLast(Window& window, c
     counts.pixels += certain > 0.0F ? Lanes{} + 1.0F : Lanes{};
     counts.cost += limitedCost(square);
     storeLanes(window.residual + at, weighted);
-    const Lanes x = loadLanes(window.x + at);
-    const Lanes y = loadLanes(window.y + at);
-    storeLanes(window.light + at, whiteAt(disc, x, y));
   }
   last.x = total(sum_x);
   last.y = total(sum_y);
