@@ -20,7 +20,7 @@ struct Pass {
   float outline;
 };
 
-// A pass looks at all pixels three times. In one look each step would wait for the one before; a
+// A pass looks at all pixels several times. In one look each step would wait for the one before; a
 // processor finds other pixels to go on with only while a look is short.
 
 /// First: where eight pixels lie in the disc, kept in the places of the slopes that need it.
@@ -35,37 +35,43 @@ LAB_INLINE void placeEight(Window& window, int at, const Pass& pass) {
   storeLanes(kept.by[kSigma], way.over_distance);
 }
 
-/// Then: slopes and certainty to window.slopes, residual to window.residual.
-/// @tparam kAll every lane is a pixel, and none is full: nothing is to be counted
-template <bool kAll>
-LAB_INLINE void modelEight(Window& window, int at, const Pass& pass, LaneCounts& counts) {
-  const Disc& disc = pass.disc;
+/// Then: the paint there, and its slopes.
+LAB_INLINE void paintEight(Window& window, int at, const Pass& pass) {
   Slopes& kept = window.slopes[at / kLanes];
-  const Lanes x = loadLanes(window.x + at);
-  const Lanes y = loadLanes(window.y + at);
-  const Lanes value = loadLanes(window.value + at);
   const Lanes z = loadLanes(kept.by[kScale]);
   const Lanes over_distance = loadLanes(kept.by[kSigma]);
   Lanes share;
   Lanes slope;
   edgeProfile(z, share, slope);
-  const Lanes white = whiteAt(disc, x, y);
-  const Lanes lightness = disc.ratio + pass.contrast * share;
+  const Lanes rise = slope * (pass.contrast * pass.over_sigma);
+  const Lanes inward = -rise * over_distance;
+  storeLanes(kept.by[kX], loadLanes(kept.by[kX]) * inward);
+  storeLanes(kept.by[kY], loadLanes(kept.by[kY]) * inward);
+  storeLanes(kept.by[kScale], rise * (-pass.constants.radius));
+  storeLanes(kept.by[kSigma], rise * (pass.disc.sigma * over_distance - z));
+  storeLanes(kept.by[kWhite], pass.disc.ratio + pass.contrast * share);
+  storeLanes(kept.by[kRatio], 1.0F - share);
+}
+
+/// Then the light on it: slopes and certainty to window.slopes, residual to window.residual.
+/// @tparam kAll every lane is a pixel, and none is full: nothing is to be counted
+template <bool kAll>
+LAB_INLINE void lightEight(Window& window, int at, const Pass& pass, LaneCounts& counts) {
+  Slopes& kept = window.slopes[at / kLanes];
+  const Lanes x = loadLanes(window.x + at);
+  const Lanes y = loadLanes(window.y + at);
+  const Lanes value = loadLanes(window.value + at);
+  const Lanes white = whiteAt(pass.disc, x, y);
+  const Lanes lightness = loadLanes(kept.by[kWhite]);
   const Lanes signal = white * lightness;
   storeLanes(window.residual + at, value - pass.constants.black - signal);
   storeLanes(kept.weight, kAll ? 1.0F / varianceOf(signal, pass.constants)
                                : certaintyOf(value, signal, pass.constants, counts));
-
-  const Lanes rise = white * slope * (pass.contrast * pass.over_sigma);
-  const Lanes outward = rise * over_distance;
-  storeLanes(kept.by[kX], -loadLanes(kept.by[kX]) * outward);
-  storeLanes(kept.by[kY], -loadLanes(kept.by[kY]) * outward);
+  for (const Unknown lit : {kX, kY, kScale, kRatio, kSigma}) {
+    storeLanes(kept.by[lit], white * loadLanes(kept.by[lit]));
+  }
   storeLanes(kept.by[kSlopeX], lightness * x);
   storeLanes(kept.by[kSlopeY], lightness * y);
-  storeLanes(kept.by[kWhite], lightness);
-  storeLanes(kept.by[kScale], rise * (-pass.constants.radius));
-  storeLanes(kept.by[kRatio], white * (1.0F - share));
-  storeLanes(kept.by[kSigma], rise * (disc.sigma * over_distance - z));
 }
 
 /// Last: the weights of the residuals to window.light, and the right sides.
@@ -127,9 +133,10 @@ __attribute__((target_clones("avx2", "default"))) void sumBlocks(Window& window,
   for (Lanes& sum : rights) sum = Lanes{};
   const int plain = window.plain ? window.count - kLanes : 0;
   for (int at = 0; at < window.count; at += kLanes) placeEight(window, at, pass);
+  for (int at = 0; at < window.count; at += kLanes) paintEight(window, at, pass);
   int at = 0;
-  for (; at < plain; at += kLanes) modelEight<true>(window, at, pass, counts);
-  for (; at < window.count; at += kLanes) modelEight<false>(window, at, pass, counts);
+  for (; at < plain; at += kLanes) lightEight<true>(window, at, pass, counts);
+  for (; at < window.count; at += kLanes) lightEight<false>(window, at, pass, counts);
   for (at = 0; at < plain; at += kLanes) {
     believeEight<true>(window, at, pass, counts, squares, rights);
   }
