@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <numbers>
 #include <optional>
 #include <tuple>
@@ -15,7 +16,7 @@ namespace {
 // [cap radii] of reach: two caps are farther apart than twice this, so there is only one
 constexpr double kOneOnly = 0.8;
 constexpr std::size_t kAhead = 2;  // caps whose pixels are asked for before they are needed
-constexpr int kLine = 64;          // [bytes] that come from memory together
+constexpr std::size_t kLine = 64;          // [bytes] that come from memory together
 
 double wrapped(double angle) { return std::remainder(angle, 2 * std::numbers::pi); }
 
@@ -120,8 +121,10 @@ void Detector::fetch(const optics::GreyView& picture, const Expected& expected) 
   const int top = std::max(static_cast<int>(at.y - along), 0);
   const int bottom = std::min(static_cast<int>(at.y + along), picture.height - 1);
   for (int y = top; y <= bottom; ++y) {
-    for (int x = left; x < right; x += kLine) __builtin_prefetch(picture.row(y) + x);
-    __builtin_prefetch(picture.row(y) + right);
+    const std::uint8_t* from = picture.row(y) + left;
+    const std::uint8_t* last = picture.row(y) + right;
+    from -= reinterpret_cast<std::uintptr_t>(from) % kLine;
+    for (; from <= last; from += kLine) __builtin_prefetch(from);
   }
 }
 

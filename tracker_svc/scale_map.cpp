@@ -1,6 +1,7 @@
 #include "tracker_svc/scale_map.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -12,6 +13,13 @@ namespace {
 constexpr int kCell = 32;           // [px] between nodes
 constexpr double kStep = 0.01;      // [m] for second derivatives
 constexpr float kLargestJump = 4.0F;  // a scale that differs more from the median is no arena
+
+/// The numbers of a LocalScale, to be worked on four at a time.
+struct Fours {
+  using Four = float __attribute__((vector_size(16)));
+  Four v[3];
+};
+static_assert(sizeof(Fours) == sizeof(LocalScale));
 
 LocalScale scaleThere(const optics::CameraModel& camera, const optics::CapGeometry& cap,
                       optics::Pixel pixel) {
@@ -97,18 +105,14 @@ LocalScale ScaleMap::at(double x, double y) const {
   const LocalScale* top = nodes_.data() + static_cast<std::ptrdiff_t>(j) * columns_ + i;
   const LocalScale* four[4] = {top, top + 1, top + columns_, top + columns_ + 1};
   const float share[4] = {(1 - a) * (1 - b), a * (1 - b), (1 - a) * b, a * b};
-  LocalScale out;
+  Fours sum{};
   bool seen = true;
   for (int n = 0; n < 4; ++n) {
     seen = seen && four[n]->mean > 0;
-    for (int k = 0; k < 4; ++k) {
-      out.inverse[k] += share[n] * four[n]->inverse[k];
-      out.forward[k] += share[n] * four[n]->forward[k];
-    }
-    out.mean += share[n] * four[n]->mean;
-    out.bend[0] += share[n] * four[n]->bend[0];
-    out.bend[1] += share[n] * four[n]->bend[1];
+    const auto node = std::bit_cast<Fours>(*four[n]);
+    for (int k = 0; k < 3; ++k) sum.v[k] += share[n] * node.v[k];
   }
+  auto out = std::bit_cast<LocalScale>(sum);
   if (!seen) out.mean = 0;
   return out;
 }

@@ -16,6 +16,7 @@ struct LocalScale {
   float forward[4] = {0, 0, 0, 0};  ///< d(pixel)/d(x, y), row by row [px/m]
   float mean = 0;                   ///< [px/m] geometric mean, 0: no cap can be seen here
   float bend[2] = {0, 0};  ///< [px/m^2] outline's centre less the circle's, by its radius^2
+  float unused = 0;        ///< fills up four numbers that are worked on together
 };
 
 /// A regular grid of LocalScale with linear interpolation between; errors below 0.1 % for a camera
