@@ -9,23 +9,32 @@
 namespace lab::tracker {
 namespace {
 
+constexpr std::size_t kMostWords = 64;
+
+/// A word after the pairs.
+struct Paired {
+  int number;
+  const std::uint8_t* at;
+  Bytes here;
+  Bytes best;   ///< the darker end of the brightest pair
+  Bytes worst;  ///< the brighter end of the darkest pair
+  Bytes dark;   ///< pixels that are left
+};
+
 /// Pixels that are dark a bit beside them too, and not to both ends of a pair as in something long.
-/// @param worst the brighter end of the darkest pair
-/// @param dark loses the others
-[[gnu::always_inline]] inline void keepDarkToTheSides(const std::uint8_t* at, std::ptrdiff_t stride,
-                                                      const Neighbours& to, const Levels& levels,
-                                                      const Bytes& here, const Bytes& best,
-                                                      const Bytes& worst, Bytes& dark) {
-  const Bytes contrast = best - here;
+[[gnu::always_inline]] inline Bytes darkToTheSides(const Paired& word, std::ptrdiff_t stride,
+                                                   const Neighbours& to, const Levels& levels) {
+  const Bytes contrast = word.best - word.here;
   const Bytes fifth = (contrast >> 3) + (contrast >> 4);
   const Bytes above = fifth > levels.noise ? fifth : Bytes{} + levels.noise;
-  const auto ends = (here + above <= worst) | (contrast < levels.faint);
+  const auto ends = (word.here + above <= word.worst) | (contrast < levels.faint);
   Bytes beside{};
   for (const std::ptrdiff_t near : {static_cast<std::ptrdiff_t>(to.near), to.near * stride}) {
-    beside = brighterOf(beside, brighterOf(loadBytes(at - near), loadBytes(at + near)));
+    beside = brighterOf(beside, brighterOf(loadBytes(word.at - near), loadBytes(word.at + near)));
   }
   const auto quarter = static_cast<std::uint8_t>(levels.black / 4);
-  dark &= reinterpret_cast<Bytes>(ends & (beside <= best - (best >> 2) + quarter));
+  const auto round = ends & (beside <= word.best - (word.best >> 2) + quarter);
+  return word.dark & reinterpret_cast<Bytes>(round);
 }
 
 }  // namespace
@@ -41,8 +50,8 @@ Levels levelsOf(int black, int noise) {
   return levels;
 }
 
-// One loop without calls: the tests come in the order of what they cost and refuse. A word is left
-// where few go on, along the row and after the pairs; a branch more would cost what it saves.
+// What comes of a word cannot be foreseen, and a wrong guess of the processor costs more than the
+// tests: so all words go through them, and those with nothing left are written over.
 __attribute__((target_clones("avx2", "default"))) int darkWords(
     const std::uint8_t* row, std::ptrdiff_t stride, const int* starts,
     const Neighbours* neighbours, std::uint64_t wanted, std::ptrdiff_t ahead,
@@ -52,49 +61,45 @@ __attribute__((target_clones("avx2", "default"))) int darkWords(
   // Where they are below 0 they wrap round, and so do the sums: back to where they belong.
   const Bytes barely = Bytes{} + static_cast<std::uint8_t>(levels.barely);
   const Bytes clear = Bytes{} + static_cast<std::uint8_t>(levels.clear);
-  int count = 0;
+  Paired paired[kMostWords];
+  int pairs = 0;
   for (; wanted != 0; wanted &= wanted - 1) {
-    const int word = std::countr_zero(wanted);
-    const Neighbours& to = neighbours[word];
+    const int number = std::countr_zero(wanted);
+    const Neighbours& to = neighbours[number];
     if (to.across == 0) continue;
-    const std::uint8_t* at = row + starts[word];
+    const std::uint8_t* at = row + starts[number];
     __builtin_prefetch(at + ahead);
     const Bytes here = brighterOf(loadBytes(at), low);
     const Bytes least = here + (here >> 3) + barely;
-    Bytes one = loadBytes(at - to.across);
-    Bytes other = loadBytes(at + to.across);
-    Bytes darker = darkerOf(one, other);  // end of a pair
-    Bytes dark = reinterpret_cast<Bytes>((least <= darker) & (here <= most));
-    if (!anyTopBit(dark)) continue;
-    Bytes best = darker;
-    Bytes worst = brighterOf(one, other);
-
-    const std::ptrdiff_t column = to.across * stride;
-    one = loadBytes(at - column);
-    other = loadBytes(at + column);
-    darker = darkerOf(one, other);
-    dark &= reinterpret_cast<Bytes>(least <= darker);
-    best = brighterOf(best, darker);
-    worst = darkerOf(worst, brighterOf(one, other));
-
-    for (const std::ptrdiff_t diagonal : {to.diagonal * (stride + 1), to.diagonal * (stride - 1)}) {
-      one = loadBytes(at - diagonal);
-      other = loadBytes(at + diagonal);
-      darker = darkerOf(one, other);
-      dark &= reinterpret_cast<Bytes>(least <= darker);
+    Bytes best{};
+    Bytes worst = ~Bytes{};
+    Bytes darkest = worst;  // of all ends
+    for (const std::ptrdiff_t away :
+         {std::ptrdiff_t{to.across}, to.across * stride, to.diagonal * (stride + 1),
+          to.diagonal * (stride - 1)}) {
+      const Bytes one = loadBytes(at - away);
+      const Bytes other = loadBytes(at + away);
+      const Bytes darker = darkerOf(one, other);
+      darkest = darkerOf(darkest, darker);
       best = brighterOf(best, darker);
       worst = darkerOf(worst, brighterOf(one, other));
     }
-    dark &= reinterpret_cast<Bytes>(here + here + clear <= best);
-    if (!anyTopBit(dark)) continue;
-
-    keepDarkToTheSides(at, stride, to, levels, here, best, worst, dark);
-    if (!anyTopBit(dark)) continue;
-    DarkWord& out = found[count++];
-    out.number = word;
-    const Bytes white = best & dark;
+    const auto dark = (least <= darkest) & (here <= most) & (here + here + clear <= best);
+    const auto left = reinterpret_cast<Bytes>(dark);
+    const int kept = anyTopBit(left) ? 1 : 0;
+    paired[pairs] = {number, at, here, best, worst, left};
+    pairs += kept;
+  }
+  int count = 0;
+  for (int i = 0; i < pairs; ++i) {
+    const Paired& word = paired[i];
+    const Bytes dark = darkToTheSides(word, stride, neighbours[word.number], levels);
+    DarkWord& out = found[count];
+    out.number = word.number;
+    const Bytes white = word.best & dark;
     std::memcpy(out.white, &white, sizeof white);
     out.dark = topBits(dark);
+    count += out.dark != 0 ? 1 : 0;
   }
   return count;
 }
