@@ -47,7 +47,7 @@ struct DarkWord {
 /// @param starts of the words [px]
 /// @param neighbours by word
 /// @param wanted bit i: word i is to be tested
-/// @param ahead [bytes] from here to what will be read soon
+/// @param ahead [bytes] from here to the row that is tested soon
 /// @param found the words found, in order; room for 64
 /// @return how many
 int darkWords(const std::uint8_t* row, std::ptrdiff_t stride, const int* starts,

@@ -13,9 +13,8 @@ constexpr std::size_t kBits = 64;
 constexpr int kLittle = 2;  // [1] of Levels::faint: white above black that is little light
 constexpr std::size_t kBeside = 1;  // words before the first and behind the last of the brightest
 
-/// The largest byte of each of two.
-[[gnu::always_inline]] inline void largest(const Bytes& one, const Bytes& other, std::uint8_t* out,
-                                           std::uint8_t* other_out) {
+/// The largest byte of one, and 256 times that of the other.
+[[gnu::always_inline]] inline int largest(const Bytes& one, const Bytes& other) {
   __m128i half[4];
   std::memcpy(half, &one, sizeof one);
   std::memcpy(half + 2, &other, sizeof other);
@@ -25,9 +24,7 @@ constexpr std::size_t kBeside = 1;  // words before the first and behind the las
   both = _mm_max_epu8(both, _mm_srli_si128(both, 8));
   both = _mm_max_epu8(both, _mm_srli_si128(both, 4));
   both = _mm_max_epu8(both, _mm_srli_si128(both, 2));
-  const int bytes = _mm_cvtsi128_si32(both);
-  *out = static_cast<std::uint8_t>(bytes);
-  *other_out = static_cast<std::uint8_t>(bytes >> 8);
+  return _mm_cvtsi128_si32(both) & 0xffff;
 }
 
 /// Darkest and brightest two pixels side by side of each cell in a row of cells.
@@ -42,14 +39,15 @@ __attribute__((target_clones("avx2", "default"))) void lookAtCells(
     Bytes darkest{};  // upside down
     Bytes brightest{};
     for (int row = 0; row < rows; ++row, at += down) {
-      __builtin_prefetch(at + ahead);
+      if (i % 2 == 0) __builtin_prefetch(at + ahead);  // two words come together
       const Bytes one = loadBytes(at);
       const Bytes other = loadBytes(at + 1);
       darkest = brighterOf(darkest, ~brighterOf(one, other));
       brightest = brighterOf(brightest, darkerOf(one, other));
     }
-    largest(darkest, brightest, dark + i, bright + i);
-    dark[i] = static_cast<std::uint8_t>(~dark[i]);
+    const int extremes = largest(darkest, brightest);
+    dark[i] = static_cast<std::uint8_t>(~extremes);
+    bright[i] = static_cast<std::uint8_t>(extremes >> 8);
   }
 }
 
