@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 #include <numbers>
 #include <numeric>
 
@@ -39,31 +40,28 @@ const Circle& directions() {
 
 using Contrasts = float __attribute__((vector_size(32)));
 
-/// The value that `rank` others are smaller than, equal ones among them. All are held against all,
-/// which has nothing to guess for the processor.
+/// The largest of those that at most `rank` others are smaller than: the one at that place in order.
+/// All are held against all, which has nothing to guess for the processor.
 __attribute__((target_clones("avx2", "default"))) float valueOfRank(
     const std::array<float, kDirections>& values, std::size_t count, std::size_t rank) {
   constexpr std::size_t kLanes = 8;
   static_assert(kDirections % kLanes == 0);
-  std::int32_t smaller[kDirections] = {};
-  std::int32_t at_most[kDirections] = {};
+  using Numbers = std::int32_t __attribute__((vector_size(32)));
+  Contrasts largest = Contrasts{} + std::numeric_limits<float>::lowest();
   for (std::size_t first = 0; first < kDirections; first += kLanes) {
     Contrasts here;
     std::memcpy(&here, values.data() + first, sizeof here);
-    auto less = here < here;
-    auto no_more = less;
-    for (std::size_t i = 0; i < count; ++i) {
-      less += values[i] < here;
-      no_more += values[i] <= here;
-    }
-    std::memcpy(smaller + first, &less, sizeof less);
-    std::memcpy(at_most + first, &no_more, sizeof no_more);
+    Numbers smaller{};  // counted downwards: true is -1
+    for (std::size_t i = 0; i < count; ++i) smaller += values[i] < here;
+    const Numbers number = Numbers{0, 1, 2, 3, 4, 5, 6, 7} + static_cast<std::int32_t>(first);
+    const Numbers may = (-smaller <= static_cast<std::int32_t>(rank)) &
+                        (number < static_cast<std::int32_t>(count));
+    const Contrasts candidate = may ? here : largest;
+    largest = candidate > largest ? candidate : largest;
   }
-  const auto wanted = static_cast<std::int32_t>(rank);
-  for (std::size_t i = 0; i < count; ++i) {  // counted downwards: true is -1
-    if (-smaller[i] <= wanted && wanted < -at_most[i]) return values[i];
-  }
-  return values[0];
+  float found = largest[0];
+  for (std::size_t lane = 1; lane < kLanes; ++lane) found = std::max(found, largest[lane]);
+  return found;
 }
 
 /// How bright it is just inside of the rim, and at it, by direction.
