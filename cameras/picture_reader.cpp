@@ -16,6 +16,7 @@
 #include <utility>
 
 #include "cameras/grey.hpp"
+#include "cameras/stb_pixels.hpp"
 
 namespace lab::cameras {
 namespace {
@@ -220,10 +221,6 @@ std::int64_t addTimes(std::vector<PictureFile>& pictures) {
   return *middle;
 }
 
-struct StbFree {
-  void operator()(stbi_uc* pixels) const { stbi_image_free(pixels); }
-};
-
 /// A decoded picture, or why there is none.
 struct Decoded {
   optics::GreyImage image;
@@ -241,8 +238,7 @@ Decoded decode(const fs::path& path) {
     return result;
   }
   const int wanted = result.channels >= 3 ? 3 : 1;
-  const std::unique_ptr<stbi_uc, StbFree> pixels(
-      stbi_load(name.c_str(), &width, &height, &result.channels, wanted));
+  const StbPixels pixels(stbi_load(name.c_str(), &width, &height, &result.channels, wanted));
   if (!pixels) {
     result.error = name + ": cannot be decoded: " + stbi_failure_reason();
     return result;

@@ -1,13 +1,13 @@
 #include "cameras/raw_pixels.hpp"
 
 #include <linux/videodev2.h>
-#include <stb/stb_image.h>
 
 #include <algorithm>
 #include <array>
 #include <memory>
 
 #include "cameras/standard_huffman.hpp"
+#include "cameras/stb_pixels.hpp"
 
 namespace lab::cameras {
 namespace {
@@ -111,18 +111,14 @@ void mixBayer(const RawLayout& layout, const std::uint8_t* bytes, optics::GreyIm
   }
 }
 
-struct StbFree {
-  void operator()(stbi_uc* pixels) const { stbi_image_free(pixels); }
-};
-
 bool decodeJpeg(const RawLayout& layout, std::span<const std::uint8_t> bytes,
                 optics::GreyImage& grey) {
   const std::vector<std::uint8_t> whole = withHuffmanTables(bytes);
   int width = 0;
   int height = 0;
   int channels = 0;
-  const std::unique_ptr<stbi_uc, StbFree> pixels(stbi_load_from_memory(
-      whole.data(), static_cast<int>(whole.size()), &width, &height, &channels, 1));
+  const StbPixels pixels(stbi_load_from_memory(whole.data(), static_cast<int>(whole.size()), &width,
+                                               &height, &channels, 1));
   if (!pixels || width != layout.width || height != layout.height) return false;
   std::copy_n(pixels.get(), grey.pixels.size(), grey.pixels.begin());
   return true;

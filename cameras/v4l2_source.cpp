@@ -12,7 +12,7 @@ namespace {
 
 constexpr const char* kNotThere = ": no camera there";  // what is gone need not be said again
 constexpr const char* kPrefix = "v4l2:";
-constexpr std::int64_t kLook_us = 1'000'000;
+constexpr std::int64_t kDeviceLook_us = 1'000'000;
 constexpr std::int64_t kSilence_us = 2'000'000;
 constexpr int kMostEmptyCalls = 1000;  // readable, and nothing there: a descriptor that is broken
 
@@ -69,7 +69,7 @@ class Capture : public std::enable_shared_from_this<Capture> {
 
   /// Each second: is it back, is it alive.
   void lookLater() {
-    loop_.at(loop_.now() + kLook_us, [capture = weak_from_this()] {
+    loop_.at(loop_.now() + kDeviceLook_us, [capture = weak_from_this()] {
       const std::shared_ptr<Capture> here = capture.lock();
       if (!here || here->closed_) return;
       here->look();

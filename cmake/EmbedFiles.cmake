@@ -39,5 +39,6 @@ const std::vector<PageFile>& @function@() {
 }  // namespace @namespace@
 ")
   target_sources(${library} PRIVATE "${source}")
-  set_source_files_properties("${source}" PROPERTIES OBJECT_DEPENDS "${ARG_FILES}")
+  set_source_files_properties("${source}" PROPERTIES OBJECT_DEPENDS "${ARG_FILES}"
+    SKIP_UNITY_BUILD_INCLUSION ON)
 endfunction()

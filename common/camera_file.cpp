@@ -11,7 +11,7 @@
 namespace lab {
 namespace {
 
-constexpr const char* kForm = "active-lab camera 1";
+constexpr const char* kCameraForm = "active-lab camera 1";
 
 /// The camera must be above the caps, and not so far up that the unit is wrong.
 void checkHeight(const JsonSection& file, const char* key, const CameraCalibration& calibration) {
@@ -146,10 +146,10 @@ CameraCalibration readCameraFile(const std::filesystem::path& path) {
     file.fail("",
               fmt::format("is no camera calibration: found neither \"form\": \"{}\" nor K, dist,"
                           " R, t (docs/cameras.md)",
-                          kForm));
+                          kCameraForm));
   }
-  if (file.has("form") && file.text("form") != kForm) {
-    file.fail("form", fmt::format("found \"{}\", expected \"{}\"", file.text("form"), kForm));
+  if (file.has("form") && file.text("form") != kCameraForm) {
+    file.fail("form", fmt::format("found \"{}\", expected \"{}\"", file.text("form"), kCameraForm));
   }
   CameraCalibration calibration = file.has("form") ? readOwnForm(file) : readOpenCvForm(file);
   calibration.id = fileId(text);
@@ -158,7 +158,7 @@ CameraCalibration readCameraFile(const std::filesystem::path& path) {
 
 std::string cameraFileText(const CameraCalibration& calibration) {
   const optics::CapGeometry& cap = calibration.cap;
-  nlohmann::ordered_json file = {{"form", kForm}};
+  nlohmann::ordered_json file = {{"form", kCameraForm}};
   writeLens(file, calibration.camera);
   file["cap"] = {{"robot_radius_m", cap.robot_radius},
                  {"cap_radius_m", cap.cap_radius},

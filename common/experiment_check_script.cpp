@@ -16,7 +16,7 @@ namespace {
 
 std::string stepPath(std::size_t index) { return "light.steps[" + std::to_string(index) + "]"; }
 
-std::string cm(double metre) {
+std::string place(double metre) {
   return fileText(std::round(metre * 1e9) / 1e9, unitOf("_cm"));  // 1.2 - 0.0375 is 116.25 cm
 }
 
@@ -144,10 +144,10 @@ void checkRegion(const ExperimentForm& form, const std::string& path, const Unti
                               : reaches(until.x, until.width / 2, width, rim) &&
                                     reaches(until.y, until.height / 2, height, rim);
   if (entered) return;
-  problems.add(path + ".x_cm", "found a region around " + cm(until.x) + ", " + cm(until.y) +
+  problems.add(path + ".x_cm", "found a region around " + place(until.x) + ", " + place(until.y) +
                                    " that no robot can enter, allowed one that reaches into " +
-                                   cm(rim) + " to " + cm(width - rim) + ", " + cm(rim) + " to " +
-                                   cm(height - rim));
+                                   place(rim) + " to " + place(width - rim) + ", " + place(rim) +
+                                   " to " + place(height - rim));
 }
 
 void checkOneRobot(const ExperimentForm& form, const std::string& path, std::int32_t robot,

@@ -13,7 +13,7 @@
 namespace lab {
 namespace {
 
-constexpr const char* kForm = "active-lab light 1";
+constexpr const char* kLightForm = "active-lab light 1";
 constexpr double kSameLength = 1e-4;  // [m] of an arena's side
 constexpr std::int32_t kLargestId = 9999;
 constexpr double kNarrowestBand = 0.005;  // [1] of the converter's full scale: five of its steps
@@ -81,10 +81,11 @@ LightCalibration parseLightFile(const std::string& name, const std::string& text
   const nlohmann::json root =
       parseJson(name, text, "a calibration of light (lab calibrate light writes one)");
   const JsonSection file(name, "docs/photometry.md lists the keys", root);
-  if (!file.has("form") || file.text("form") != kForm) {
-    file.fail("", fmt::format("is no calibration of light: found no \"form\": \"{}\"; lab calibrate "
-                              "light writes one",
-                              kForm));
+  if (!file.has("form") || file.text("form") != kLightForm) {
+    file.fail("",
+              fmt::format("is no calibration of light: found no \"form\": \"{}\"; lab calibrate "
+                          "light writes one",
+                          kLightForm));
   }
   LightCalibration calibration;
   calibration.gamma = file.number("gamma", 0.1, 10);
@@ -116,15 +117,14 @@ std::string lightFileText(const LightCalibration& calibration) {
     sensors[std::to_string(robot)] = {{"front", gains.front}, {"back", gains.back}};
   }
   const nlohmann::ordered_json file = {
-      {"form", kForm},
+      {"form", kLightForm},
       {"gamma", calibration.gamma},
       {"vignetting", calibration.vignetting},
       {"scale", calibration.scale},
       {"ambient", calibration.ambient},
       {"sensors", sensors},
       {"residual", calibration.residual},
-      {"arena",
-       {{"width_m", calibration.arena_width}, {"height_m", calibration.arena_height}}}};
+      {"arena", {{"width_m", calibration.arena_width}, {"height_m", calibration.arena_height}}}};
   return file.dump(2) + "\n";
 }
 

@@ -11,8 +11,8 @@
 namespace lab {
 namespace {
 
-constexpr const char* kForm = "active-lab projector 1";
-constexpr double kSameLength = 1e-4;  // [m] of an arena's side
+constexpr const char* kProjectorForm = "active-lab projector 1";
+constexpr double kSameSide = 1e-4;    // [m] of an arena's side
 constexpr double kSamePlace = 1e-6;   // [m] there and back through the lens
 
 std::optional<double> optionalNumber(const JsonSection& file, const char* key, double high) {
@@ -50,10 +50,11 @@ ProjectorCalibration readProjectorFile(const std::filesystem::path& path) {
     file.fail("",
               fmt::format("is no projector calibration: found no \"form\": \"{}\"; lab calibrate "
                           "projector writes one",
-                          kForm));
+                          kProjectorForm));
   }
-  if (file.text("form") != kForm) {
-    file.fail("form", fmt::format("found \"{}\", expected \"{}\"", file.text("form"), kForm));
+  if (file.text("form") != kProjectorForm) {
+    file.fail("form",
+              fmt::format("found \"{}\", expected \"{}\"", file.text("form"), kProjectorForm));
   }
   ProjectorCalibration calibration;
   calibration.lens = readLens(file, true);
@@ -73,7 +74,7 @@ ProjectorCalibration readProjectorFile(const std::filesystem::path& path) {
 }
 
 std::string projectorFileText(const ProjectorCalibration& calibration) {
-  nlohmann::ordered_json file = {{"form", kForm}};
+  nlohmann::ordered_json file = {{"form", kProjectorForm}};
   writeLens(file, calibration.lens);
   file["height_m"] = calibration.height;
   file["arena"] = {{"width_m", calibration.arena_width}, {"height_m", calibration.arena_height}};
@@ -102,8 +103,8 @@ ProjectorInForce projectorInForce(const Experiment& experiment,
                      "set the display to that resolution, or calibrate again",
                      path.string(), found.lens.width, found.lens.height, columns, rows)});
   }
-  if (std::abs(found.arena_width - width) > kSameLength ||
-      std::abs(found.arena_height - height) > kSameLength) {
+  if (std::abs(found.arena_width - width) > kSameSide ||
+      std::abs(found.arena_height - height) > kSameSide) {
     throw ExperimentError(
         {fmt::format("{}: found a calibration of an arena of {:.2f} x {:.2f} cm, expected {:.2f} x "
                      "{:.2f} cm as in "

@@ -13,7 +13,7 @@ using keys::unitOf;
 
 constexpr double kTicks = 1e6;  // a second, to which sums of hold times are rounded
 
-std::string cm(double metre) { return fileText(metre, unitOf("_cm")); }
+std::string inCm(double metre) { return fileText(metre, unitOf("_cm")); }
 
 }  // namespace
 
@@ -68,11 +68,10 @@ std::string untilText(const Until& until) {
   }
   std::string who = until.who == Who::kAll ? "all robots are" : "a robot is";
   if (!robot.empty()) who = robot + " is";
-  const std::string shape =
-      until.region == Region::kCircle
-          ? "circle of radius " + cm(until.radius)
-          : "rectangle of " + cm(until.width) + " x " + cm(until.height);
-  return who + " in the " + shape + " cm around " + cm(until.x) + ", " + cm(until.y) + " cm";
+  const std::string shape = until.region == Region::kCircle
+                                ? "circle of radius " + inCm(until.radius)
+                                : "rectangle of " + inCm(until.width) + " x " + inCm(until.height);
+  return who + " in the " + shape + " cm around " + inCm(until.x) + ", " + inCm(until.y) + " cm";
 }
 
 ScriptOrder::ScriptOrder(const LightScript& script)

@@ -6,11 +6,13 @@
 #include <utility>
 
 #include "common/experiment_messages.hpp"
+#include "common/units.hpp"
 
 namespace lab::dashboard {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+using units::kNan;
+
 constexpr double kFrame = 0.05;       // [s] between the frames that are taken
 constexpr double kLeastStep = 2 * kFrame;
 constexpr double kTolerance = 0.3;    // of a step, for the time between two headings

@@ -11,14 +11,14 @@ namespace lab::dashboard {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::uintmax_t kMostRead = 1 << 20;  // bytes
+constexpr std::uintmax_t kMostOfExperiment = 1 << 20;  // bytes
 
 /// Fills in what the file says; false: it is no experiment.
 bool readHead(ListedExperiment& experiment) {
   experiment.name = experiment.path.stem().string();
   std::error_code error;
   const std::uintmax_t size = fs::file_size(experiment.path, error);
-  if (error || size > kMostRead) return false;
+  if (error || size > kMostOfExperiment) return false;
   try {
     const toml::table table = toml::parse_file(experiment.path.string());
     if (!table.contains("robots") && !table.contains("programs")) return false;

@@ -48,10 +48,6 @@ bool isOurs(const ServiceRow& row, const std::string& host) {
          row.status.origin != robot_state_t::REPLAY;
 }
 
-Json age(std::int64_t then, std::int64_t now) {
-  return then == 0 ? Json() : number(units::seconds(now - then));
-}
-
 Json trackerJson(const tracker_status_t& tracker, std::int64_t heard, std::int64_t now) {
   constexpr double kMm = 1e3;
   constexpr double kMs = 1e3;

@@ -10,7 +10,8 @@
 namespace lab::dashboard {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+using units::kNan;
+
 constexpr std::size_t kMostLines = 40;
 
 template <class Value>

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "common/units.hpp"
 #include "report/json_numbers.hpp"
 
 namespace lab::dashboard {
@@ -18,6 +19,14 @@ using report::number;
 [[nodiscard]] inline Json timeOrNull(std::int64_t utime) {
   return utime == 0 ? Json() : Json(utime);
 }
+
+/// Seconds since then; null where it never was.
+[[nodiscard]] inline Json age(std::int64_t then, std::int64_t now) {
+  return then == 0 ? Json() : number(units::seconds(now - then));
+}
+
+/// [cm]
+[[nodiscard]] constexpr double cm(double metres) { return metres / units::kCentimetre; }
 
 /// The text of a document. Strings come from the bus: what is no UTF-8 in them is replaced.
 [[nodiscard]] inline std::string toText(const Json& json) {

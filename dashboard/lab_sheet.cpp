@@ -14,8 +14,6 @@
 namespace lab::dashboard {
 namespace {
 
-double cm(double metres) { return metres / units::kCentimetre; }
-
 const char* bodyName(Body body) {
   switch (body) {
     case Body::kSim: return "sim";

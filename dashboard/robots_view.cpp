@@ -19,17 +19,12 @@ constexpr std::int64_t kSeen_us = 1'000'000;
 constexpr std::int64_t kErrorSpan_us = 10'000'000;
 constexpr std::size_t kMostUnidentified = 100;
 
-double cm(double metres) { return metres / units::kCentimetre; }
 double degrees(double angle) { return angle / units::kDegree; }
 
 /// Standard error of a place [m], 0: not known.
 double sigmaOf(const tracked_pose_t& pose) {
   const double variance = (pose.covariance[0] + pose.covariance[3]) / 2;
   return variance > 0 && std::isfinite(variance) ? std::sqrt(variance) : 0;
-}
-
-Json age(std::int64_t then, std::int64_t now) {
-  return then == 0 ? Json() : number(units::seconds(now - then));
 }
 
 /// To three figures, as people read; null where it is no number.

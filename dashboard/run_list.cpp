@@ -17,7 +17,7 @@ namespace {
 constexpr const char* kSummary = "summary.json";
 constexpr const char* kProvenance = "provenance.json";
 constexpr const char* kThumbnail = "trajectory_program.svg";
-constexpr std::uintmax_t kMostRead = 64 << 20;  // bytes
+constexpr std::uintmax_t kMostOfSummary = 64 << 20;  // bytes
 constexpr std::array<std::string_view, 6> kEndings{".html", ".svg",  ".csv",
                                                    ".json", ".toml", ".pdf"};
 
@@ -31,7 +31,7 @@ std::int64_t changeTime(const fs::path& path) {
 std::optional<std::string> readFile(const fs::path& path) {
   std::error_code error;
   const std::uintmax_t size = fs::file_size(path, error);
-  if (error || size > kMostRead) return std::nullopt;
+  if (error || size > kMostOfSummary) return std::nullopt;
   std::ifstream file(path, std::ios::binary);
   std::string text(static_cast<std::size_t>(size), '\0');
   file.read(text.data(), static_cast<std::streamsize>(size));

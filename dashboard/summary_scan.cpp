@@ -5,10 +5,8 @@
 namespace lab::dashboard {
 namespace {
 
-using Json = nlohmann::json;
-
 /// Follows the place in the document as "/programs[]/pool/max_z".
-class Scanner final : public nlohmann::json_sax<Json> {
+class Scanner final : public nlohmann::json_sax<nlohmann::json> {
  public:
   [[nodiscard]] SummaryFacts& facts() { return facts_; }
   [[nodiscard]] bool isSummary() const { return format_; }
@@ -84,7 +82,7 @@ class Scanner final : public nlohmann::json_sax<Json> {
 
 std::optional<SummaryFacts> scanSummary(std::string_view text) {
   Scanner scanner;
-  if (!Json::sax_parse(text, &scanner) || !scanner.isSummary()) return std::nullopt;
+  if (!nlohmann::json::sax_parse(text, &scanner) || !scanner.isSummary()) return std::nullopt;
   return std::move(scanner.facts());
 }
 

@@ -5,7 +5,7 @@
 namespace lab::dashboard {
 namespace {
 
-constexpr std::size_t kLongestText = 500;  // characters
+constexpr std::size_t kLongestWish = 500;  // characters
 constexpr double kLongestHold = 86400;     // [s]
 constexpr double kLongestLog = 1e7;        // [s]
 constexpr double kSlowest = 0.01;          // [1] log seconds a second
@@ -14,7 +14,7 @@ constexpr double kFastest = 1000;
 /// What is wrong with the words is no reason not to stop.
 std::string reasonOf(JsonForm& form) {
   try {
-    return form.text("reason", kLongestText);
+    return form.text("reason", kLongestWish);
   } catch (const FormError&) {
     return {};
   }
@@ -25,8 +25,8 @@ Wish wishOf(const std::string& name, JsonForm& form) {
   if (name == "release_stop") return ReleaseStop{};
   if (name == "pause") return PauseScript{};
   if (name == "resume") return ResumeScript{};
-  if (name == "mark") return MarkRun{form.text("text", kLongestText)};
-  if (name == "end") return EndRun{form.text("why", kLongestText)};
+  if (name == "mark") return MarkRun{form.text("text", kLongestWish)};
+  if (name == "end") return EndRun{form.text("why", kLongestWish)};
   if (name == "light") {
     const double intensity = form.number("intensity", 0, 1);
     return ShowLight{intensity, form.number("hold_s", 0, kLongestHold)};
@@ -44,7 +44,7 @@ Wish wishOf(const std::string& name, JsonForm& form) {
 std::variant<Wish, BadText> readWish(std::string_view json) {
   try {
     JsonForm form(json);
-    const Wish wish = wishOf(form.text("wish", kLongestText), form);
+    const Wish wish = wishOf(form.text("wish", kLongestWish), form);
     form.finish();
     return wish;
   } catch (const FormError& error) {

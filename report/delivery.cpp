@@ -3,10 +3,12 @@
 #include <cmath>
 #include <limits>
 
+#include "common/units.hpp"
+
 namespace lab::report {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+using units::kNan;
 
 double delay(std::int64_t from, std::int64_t to) {
   return from == 0 || to == 0 ? kNan : static_cast<double>(to - from) * 1e-3;

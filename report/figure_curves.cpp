@@ -2,6 +2,7 @@
 #include <cmath>
 #include <limits>
 
+#include "common/units.hpp"
 #include "report/figure_files.hpp"
 #include "report/figure_scripts.hpp"
 #include "report/gnuplot.hpp"
@@ -37,7 +38,7 @@ constexpr double kFewestWindows = 10;  // behind a point of a single robot's cur
 
 /// A block that may stay without data, which gnuplot refuses.
 DataBlock emptyBlock(const char* name) {
-  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  using units::kNan;
   DataBlock block(name);
   block.row(kNan, kNan, kNan, kNan);
   return block;

@@ -12,10 +12,11 @@
 namespace lab::report {
 namespace {
 
+using units::kCm;
+
 constexpr double kStretch = 60;    // [s] shown of each program
 constexpr double kBaseline = 0.2;  // [s] over which the speed is taken
 constexpr std::size_t kMostPanels = 4;
-constexpr double kCm = 100;
 
 struct Stretch {
   int robot = 0;

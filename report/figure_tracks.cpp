@@ -2,6 +2,7 @@
 #include <cmath>
 #include <set>
 
+#include "common/units.hpp"
 #include "report/figure_files.hpp"
 #include "report/figure_scripts.hpp"
 #include "report/gnuplot.hpp"
@@ -11,9 +12,10 @@
 namespace lab::report {
 namespace {
 
+using units::kCm;
+
 constexpr std::size_t kPoints = 4500;
 constexpr int kColours = 24;
-constexpr double kCm = 100;
 
 /// Arena outline, equal scales, axes in cm.
 std::string arena(const RunRecord& record) {

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "common/experiment_messages.hpp"
+#include "common/units.hpp"
 #include "report/people.hpp"
 
 namespace lab::report {
@@ -15,9 +16,8 @@ using analysis::CurvePoint;
 using analysis::Estimate;
 using analysis::ProgramResult;
 using analysis::VerdictKind;
-
-constexpr double kPercent = 100;
-constexpr double kCm = 100;
+using units::kCm;
+using units::kPercents;
 
 /// The formula of the paper for this model.
 std::string paperFormula(analysis::ProgramKind kind) {
@@ -91,7 +91,7 @@ std::vector<std::string> speedRemark(const ProgramResult& result) {
     return {fmt::format(
         "The speed is {:+.2f} % off the programmed one, as wheels with finite steps or a clock may "
         "be; deviations are those from the exact law at the measured speed.",
-        off * kPercent)};
+        off * kPercents)};
   }
   return {};
 }
@@ -165,7 +165,7 @@ std::vector<std::string> reservations(const ProgramResult& result) {
     remarks.push_back(fmt::format(
         "{:.1f} % of the frames were cut because a body touched a robot or a wall. What remains is "
         "motion between contacts, which favours places with room.",
-        result.contact_share * kPercent));
+        result.contact_share * kPercents));
   }
   if (result.lost > 0) {
     remarks.push_back(fmt::format(
@@ -206,7 +206,7 @@ std::string paperComparison(const ProgramResult& result) {
       "The paper's {} differs from the exact law by up to {:+.{}f} % (at {} s); in this run that "
       "is "
       "{} standard errors at most.",
-      formula, most * kPercent, std::abs(most) < 0.1 ? 1 : 0, shortText(furthest->tau),
+      formula, most * kPercents, std::abs(most) < 0.1 ? 1 : 0, shortText(furthest->tau),
       most_z < 10 ? fmt::format("{:.1f}", most_z) : fmt::format("{:.0f}", most_z));
 }
 
@@ -254,7 +254,7 @@ std::string lossText(const RunRecord& record) {
   const std::int64_t sent = total.lost + total.received;
   return fmt::format("{}{} of {} ({:.2g} %) missing in the log", total.at_least ? "at least " : "",
                      groupedText(total.lost), countText(sent, "message"),
-                     kPercent * static_cast<double>(total.lost) / static_cast<double>(sent));
+                     kPercents * static_cast<double>(total.lost) / static_cast<double>(sent));
 }
 
 std::vector<std::string> headlines(const RunRecord& record) {

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "common/units.hpp"
 #include "report/html_sections.hpp"
 #include "report/people.hpp"
 #include "report/run_findings.hpp"
@@ -11,10 +12,10 @@ namespace {
 
 using analysis::RunStatistics;
 using analysis::TestResult;
+using units::kCm;
+using units::kPercents;
 
 constexpr double kRejected = 0.01;
-constexpr double kCm = 100;
-constexpr double kPercent = 100;
 
 std::string pText(double p) {
   if (!std::isfinite(p)) return "–";
@@ -64,7 +65,7 @@ std::string wheels(const RunStatistics& runs, double limit) {
     html += fmt::format(
         "<li>{:.0f} % of the tumbles turned by more than 180°: not the short way round. The "
         "positions do not tell, the angular MSD does.</li>\n",
-        runs.beyond_half_turn * kPercent);
+        runs.beyond_half_turn * kPercents);
   }
   return html;
 }

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "common/installation.hpp"
+#include "common/units.hpp"
 #include "common/version.hpp"
 #include "report/delivery.hpp"
 #include "report/gnuplot.hpp"
@@ -15,8 +16,9 @@
 namespace lab::report::html {
 namespace {
 
+using units::kPercents;
+
 constexpr std::size_t kMostSteps = 60;  // rows of a table that are shown
-constexpr double kPercent = 100;
 
 std::string milliseconds(double value) {
   return std::isfinite(value) ? fmt::format("{:.1f}", value) : "–";
@@ -24,7 +26,7 @@ std::string milliseconds(double value) {
 
 std::string share(std::int64_t count, std::int64_t of) {
   if (count == 0 || of == 0) return "0";
-  return fmt::format("{:.2g} %", kPercent * static_cast<double>(count) / static_cast<double>(of));
+  return fmt::format("{:.2g} %", kPercents * static_cast<double>(count) / static_cast<double>(of));
 }
 
 std::string remarkList(const RunRecord& record, const std::vector<Remark>& remarks,

@@ -23,11 +23,12 @@
 namespace lab::report {
 namespace {
 
+using units::kNan;
+
 constexpr double kLeastConfidence = 0.5;  // as for poses from the bus
 constexpr std::int64_t kBadTimesOneIn = 20;
 constexpr double kClockStep = 3;  // frames
 constexpr double kDrift = 0.01;   // share: clocks of cameras are not exact, and frames jitter
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 using Fields = std::vector<std::string_view>;
 

@@ -23,9 +23,9 @@ namespace {
 
 using analysis::Frame;
 using analysis::FramePose;
+using units::kNan;
 
 constexpr double kTouching = 0.001;  // [m] of a gap that cannot be told from none
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 /// An experiment in which every robot runs the program. Its checks are those of any experiment.
 Experiment experimentOf(const std::string& name, const PoseProgram& program) {

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "analyzer/analysis_feed.hpp"
+#include "common/units.hpp"
 #include "report/log_source.hpp"
 #include "report/report_error.hpp"
 #include "report/run_record.hpp"
@@ -13,8 +14,8 @@ namespace lab::report {
 namespace {
 
 using analysis::Sample;
+using units::kCm;
 
-constexpr double kCm = 100;
 constexpr std::size_t kPathPoints = 3000;
 constexpr double kCloseUp = 12;       // [s]
 constexpr double kSpeedBaseline = 0.1;  // [s]

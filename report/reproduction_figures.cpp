@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "common/units.hpp"
 #include "report/figure_files.hpp"
 #include "report/gnuplot.hpp"
 #include "report/people.hpp"
@@ -25,9 +26,10 @@ Look look(std::size_t series, std::size_t of) {
 namespace {
 
 using analysis::CurvePoint;
+using units::kCm;
+using units::kNan;
 
 constexpr double kSqCm = 1e4;
-constexpr double kCm = 100;
 constexpr double kLimitZ = 4;
 
 struct Series {
@@ -79,7 +81,6 @@ std::string pointsInset(const PaperPanel& panel, const Reproduction& reproductio
                         std::string& drawing, CsvText& csv) {
   DataBlock points("points");
   DataBlock origin("origin");
-  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   points.row(kNan, kNan, kNan);
   origin.row(kNan, kNan);
   const bool diffusion = panel.inset == Inset::kDOverTheory;
@@ -166,7 +167,6 @@ FigureScript curves(const PaperPanel& panel, const Reproduction& reproduction) {
   double least = 1e300;
   double most = 0;
   double largest = 0;
-  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   for (std::size_t s = 0; s < all.size(); ++s) {
     const Series& one = all[s];
     DataBlock points(fmt::format("points{}", s));
@@ -243,7 +243,6 @@ FigureScript persistence(const PaperPanel& panel, const Reproduction& reproducti
   DataBlock off("off");
   DataBlock off_paper("offpaper");
   DataBlock law("law");
-  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   for (DataBlock* block : {&integral, &fitted, &off, &off_paper, &law}) block->row(kNan, kNan, kNan);
   std::string correlations;
   std::string data;

@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "common/units.hpp"
 #include "report/report_error.hpp"
 
 namespace lab::report {
 namespace {
 
-constexpr double kCm = 0.01;
+using units::kCentimetre;
+
 constexpr double kHour = 3600;       // [s]
 constexpr double kShortFilm = 180;   // [s] figure 4b
 constexpr double kFps = 50;          // 3b and gamma = 3 need as much; the others may have it
@@ -20,7 +22,8 @@ constexpr std::uint64_t kSeeds = kMembers * 1000;
 PaperSet abp(double epsilon, double eta) {
   PaperSet set;
   set.id = fmt::format("abp_eps{:g}_eta{:g}", epsilon, eta);
-  set.program = {.name = "abp", .model = Model::kAbp, .v = 3 * kCm, .epsilon = epsilon, .eta = eta};
+  set.program = {
+      .name = "abp", .model = Model::kAbp, .v = 3 * kCentimetre, .epsilon = epsilon, .eta = eta};
   return set;
 }
 
@@ -29,8 +32,8 @@ PaperSet noisyAbp(double va, double amplitude, double epsilon) {
   set.id = fmt::format("noisy_abp_va{:g}_V{:g}_eps{:g}", va, amplitude, epsilon);
   set.program = {.name = "noisy_abp",
                  .model = Model::kNoisyAbp,
-                 .va = va * kCm,
-                 .V = amplitude * kCm,
+                 .va = va * kCentimetre,
+                 .V = amplitude * kCentimetre,
                  .epsilon = epsilon};
   return set;
 }
@@ -38,7 +41,8 @@ PaperSet noisyAbp(double va, double amplitude, double epsilon) {
 PaperSet bp(double amplitude, double epsilon) {
   PaperSet set;
   set.id = fmt::format("bp_V{:g}_eps{:g}", amplitude, epsilon);
-  set.program = {.name = "bp", .model = Model::kBp, .V = amplitude * kCm, .epsilon = epsilon};
+  set.program = {
+      .name = "bp", .model = Model::kBp, .V = amplitude * kCentimetre, .epsilon = epsilon};
   return set;
 }
 
@@ -46,7 +50,7 @@ PaperSet rtp(double gamma, double tau_t, bool short_film = false) {
   PaperSet set;
   set.id = fmt::format("rtp_gamma{:g}_taut{:g}{}", gamma, tau_t, short_film ? "_3min" : "");
   set.program = {
-      .name = "rtp", .model = Model::kRtp, .v = 5 * kCm, .gamma = gamma, .tau_t = tau_t};
+      .name = "rtp", .model = Model::kRtp, .v = 5 * kCentimetre, .gamma = gamma, .tau_t = tau_t};
   set.short_film = short_film;
   return set;
 }
@@ -117,17 +121,16 @@ std::string parameters(const ProgramSpec& program) {
   switch (program.model) {
     case Model::kAbp:
       return fmt::format("model = \"abp\"\nv_cm_s = {:g}\nepsilon_s = {:g}\neta_rad_s = {:g}\n",
-                         program.v / kCm, program.epsilon, program.eta);
+                         program.v / kCentimetre, program.epsilon, program.eta);
     case Model::kNoisyAbp:
-      return fmt::format(
-          "model = \"noisy_abp\"\nva_cm_s = {:g}\nV_cm_s = {:g}\nepsilon_s = {:g}\n",
-          program.va / kCm, program.V / kCm, program.epsilon);
+      return fmt::format("model = \"noisy_abp\"\nva_cm_s = {:g}\nV_cm_s = {:g}\nepsilon_s = {:g}\n",
+                         program.va / kCentimetre, program.V / kCentimetre, program.epsilon);
     case Model::kBp:
-      return fmt::format("model = \"bp\"\nV_cm_s = {:g}\nepsilon_s = {:g}\n", program.V / kCm,
-                         program.epsilon);
+      return fmt::format("model = \"bp\"\nV_cm_s = {:g}\nepsilon_s = {:g}\n",
+                         program.V / kCentimetre, program.epsilon);
     default:
       return fmt::format("model = \"rtp\"\nv_cm_s = {:g}\ngamma_per_s = {:g}\ntau_t_s = {:g}\n",
-                         program.v / kCm, program.gamma, program.tau_t);
+                         program.v / kCentimetre, program.gamma, program.tau_t);
   }
 }
 

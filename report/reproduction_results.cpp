@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "analyzer/statistics.hpp"
+#include "common/units.hpp"
 #include "report/people.hpp"
 
 namespace lab::report {
@@ -17,13 +18,13 @@ using analysis::Estimate;
 using analysis::ProgramKind;
 using analysis::ProgramResult;
 using analysis::VerdictKind;
+using units::kCm;
+using units::kNan;
+using units::kPercents;
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kFloor = 0.002;  // share of the law below which no deviation counts
-constexpr double kLimitZ = 4;
+constexpr double kAgreeZ = 4;
 constexpr double kRejects = 1e-3;  // p of a formula that a film rejects
-constexpr double kPercent = 100;
-constexpr double kCm = 100;
 constexpr int kMinJudged = 5;
 
 const ProgramResult& resultOf(const SetData& set) { return set.films.front().result; }
@@ -73,7 +74,7 @@ Scatter scatterOf(const std::vector<double>& values) {
   return scatter;
 }
 
-bool drawable(const CurvePoint& point) {
+bool known(const CurvePoint& point) {
   return point.windows > 0 && std::isfinite(point.value) && point.value > 0;
 }
 
@@ -95,7 +96,7 @@ struct Deviations {
 
 void addDeviations(const SetData& set, bool angular, double from, Deviations& all) {
   for (const CurvePoint& point : curveOf(set, angular)) {
-    if (!drawable(point) || !point.judged) continue;
+    if (!known(point) || !point.judged) continue;
     ++all.judged;
     if (std::abs(point.z) > all.max_z) {
       all.max_z = std::abs(point.z);
@@ -155,7 +156,7 @@ PanelVerdict judgeCurves(const PaperPanel& panel, const std::vector<const SetDat
     if (own.judged == 0 || std::abs(own.off) < 1e-6) continue;
     differs = true;
     std::string said =
-        fmt::format("{}{:+.{}f} % from the exact law at {} s", label, own.off * kPercent,
+        fmt::format("{}{:+.{}f} % from the exact law at {} s", label, own.off * kPercents,
                     std::abs(own.off) < 0.1 ? 1 : 0, shortText(own.off_tau));
     if (!angular && single && fit && fit->paper && std::isfinite(fit->paper->p_value)) {
       tested = true;
@@ -165,7 +166,7 @@ PanelVerdict judgeCurves(const PaperPanel& panel, const std::vector<const SetDat
                           probability(fit->paper->p_value), std::abs(fit->paper->deviate));
     } else {
       tested = true;
-      const bool out = own.paper > kLimitZ;
+      const bool out = own.paper > kAgreeZ;
       rejected = rejected || out;
       said += fmt::format(", {} (largest deviation {:.1f} σ, at {} s)",
                           out ? "rejected" : "not rejected", own.paper, shortText(own.paper_tau));
@@ -174,7 +175,7 @@ PanelVerdict judgeCurves(const PaperPanel& panel, const std::vector<const SetDat
   }
   verdict.max_z = all.max_z;
   if (all.judged >= kMinJudged) {
-    verdict.exact = all.max_z < kLimitZ ? VerdictKind::kAgrees : VerdictKind::kDisagrees;
+    verdict.exact = all.max_z < kAgreeZ ? VerdictKind::kAgrees : VerdictKind::kDisagrees;
   }
   verdict.exact_text = all.judged == 0
                            ? "too few independent windows to judge"
@@ -220,13 +221,13 @@ PanelVerdict judgePersistence(const PaperPanel& panel, const std::vector<const S
     verdict.exact_text = "no persistence length could be measured";
     return verdict;
   }
-  verdict.exact = verdict.max_z < kLimitZ ? VerdictKind::kAgrees : VerdictKind::kDisagrees;
+  verdict.exact = verdict.max_z < kAgreeZ ? VerdictKind::kAgrees : VerdictKind::kDisagrees;
   verdict.exact_text = fmt::format("L_s as the integral of C(l): max |z| = {:.1f} of {}",
                                    verdict.max_z, countText(judged, "value"));
-  verdict.paper = paper > kLimitZ ? PaperVerdict::kRejected : PaperVerdict::kNotRejected;
+  verdict.paper = paper > kAgreeZ ? PaperVerdict::kRejected : PaperVerdict::kNotRejected;
   verdict.paper_text = fmt::format(
       "The paper’s {}: at most {:.1f} % from the exact integral, {} (largest deviation {:.1f} σ)",
-      panel.formula, off * kPercent,
+      panel.formula, off * kPercents,
       verdict.paper == PaperVerdict::kRejected ? "rejected" : "not rejected", paper);
   return verdict;
 }
@@ -239,7 +240,7 @@ PanelVerdict judgeRuns(const std::vector<const SetData*>& sets) {
     return verdict;
   }
   verdict.max_z = std::abs(gamma->value - gamma->theory) / gamma->sigma;
-  verdict.exact = verdict.max_z < kLimitZ ? VerdictKind::kAgrees : VerdictKind::kDisagrees;
+  verdict.exact = verdict.max_z < kAgreeZ ? VerdictKind::kAgrees : VerdictKind::kDisagrees;
   verdict.exact_text = fmt::format("γ = {} /s, 95 % from {} to {}, z = {:.1f}, from {}",
                                    numberText(gamma->value, gamma->sigma),
                                    numberText(gamma->low95, gamma->sigma),
@@ -356,7 +357,7 @@ double lineThroughOrigin(const SetData& set, bool angular) {
   double upper = 0;
   double lower = 0;
   for (const CurvePoint& point : curveOf(set, angular)) {
-    if (!drawable(point) || point.tau < 0.999 * epsilon || point.tau > 10.001 * epsilon) continue;
+    if (!known(point) || point.tau < 0.999 * epsilon || point.tau > 10.001 * epsilon) continue;
     upper += point.tau * point.value;
     lower += point.tau * point.tau;
   }

@@ -104,7 +104,7 @@ PlotTracks thinnedTracks(const RunRecord& record, std::size_t points, bool per_p
     }
   }
 
-  constexpr double kCm = 100;
+  using units::kCm;
   Lines lines(std::max(1.0, 3 * static_cast<double>(stride) * period));
   bool first = true;
   for (std::size_t i = 0; i < tracks.frames.size(); i += stride) {

@@ -14,7 +14,7 @@ constexpr std::int64_t kScanPeriod_us = 500'000;
 constexpr std::int64_t kShortestBackOff_us = 100'000;
 constexpr std::int64_t kLongestBackOff_us = 2'000'000;
 constexpr std::int64_t kLeaveAlone_us = 10'000'000;  // a line on which there is none of our robots
-constexpr std::int64_t kSilent_us = 1'000'000;       // then another line may claim the robot
+constexpr std::int64_t kAbandoned_us = 1'000'000;    // then another line may claim the robot
 
 }  // namespace
 
@@ -135,7 +135,7 @@ void PortKeeper::adopt(Entry& entry, const wire::Hello& hello, std::int64_t now)
   }
   RobotLink& robot = *found->second;
   if (Entry* other = lineWith(robot)) {
-    if (now - robot.heardUtime() <= kSilent_us) {
+    if (now - robot.heardUtime() <= kAbandoned_us) {
       line.refusal = fmt::format(
           "uid {} of robot {}, which is on {} already; unplug one of the two, or give it a uid of "
           "its own",

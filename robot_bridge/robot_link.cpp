@@ -3,21 +3,16 @@
 #include <algorithm>
 #include <utility>
 
+#include "common/units.hpp"
 #include "wire/config.hpp"
 
 namespace lab::bridge {
 namespace {
 
-constexpr std::int64_t kMillisecond_us = 1'000;
 constexpr std::int64_t kOrderSpacing_us = 100'000;  // a repeated command needs no order sooner
 constexpr std::int32_t kLongestJump_ms = 1'000;     // of a robot's clock, backwards: it restarted
 constexpr std::int32_t kUncalibratedWheelBase_um = 75'000;  // as the firmware is built
 constexpr std::size_t kTablesKept = 4;
-
-/// b - a on a clock that wraps around [ms].
-std::int32_t msBetween(std::uint32_t a, std::uint32_t b) {
-  return static_cast<std::int32_t>(b - a);
-}
 
 }  // namespace
 
@@ -83,7 +78,7 @@ void RobotLink::forgetState() {
 /// By how much a robot's clock has gone on at least since it was last heard.
 std::int32_t RobotLink::silence_ms(std::int64_t now) const {
   constexpr std::int64_t kDay_ms = 86'400'000;
-  const std::int64_t silence = (now - heard_utime_) / kMillisecond_us;
+  const std::int64_t silence = (now - heard_utime_) / units::kMillisecond_us;
   return static_cast<std::int32_t>(std::clamp<std::int64_t>(silence - silence / 20, 0, kDay_ms));
 }
 
@@ -266,7 +261,7 @@ void RobotLink::refuse(const wire::Ack& ack) {
 void RobotLink::command(std::int64_t seq, std::int64_t instance, std::int32_t lease_ms,
                         const robot_order_t& order, std::int64_t now) {
   const Key key{seq, instance};
-  lease_end_ = now + std::int64_t{std::max(0, lease_ms)} * kMillisecond_us;
+  lease_end_ = now + std::int64_t{std::max(0, lease_ms)} * units::kMillisecond_us;
   if (key != heard_) {
     heard_ = key;
     unconverted_ = order;

@@ -3,16 +3,16 @@
 #include <cmath>
 
 #include "common/random.hpp"
+#include "common/units.hpp"
 #include "robot_bridge/robot_link.hpp"
 #include "wire/config.hpp"
 
 namespace lab::bridge {
 namespace {
 
-constexpr std::int64_t kMillisecond_us = 1'000;
 constexpr std::int64_t kOrderPeriod_us = 180'000;  // with ticks of 20 ms: at least 5 Hz
 constexpr std::int64_t kStopPeriod_us = 100'000;
-constexpr std::int64_t kAskPeriod_us = 300'000;
+constexpr std::int64_t kAskAgain_us = 300'000;
 constexpr std::int64_t kPingPeriod_us = 1'000'000;
 constexpr std::int64_t kFirstPings_us = 200'000;  // until the clock's rate is known
 constexpr int kFirstPings = 10;
@@ -67,7 +67,8 @@ void RobotLink::sendCommand(wire::Frame& frame, std::int64_t now) {
 }
 
 bool RobotLink::isStale(std::int64_t now) const {
-  return now - heard_utime_ > 3 * std::int64_t{settings_.telemetry_period_ms} * kMillisecond_us;
+  return now - heard_utime_ >
+         3 * std::int64_t{settings_.telemetry_period_ms} * units::kMillisecond_us;
 }
 
 void RobotLink::tick(std::int64_t now) {
@@ -99,14 +100,15 @@ void RobotLink::shortenLease(wire::Frame& command, std::int64_t now) const {
 }
 
 std::uint32_t RobotLink::leaseLeft_ms(std::int64_t now) const {
-  return static_cast<std::uint32_t>(std::max<std::int64_t>(0, lease_end_ - now) / kMillisecond_us);
+  return static_cast<std::uint32_t>(std::max<std::int64_t>(0, lease_end_ - now) /
+                                    units::kMillisecond_us);
 }
 
 void RobotLink::pump(std::int64_t now) {
   if (!plugged_) return;
   sendStop(now);
   if (identity_in_doubt_) {
-    if (now - asked_utime_ >= kAskPeriod_us) {
+    if (now - asked_utime_ >= kAskAgain_us) {
       asked_utime_ = now;
       send(wire::GetInfo(), 0);
     }

@@ -15,11 +15,6 @@ bool isTumbling(const wire::Telemetry& telemetry) {
   return (telemetry.flags & dynamics::kTumbling) != 0;
 }
 
-/// b - a on a clock that wraps around [ms].
-std::int32_t msBetween(std::uint32_t a, std::uint32_t b) {
-  return static_cast<std::int32_t>(b - a);
-}
-
 }  // namespace
 
 void RobotView::reset() {

@@ -10,6 +10,11 @@
 
 namespace lab::bridge {
 
+/// b - a on a robot's clock, which wraps around [ms].
+[[nodiscard]] constexpr std::int32_t msBetween(std::uint32_t a, std::uint32_t b) {
+  return static_cast<std::int32_t>(b - a);
+}
+
 /// A count of which the robot says the low 16 bits.
 class LongCount {
  public:

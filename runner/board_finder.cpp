@@ -23,7 +23,7 @@ constexpr int kMostArea = 4000;      // [px]
 constexpr double kRound = 0.12;      // by which the area may miss that of its ellipse
 constexpr double kMostAspect = 4;
 constexpr double kNear = 0.3;        // of the way to a neighbour
-constexpr double kLeastSigma = 0.003;  // [px]
+constexpr double kLeastCornerSigma = 0.003;  // [px]
 
 struct Disc {
   Vector2d at;
@@ -120,7 +120,7 @@ std::optional<Disc> discFrom(const optics::GreyView& picture, const Blob& blob) 
   const tracker::CircleFit fit = fitCircle(picture, {blob.sum[0], blob.sum[1]}, shape, {});
   if (fit.fault != tracker::FitFault::kNone) return std::nullopt;
   const double sigma = std::sqrt((fit.covariance[0] + fit.covariance[2]) / 2);
-  return Disc{{fit.x, fit.y}, std::max(kLeastSigma, sigma)};
+  return Disc{{fit.x, fit.y}, std::max(kLeastCornerSigma, sigma)};
 }
 
 std::vector<Disc> discsIn(const optics::GreyView& picture) {

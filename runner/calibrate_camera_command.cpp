@@ -20,6 +20,7 @@
 #include "runner/commands.hpp"
 #include "runner/film_progress.hpp"
 #include "runner/lab_film.hpp"
+#include "runner/named_files.hpp"
 
 namespace lab::runner {
 namespace {
@@ -33,14 +34,6 @@ constexpr std::size_t kFirstPictures = 6;  // from which the first idea of the c
 constexpr std::size_t kFewestBoards = 4;
 constexpr std::size_t kMostBoards = 40;
 constexpr std::int64_t kMostFrames = 2000;  // that are searched, evenly over the film
-
-std::unique_ptr<FilmReader> openFilm(const std::string& source) {
-  try {
-    return FilmReader::open(source);
-  } catch (const CameraError& error) {
-    throw UserError(error.what());
-  }
-}
 
 std::vector<double> numbersIn(const std::string& text, const std::string& separators) {
   std::vector<double> out;
@@ -205,12 +198,7 @@ CameraFit calibrate(const CalibrateCameraOptions& options, CameraSights& sights)
   return calibration::fitCamera(sights, fit.camera);
 }
 
-void refuseExisting(const fs::path& path, bool force) {
-  if (!fs::exists(path) || force) return;
-  throw UserError(path.string() + ": is there already; choose another name, or --force to replace it");
-}
-
-void write(const fs::path& path, const std::string& text) {
+void writeWhole(const fs::path& path, const std::string& text) {
   const fs::path part = path.string() + ".part";
   {
     std::ofstream file(part, std::ios::binary);
@@ -223,7 +211,7 @@ void write(const fs::path& path, const std::string& text) {
 
 ExitCode printBoard(const CalibrateCameraOptions& options) {
   refuseExisting(options.print_board, options.force);
-  write(options.print_board, calibration::boardSvg(boardOf(options)));
+  writeWhole(options.print_board, calibration::boardSvg(boardOf(options)));
   fmt::print("board     {}\n", options.print_board.string());
   return kDone;
 }
@@ -269,7 +257,7 @@ ExitCode calibrateCamera(const CalibrateCameraOptions& options) {
   calibration.arena_width = sights.arena_width;
   calibration.arena_height = sights.arena_height;
   calibration.residual = fit.map.rms;
-  write(options.out, cameraFileText(calibration));
+  writeWhole(options.out, cameraFileText(calibration));
   fmt::print("camera    {}\n", options.out.string());
   return kDone;
 }

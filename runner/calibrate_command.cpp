@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr double kMostPerRobot = 180;  // [s] with every patience used up
-constexpr double kStart = 60;          // [s]
+constexpr double kRobotsStart = 60;    // [s]
 constexpr double kBesidePatterns = 5;  // [s] of a robot, for turning and storing
 
 std::vector<std::int32_t> chosenRobots(const Experiment& experiment,
@@ -37,7 +37,7 @@ std::vector<std::int32_t> chosenRobots(const Experiment& experiment,
 /// For as long as it may take.
 Experiment labFor(const Experiment& experiment, std::size_t robots) {
   return labUnderSteadyLight(experiment, "-motors",
-                             kStart + kMostPerRobot * static_cast<double>(robots),
+                             kRobotsStart + kMostPerRobot * static_cast<double>(robots),
                              experiment.light.safe_intensity);
 }
 

@@ -23,8 +23,9 @@ namespace lab::runner {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr double kStart = 60;  // [s]
-constexpr double kPercent = 100;
+using units::kPercents;
+
+constexpr double kLightsStart = 60;   // [s]
 constexpr std::int64_t kFrames = 10;  // of the camera, of each light
 constexpr double kSurelyApart = 4;    // standard errors
 constexpr double kNoticeable = 0.02;  // of gamma
@@ -35,12 +36,12 @@ void print(const calibration::LightFit& fit, const Experiment& experiment) {
                                    experiment.arena_height);
   fmt::print("gamma    {:.3f} +- {:.4f}\n", fit.gamma, fit.gamma_sigma);
   fmt::print("white    reads {:.3f} in the middle, {:.1f} % of that where it is weakest\n",
-             fit.scale, kPercent * tone.weakest());
+             fit.scale, kPercents * tone.weakest());
   fmt::print("ambient  {:.4f}\n", fit.ambient);
   fmt::print(
       "readings {}, {} at full scale left out; they miss the model by {:.2f} % of full scale, "
       "at most {:.2f} %\n",
-      fit.samples, fit.saturated, kPercent * fit.residual, kPercent * fit.worst);
+      fit.samples, fit.saturated, kPercents * fit.residual, kPercents * fit.worst);
   fmt::print("\n{:>6} {:>8} {:>8}\n", "robot", "front", "back");
   std::set<std::int32_t> robots;
   for (const auto& [sensor, gain] : fit.gains) robots.insert(sensor.robot);
@@ -55,7 +56,7 @@ void print(const calibration::LightFit& fit, const Experiment& experiment) {
 
 Experiment labFor(const Experiment& experiment, int rounds) {
   Experiment lab = labUnderSteadyLight(experiment, "-light",
-                                       kStart + 2 * LightCalibrator::roundTime() * rounds, 1);
+                                       kLightsStart + 2 * LightCalibrator::roundTime() * rounds, 1);
   lab.projector.light_calibration.clear();
   lab.projector.sync_patch = 0;  // nothing but the staircase
   return lab;
@@ -117,7 +118,7 @@ void printCamera(const std::vector<calibration::ToneSight>& sights,
   fmt::print(
       "camera   gamma {:.3f} +- {:.4f} at {} places, {} saturated left out; misses the model by "
       "{:.2f} % of full scale\n",
-      seen.gamma, seen.gamma_sigma, seen.places, seen.saturated, kPercent * seen.residual);
+      seen.gamma, seen.gamma_sigma, seen.places, seen.saturated, kPercents * seen.residual);
   const double sigma = std::hypot(seen.gamma_sigma, fit.gamma_sigma);
   const double apart = std::abs(seen.gamma - fit.gamma);
   if (apart > kSurelyApart * sigma && apart > kNoticeable * fit.gamma) {
@@ -131,8 +132,8 @@ void printCamera(const std::vector<calibration::ToneSight>& sights,
   fmt::print(
       "         white as the robots found it within {:.1f} % rms, the camera's own falloff "
       "taken out; most at x {:.0f} cm, y {:.0f} cm: {:+.1f} %{}\n",
-      kPercent * seen.white_rms, seen.worst_place.x / units::kCentimetre,
-      seen.worst_place.y / units::kCentimetre, kPercent * seen.white_worst,
+      kPercents * seen.white_rms, seen.worst_place.x / units::kCentimetre,
+      seen.worst_place.y / units::kCentimetre, kPercents * seen.white_worst,
       std::abs(seen.white_worst) > kLocalFault ? " - a shadow, a stain or a reflection there?"
                                                : "");
 }

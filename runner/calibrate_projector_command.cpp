@@ -16,6 +16,7 @@
 #include "runner/calibration_lab.hpp"
 #include "runner/commands.hpp"
 #include "runner/launch.hpp"
+#include "runner/named_files.hpp"
 #include "runner/projector_calibrator.hpp"
 
 namespace lab::runner {
@@ -104,12 +105,6 @@ calibration::PatternReader readerFor(const Experiment& experiment, const fs::pat
   } catch (const std::invalid_argument& error) {
     throw UserError(fmt::format("--projector-cm, --surface-cm: {}", error.what()));
   }
-}
-
-void refuseExisting(const fs::path& path, bool force) {
-  if (!fs::exists(path) || force) return;
-  throw UserError(path.string() +
-                  ": is there already; choose another name, or --force to replace it");
 }
 
 void writeText(const fs::path& path, const std::string& text) {

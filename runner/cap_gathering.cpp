@@ -13,7 +13,7 @@ constexpr double kDistortions[] = {-0.3, -0.24, -0.18, -0.12, -0.06, 0, 0.06};
 constexpr std::size_t kMostCaps = 3000;
 constexpr double kPlace = 0.01;  // [m]
 constexpr int kHeadings = 12;
-constexpr double kLeastSigma = 0.003;  // [px]
+constexpr double kLeastCapSigma = 0.003;  // [px]
 constexpr double kMostSigma = 0.3;     // [px]
 
 struct Found {
@@ -84,7 +84,7 @@ void CapGathering::take(const optics::GreyView& picture) {
         detector_.camera().scaleAt({one.x, one.y}, detector_.cap().height);
     const double per_metre = std::sqrt(std::abs(scale.ux * scale.vy - scale.uy * scale.vx));
     const double sigma = per_metre * std::sqrt(one.covariance[0] + one.covariance[3]);
-    caps_.push_back({one.big, one.small, std::clamp(sigma, kLeastSigma, kMostSigma)});
+    caps_.push_back({one.big, one.small, std::clamp(sigma, kLeastCapSigma, kMostSigma)});
   }
 }
 

@@ -21,10 +21,9 @@ constexpr std::int64_t kHandshakePeriod_us = 20'000;
 constexpr std::int64_t kStopPeriod_us = 100'000;  // 10 Hz
 // Then the script starts without those that are missing. A board on a serial line needs 1.3 s for
 // its bootloader, up to 2.5 s until it is spoken to, and a second for its table.
-constexpr std::int64_t kEchoPatience_us = 3'000'000;
+constexpr std::int64_t kLightEchoPatience_us = 3'000'000;
 constexpr std::int64_t kSerialEchoPatience_us = 10'000'000;
 constexpr std::int64_t kLightPatience_us = 2'000'000;
-constexpr std::int64_t kSecond_us = 1'000'000;
 // The network may lose one message; what happens once is said more than once.
 constexpr int kRepeatEvent = 3;
 constexpr std::int64_t kStartEvery_us = 60'000'000;
@@ -151,11 +150,11 @@ void Conductor::askRobots() {
   }
   const bool on_wire = std::ranges::any_of(
       experiment_.robots, [](const RobotSpec& robot) { return isOnWire(robot.body); });
-  const std::int64_t patience = on_wire ? kSerialEchoPatience_us : kEchoPatience_us;
+  const std::int64_t patience = on_wire ? kSerialEchoPatience_us : kLightEchoPatience_us;
   loop_.at(loop_.now() + patience, [this, patience] {
     if (phase_ != Phase::kAskingRobots) return;
     fault("robots that did not take their light table within " +
-          std::to_string(patience / kSecond_us) + " s: " + silentRobots() +
+          std::to_string(patience / units::kSecond_us) + " s: " + silentRobots() +
           "; the script starts without them");
     startScript();
   });
@@ -291,7 +290,8 @@ void Conductor::checkOwner(const robot_status_t& status) {
   for (const robot_state_t& robot : status.robots) {
     Owner& owner = owners_[robot.robot_id];
     const bool same = owner.sender == status.sender && owner.instance == status.instance;
-    const bool other_is_alive = !owner.sender.empty() && status.utime - owner.utime < kSecond_us;
+    const bool other_is_alive =
+        !owner.sender.empty() && status.utime - owner.utime < units::kSecond_us;
     // A restarted service takes its robots over; only two that speak at once are in dispute. An
     // older instance of the same service is on its way out.
     const bool takes_over = owner.sender == status.sender && status.instance > owner.instance;
@@ -414,7 +414,7 @@ Progress Conductor::progress() const {
   progress.light = light_.label();
   progress.robots_seen = static_cast<std::size_t>(
       std::count_if(seen_utime_.begin(), seen_utime_.end(),
-                    [now](const auto& seen) { return now - seen.second < kSecond_us; }));
+                    [now](const auto& seen) { return now - seen.second < units::kSecond_us; }));
   for (const auto& [id, state] : states_) {
     ++progress.robots_running[programName(experiment_, state.program)];
   }

@@ -17,7 +17,7 @@ namespace lab::runner {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr int kMostRestarts = 5;  // as of every service
+constexpr int kMostPageRestarts = 5;  // as of every service
 constexpr int kPatience_ms = 2000;
 constexpr const char* kBuild = "build the lab again (./lab --version)";
 
@@ -77,7 +77,7 @@ void DashboardProcess::lookAfter(const Say& say) {
   findAddress();
   if (process_->running()) return;
   const std::string ending = process_->ending();
-  if (++restarts_ > kMostRestarts) {
+  if (++restarts_ > kMostPageRestarts) {
     giveUp(fmt::format("dashboard died too often ({}), see {}", ending, options_.output.string()),
            say);
     return;

@@ -16,7 +16,7 @@ namespace {
 using Level = Finding::Level;
 using Steady = std::chrono::steady_clock;
 
-constexpr auto kPatience = std::chrono::seconds(15);
+constexpr auto kHostsPatience = std::chrono::seconds(15);
 
 bool decided(RemoteHost::State state) { return state != RemoteHost::State::kCalling; }
 
@@ -42,7 +42,7 @@ std::vector<Finding> examineHosts(const Experiment& experiment) {
                                                  experiment.link.max_clock_offset));
     hosts.back()->call();
   }
-  const auto deadline = Steady::now() + kPatience;
+  const auto deadline = Steady::now() + kHostsPatience;
   std::vector<Finding> findings;
   for (const auto& host : hosts) {
     while (!decided(host->state()) && Steady::now() < deadline) {

@@ -20,8 +20,8 @@ namespace fs = std::filesystem;
 using tracker::RgbImage;
 
 constexpr std::size_t kTiles = 12;  // of a contact sheet
-constexpr int kTilesAcross = 3;
-constexpr int kTileWidth = 960;  // [px]
+constexpr int kFrameTilesAcross = 3;
+constexpr int kFrameTileWidth = 960;  // [px]
 constexpr int kJpegQuality = 90;
 
 /// A name beside the file, with its ending, for what is not finished.
@@ -93,7 +93,7 @@ class ContactSheet final : public FilmOverlay {
 
   void add(const OverlayFrame& frame) override {
     if (wantsNext()) {
-      tiles_.push_back(painter_.paint(frame, kTileWidth));
+      tiles_.push_back(painter_.paint(frame, kFrameTileWidth));
       if (tiles_.size() == 2 * kTiles) {
         for (std::size_t i = 1; i < kTiles; ++i) tiles_[i] = std::move(tiles_[2 * i]);
         tiles_.resize(kTiles);
@@ -112,7 +112,7 @@ class ContactSheet final : public FilmOverlay {
       tiles_.resize(kTiles);
     }
     if (tiles_.empty()) return;
-    writeFile(file_.part(), tracker::pngBytes(tracker::contactSheet(tiles_, kTilesAcross)));
+    writeFile(file_.part(), tracker::pngBytes(tracker::contactSheet(tiles_, kFrameTilesAcross)));
     file_.finish();
   }
 
@@ -150,9 +150,10 @@ class Movie final : public FilmOverlay {
   std::optional<MovieWriter> writer_;
 };
 
-class Folder final : public FilmOverlay {
+class PictureFolder final : public FilmOverlay {
  public:
-  explicit Folder(const OverlaySettings& settings) : painter_(settings), folder_(settings.path) {
+  explicit PictureFolder(const OverlaySettings& settings)
+      : painter_(settings), folder_(settings.path) {
     std::error_code error;
     fs::create_directories(folder_, error);
     if (error) {
@@ -198,7 +199,7 @@ std::unique_ptr<FilmOverlay> FilmOverlay::open(const OverlaySettings& settings) 
                     folder ? "file" : "folder",
                     folder ? "folder (or the ending .png, .mp4, .mkv or .avi)" : "file"));
   }
-  if (folder) return std::make_unique<Folder>(settings);
+  if (folder) return std::make_unique<PictureFolder>(settings);
   const fs::path parent = path.has_parent_path() ? path.parent_path() : fs::path(".");
   if (!fs::is_directory(parent)) {
     throw UserError(fmt::format("{}: there is no folder {}", path.string(), parent.string()));

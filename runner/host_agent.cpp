@@ -33,6 +33,7 @@
 #include "runner/machine.hpp"
 #include "runner/network.hpp"
 #include "runner/run_directory.hpp"
+#include "runner/wall_clock.hpp"
 
 namespace lab::runner {
 namespace fs = std::filesystem;
@@ -40,19 +41,19 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr std::int64_t kTick_us = 50'000;
+constexpr std::int64_t kAgentTick_us = 50'000;
 constexpr std::int64_t kNameless_us = 60'000'000;  // until it is told its patience
-constexpr int kServicePatience_ms = 3000;
-constexpr std::size_t kMostWaiting = 4'000'000;  // [byte] then lines of services wait
-constexpr std::size_t kLongestLine = 65'536;     // [byte] of a service that ends none
+constexpr int kKillPatience_ms = 3000;
+constexpr std::size_t kMostLinesWaiting = 4'000'000;  // [byte] then lines of services wait
+constexpr std::size_t kLongestServiceLine = 65'536;   // [byte] of a service that ends none
 constexpr int kLastWords_ms = 1000;
 constexpr int kDrain_ms = 10;
 
 /// Removes a folder when this process is gone, however it went: a process of its own waits for
 /// that.
-class Folder {
+class HostFolder {
  public:
-  Folder() {
+  HostFolder() {
     std::string name = (fs::temp_directory_path() / "active-lab-host-XXXXXX").string();
     if (mkdtemp(name.data()) == nullptr) throw UserError("cannot make a folder " + name);
     path_ = name;
@@ -63,13 +64,13 @@ class Folder {
     close(ends[0]);
     lives_ = ends[1];
   }
-  ~Folder() {
+  ~HostFolder() {
     std::error_code error;
     fs::remove_all(path_, error);
     close(lives_);
   }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
+  HostFolder(const HostFolder&) = delete;
+  HostFolder& operator=(const HostFolder&) = delete;
   [[nodiscard]] const fs::path& path() const { return path_; }
 
  private:
@@ -144,7 +145,7 @@ class OnlyAgent {
 
 class Agent {
  public:
-  Agent(fs::path programs, const Folder& folder)
+  Agent(fs::path programs, const HostFolder& folder)
       : programs_(std::move(programs)), folder_(folder), lines_(STDIN_FILENO, STDOUT_FILENO) {}
 
   void execute() {
@@ -152,7 +153,7 @@ class Agent {
     heard_ = loop_.now();
     loop_.onSignals({SIGINT, SIGTERM, SIGHUP}, [this](int) { loop_.stop(); });
     loop_.onReadable(STDIN_FILENO, [this] { listen(); });
-    loop_.every(kTick_us, loop_.now(), [this] { look(); });
+    loop_.every(kAgentTick_us, loop_.now(), [this] { look(); });
     loop_.every(kHostBeat_ms * 1000, loop_.now(), [this] {
       lines_.send({{"say", "alive"}, {"utime", wallClock()}});
     });
@@ -176,12 +177,6 @@ class Agent {
     bool told = false;  ///< that it ended
     bool ready = false;
   };
-
-  static std::int64_t wallClock() {
-    return std::chrono::duration_cast<std::chrono::microseconds>(
-               std::chrono::system_clock::now().time_since_epoch())
-        .count();
-  }
 
   void listen() {
     lines_.receive(
@@ -312,7 +307,7 @@ class Agent {
   /// What the service has printed since the last time.
   /// @return whether there was anything
   bool tell(Running& service) {
-    if (lines_.waiting() > kMostWaiting) return false;
+    if (lines_.waiting() > kMostLinesWaiting) return false;
     std::ifstream file(service.output, std::ios::binary);
     file.seekg(service.read);
     std::string text(65536, '\0');
@@ -320,7 +315,8 @@ class Agent {
     text.resize(static_cast<std::size_t>(file.gcount()));
     service.read += file.gcount();
     service.begun += text;
-    if (service.begun.size() > kLongestLine && service.begun.find('\n') == std::string::npos) {
+    if (service.begun.size() > kLongestServiceLine &&
+        service.begun.find('\n') == std::string::npos) {
       service.begun += '\n';
     }
     std::size_t begin = 0;
@@ -340,7 +336,7 @@ class Agent {
                           [](const auto& service) { return service->name != "dds_gateway"; });
     for (const auto& service : services_) {
       service->process->terminate();
-      service->process->waitOrKill(kServicePatience_ms);
+      service->process->waitOrKill(kKillPatience_ms);
       while (tell(*service)) {
       }
       if (service->begun.empty()) continue;
@@ -351,7 +347,7 @@ class Agent {
   }
 
   fs::path programs_;
-  const Folder& folder_;
+  const HostFolder& folder_;
   AsioLoop loop_;
   JsonLines lines_;
   std::optional<OnlyAgent> only_;
@@ -368,7 +364,7 @@ class Agent {
 }  // namespace
 
 int hostAgent(const fs::path& programs) {
-  const Folder folder;
+  const HostFolder folder;
   Agent(programs, folder).execute();
   return kDone;
 }

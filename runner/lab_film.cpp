@@ -10,6 +10,7 @@
 #include "cameras/camera_devices.hpp"
 #include "common/experiment_file.hpp"
 #include "common/experiment_messages.hpp"
+#include "common/units.hpp"
 #include "optics/simulated_camera.hpp"
 #include "runner/calibration_lab.hpp"
 #include "runner/launch.hpp"
@@ -18,8 +19,9 @@ namespace lab::runner {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr double kCm = 100;
-constexpr double kStart = 60;               // [s] until the robots drive
+using units::kCm;
+
+constexpr double kDriveStart = 60;  // [s] until the robots drive
 constexpr std::int64_t kWatch_us = 50'000;
 constexpr double kPerSecond = 1e6 / LabFilm::kEvery_us;
 
@@ -60,7 +62,7 @@ Experiment labFor(const CalibrateCameraOptions& options) {
   } else {
     camera.tracker = Tracker::kSimPoses;
   }
-  return labUnderSteadyLight(std::move(experiment), "-camera", kStart + options.film_s, 1);
+  return labUnderSteadyLight(std::move(experiment), "-camera", kDriveStart + options.film_s, 1);
 }
 
 /// Where a careful eye would see the corners, to a tenth of a pixel.

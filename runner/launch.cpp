@@ -23,18 +23,13 @@
 #include "runner/remote_hosts.hpp"
 #include "runner/run_live.hpp"
 #include "runner/services.hpp"
+#include "runner/wall_clock.hpp"
 
 namespace lab::runner {
 namespace fs = std::filesystem;
 namespace {
 
 volatile std::sig_atomic_t interrupted = 0;
-
-std::int64_t wallClock() {
-  return std::chrono::duration_cast<std::chrono::microseconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
 
 void requireDisk(const Experiment& experiment, const fs::path& folder) {
   const std::int64_t need = diskNeed_bytes(experiment);

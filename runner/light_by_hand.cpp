@@ -10,7 +10,7 @@
 namespace lab::runner {
 namespace {
 
-constexpr const char* kName = "lab light";
+constexpr const char* kHandName = "lab light";
 
 std::string toToml(const std::vector<std::string>& texts) {
   std::string layers;
@@ -34,7 +34,7 @@ id = 1
 [programs.stand]
 model = "stand"
 )",
-                         kName);
+                         kHandName);
 }
 
 std::vector<light::DrivenLayer> layersByHand(const std::vector<std::string>& texts,
@@ -45,7 +45,7 @@ std::vector<light::DrivenLayer> layersByHand(const std::vector<std::string>& tex
   around.light = {};
   const std::string file = fmt::format("{}\n[[light.steps]]\nat_s = 0\nlayers = [{}]\n",
                                        writeExperiment(around), toToml(texts));
-  const Experiment read = parseExperiment(file, kName, {}, directory);
+  const Experiment read = parseExperiment(file, kHandName, {}, directory);
   std::vector<light::DrivenLayer> layers =
       toDrivenLayers(read.light.steps.front().layers, loadImages(read, directory));
   for (auto& [layer, drive] : layers) {

@@ -11,13 +11,13 @@
 namespace lab::runner {
 namespace {
 
-constexpr std::int64_t kTick_us = 20'000;
-constexpr std::int64_t kRepeat_us = 200'000;
+constexpr std::int64_t kLightTick_us = 20'000;
+constexpr std::int64_t kLightRepeat_us = 200'000;
 constexpr double kDrive = 7;      // [s]
 constexpr double kStand = 1.0;    // [s] until all wheels and filters have come to rest
 constexpr double kSettle = 0.15;  // [s] after a light is shown, before a reading counts
 constexpr double kRead = 0.5;     // [s]
-constexpr double kPatience = 3;   // [s] for a light to be shown
+constexpr double kLightPatience = 3;    // [s] for a light to be shown
 constexpr double kSensorOffset = 0.03;  // [m] of the light sensors before and behind the axle
 
 /// About, turning away from whatever is near.
@@ -69,7 +69,7 @@ LightCalibrator::LightCalibrator(const ServiceContext& context, Conductor& condu
                                   [this](const light_status_t& status) { take(status); });
   node_.subscribe<robot_status_t>(channels::kRobotStatus,
                                   [this](const robot_status_t& status) { take(status); });
-  loop_.every(kTick_us, loop_.now() + kTick_us, [this] { tick(); });
+  loop_.every(kLightTick_us, loop_.now() + kLightTick_us, [this] { tick(); });
 }
 
 void LightCalibrator::take(const tracked_frame_t& frame) {
@@ -130,7 +130,7 @@ void LightCalibrator::tick() {
     case Phase::kShow: {
       const bool read =
           shown_ != 0 && loop_.now() > shown_ + units::microseconds(kSettle + kRead);
-      if (!read && waited < kPatience) return;
+      if (!read && waited < kLightPatience) return;
       keepLevel();
       if (++level_ < levels().size()) {
         showLevel();
@@ -192,7 +192,7 @@ void LightCalibrator::keepLevel() {
 }
 
 void LightCalibrator::sendLight() {
-  next_light_ = loop_.now() + kRepeat_us;
+  next_light_ = loop_.now() + kLightRepeat_us;
   light_.utime = 0;
   node_.publishCommand(channels::kLightCommand, light_);
 }

@@ -20,8 +20,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::int64_t kRepeat_us = 100'000;
-constexpr std::int64_t kPatience_us = 3'000'000;
+constexpr std::int64_t kHandRepeat_us = 100'000;
+constexpr std::int64_t kHandPatience_us = 3'000'000;
 // "Until released" without anybody to repeat it: 2100-01-01.
 constexpr std::int64_t kForGood_utime = 4'102'444'800'000'000;
 
@@ -75,8 +75,8 @@ ExitCode light(const LightOptions& options) {
   });
   loop.onReadable(bus.fileDescriptor(), [&] { bus.drain(); });
   const std::int64_t start = loop.now();
-  loop.every(kRepeat_us, start, [&] {
-    if (loop.now() - start > kPatience_us) {
+  loop.every(kHandRepeat_us, start, [&] {
+    if (loop.now() - start > kHandPatience_us) {
       loop.stop();
       return;
     }

@@ -2,12 +2,13 @@
 
 #include <fmt/format.h>
 
+#include "common/units.hpp"
 #include "report/light_bands.hpp"
 
 namespace lab::runner {
 namespace {
 
-constexpr double kCm = 100;
+using units::kCm;
 
 }  // namespace
 

@@ -14,7 +14,6 @@ namespace {
 
 constexpr std::int64_t kLightPeriod_us = 500'000;  // 2 Hz
 constexpr std::int64_t kDeliveryPatience_us = 2'000'000;
-constexpr std::int64_t kSecond_us = units::kSecond_us;
 
 }  // namespace
 
@@ -38,7 +37,7 @@ LightPart::LightPart(Node& node, Loop& loop, const Experiment& experiment,
 void LightPart::begin() {
   const std::int64_t now = loop_.now();
   loop_.every(kLightPeriod_us, now, [this] { send(); });
-  loop_.every(kSecond_us, now + kSecond_us, [this] {
+  loop_.every(units::kSecond_us, now + units::kSecond_us, [this] {
     light_delivery_t delivery = deliveries_.message();
     node_.publish(channels::kLightDelivery, delivery);
   });
@@ -124,7 +123,7 @@ void LightPart::show(const Turn& turn) {
   event.commanded_utime = command_.from_utime;
   watch_.emplace(event, node_.identity().instance, command_.seq, expectedProgram(),
                  commandedRobots(experiment_).size());
-  if (loop_.now() - seen_light_utime_ < kSecond_us) watch_->expectSeen();
+  if (loop_.now() - seen_light_utime_ < units::kSecond_us) watch_->expectSeen();
   loop_.at(loop_.now() + kDeliveryPatience_us, [this, seq = command_.seq] {
     if (command_.seq == seq) closeWatch();
   });

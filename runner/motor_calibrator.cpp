@@ -15,11 +15,11 @@ namespace {
 
 using calibration::Motors;
 
-constexpr std::int64_t kTick_us = 20'000;
+constexpr std::int64_t kMotorTick_us = 20'000;
 constexpr std::int64_t kRequestPeriod_us = 500'000;  // 2 Hz
-constexpr std::int64_t kPatience_us = 5'000'000;
+constexpr std::int64_t kMotorPatience_us = 5'000'000;
 constexpr double kUsableShare = calibration::FitLimits{}.used_share;
-constexpr int kTries = 2;  // at a pattern that something disturbed
+constexpr int kPatternTries = 2;                       // at a pattern that something disturbed
 constexpr std::int64_t kLinePatience_us = 15'000'000;  // of a robot on a serial line
 
 }  // namespace
@@ -49,7 +49,7 @@ MotorCalibrator::MotorCalibrator(const ServiceContext& context, Conductor& condu
       channels::kCalibrationStatus,
       [this](const robot_calibration_t& status) { take(status); });
   conductor_.command(standCommand(experiment_));
-  loop_.every(kTick_us, loop_.now() + kTick_us, [this] { tick(); });
+  loop_.every(kMotorTick_us, loop_.now() + kMotorTick_us, [this] { tick(); });
 }
 
 void MotorCalibrator::take(const robot_calibration_t& status) {
@@ -62,7 +62,7 @@ void MotorCalibrator::take(const robot_calibration_t& status) {
 std::int64_t MotorCalibrator::patience() const {
   const bool on_wire = std::ranges::any_of(
       experiment_.robots, [](const RobotSpec& robot) { return isOnWire(robot.body); });
-  return on_wire ? kLinePatience_us : kPatience_us;
+  return on_wire ? kLinePatience_us : kMotorPatience_us;
 }
 
 void MotorCalibrator::tick() {
@@ -182,7 +182,7 @@ void MotorCalibrator::driven() {
   const std::vector<calibration::CheckedSegment> segments = driver->segments();
   const calibration::SegmentCounts counts =
       calibration::usableSegments(calibration::segmentsOf(segments)).counts;
-  if (counts.used < kUsableShare * counts.driven && tries_ < kTries) return startPattern();
+  if (counts.used < kUsableShare * counts.driven && tries_ < kPatternTries) return startPattern();
   if (phase_ == Phase::kCheckBefore) {
     before_ = segments;
     return drive(Phase::kPattern, calibration::calibrationPattern(report_.held, max),

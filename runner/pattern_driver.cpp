@@ -15,7 +15,7 @@ using calibration::PatternStep;
 
 constexpr std::int64_t kFresh_us = 300'000;           // a pose may be this old
 constexpr std::int64_t kSightPatience_us = 3'000'000;
-constexpr std::int64_t kEchoPatience_us = 2'000'000;
+constexpr std::int64_t kPatternEchoPatience_us = 2'000'000;
 constexpr std::int64_t kMotionPatience_us = 10'000'000;
 constexpr std::int64_t kStuck_us = 1'500'000;
 constexpr std::int64_t kRest_us = 300'000;
@@ -203,7 +203,7 @@ void PatternDriver::leave() {
 }
 
 void PatternDriver::rest() {
-  if (inPhase() > kEchoPatience_us) {
+  if (inPhase() > kPatternEchoPatience_us) {
     return fail(name() + (reins_.obeyed() ? " is no longer seen by the tracker"
                                           : " does not answer: is it switched on?"));
   }
@@ -229,7 +229,8 @@ void PatternDriver::beginStep() {
 
 // The step begins when the robot says so.
 void PatternDriver::order() {
-  if (inPhase() > kEchoPatience_us) return fail(name() + " does not answer: is it switched on?");
+  if (inPhase() > kPatternEchoPatience_us)
+    return fail(name() + " does not answer: is it switched on?");
   if (!reins_.obeyed()) return;
   driven_.back().from = std::max(now_, entered_ + units::microseconds(calibration::kSettleTime));
   enter(Phase::kHold);

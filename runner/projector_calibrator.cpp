@@ -13,9 +13,9 @@
 namespace lab::runner {
 namespace {
 
-constexpr std::int64_t kTick_us = 10'000;
-constexpr std::int64_t kRepeat_us = 500'000;
-constexpr std::int64_t kPatience_us = 10'000'000;
+constexpr std::int64_t kPatternTick_us = 10'000;
+constexpr std::int64_t kPatternRepeat_us = 500'000;
+constexpr std::int64_t kPatternPatience_us = 10'000'000;
 
 }  // namespace
 
@@ -39,7 +39,7 @@ ProjectorCalibrator::ProjectorCalibrator(
                                  {.frame = [this](const CameraFrame& frame) { see(frame); },
                                   .trouble = trouble,
                                   .end = trouble});
-  loop_.every(kTick_us, loop_.now() + kTick_us, [this] { tick(); });
+  loop_.every(kPatternTick_us, loop_.now() + kPatternTick_us, [this] { tick(); });
 }
 
 void ProjectorCalibrator::tick() {
@@ -51,7 +51,7 @@ void ProjectorCalibrator::tick() {
     show();
   }
   if (now >= next_send_utime_) send();
-  if (now - progress_utime_ > kPatience_us) end(waitedFor());
+  if (now - progress_utime_ > kPatternPatience_us) end(waitedFor());
 }
 
 std::string ProjectorCalibrator::waitedFor() const {
@@ -77,7 +77,7 @@ void ProjectorCalibrator::show() {
 }
 
 void ProjectorCalibrator::send() {
-  next_send_utime_ = loop_.now() + kRepeat_us;
+  next_send_utime_ = loop_.now() + kPatternRepeat_us;
   command_.utime = 0;
   node_.publishCommand(channels::kLightCommand, command_);
 }

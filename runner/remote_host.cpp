@@ -15,6 +15,7 @@
 #include "runner/exit_code.hpp"
 #include "runner/host_agent.hpp"
 #include "runner/machine.hpp"
+#include "runner/wall_clock.hpp"
 
 namespace lab::runner {
 namespace fs = std::filesystem;
@@ -29,14 +30,8 @@ constexpr int kStep_ms = 5;
 constexpr int kLeavePatience_ms = 6000;
 constexpr double kDeaf = 2.0;               // [s] then nobody waits for its answer
 constexpr std::size_t kChunk = 256 * 1024;  // [byte] of a file in one line
-constexpr std::size_t kMostWaiting = 8 * kChunk;
+constexpr std::size_t kMostBytesWaiting = 8 * kChunk;
 constexpr std::int64_t kMostNoise = 16384;  // [byte]
-
-std::int64_t wallClock() {
-  return std::chrono::duration_cast<std::chrono::microseconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
 
 void closeIfOpen(int& descriptor) {
   if (descriptor >= 0) close(descriptor);
@@ -166,7 +161,7 @@ void RemoteHost::attend() {
   const auto now = Steady::now();
   if (now - spoke_ >= milliseconds(kHostBeat_ms) && state_ != State::kRefused) {
     spoke_ = now;
-    if (lines_->waiting() < kMostWaiting) lines_->send({{"do", "alive"}});
+    if (lines_->waiting() < kMostBytesWaiting) lines_->send({{"do", "alive"}});
   }
   feed();
   lines_->flush();
@@ -247,7 +242,7 @@ void RemoteHost::say(Json message) {
 
 /// A recording is larger than what may wait in memory: the rest goes with the next attend().
 void RemoteHost::feed() {
-  while (!outbox_.empty() && lines_->waiting() < kMostWaiting) {
+  while (!outbox_.empty() && lines_->waiting() < kMostBytesWaiting) {
     if (outbox_.front()()) outbox_.pop_front();
   }
 }

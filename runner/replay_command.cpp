@@ -28,12 +28,12 @@ namespace lab::runner {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::int64_t kTick_us = 2'000;
-constexpr std::int64_t kShow_us = 250'000;
+constexpr std::int64_t kReplayTick_us = 2'000;
+constexpr std::int64_t kReplayShow_us = 250'000;
 constexpr std::int64_t kClock_us = 20'000;
-constexpr std::int64_t kStatus_us = 200'000;  // 5 Hz
+constexpr std::int64_t kReplayStatus_us = 200'000;  // 5 Hz
 constexpr std::int64_t kLookAfter_us = 100'000;
-constexpr const char* kName = "replay";
+constexpr const char* kReplayName = "replay";
 
 /// Sends a log's messages onto a bus of its own.
 class Player {
@@ -45,9 +45,11 @@ class Player {
         options_(options),
         page_(page),
         bus_(url),
-        node_(bus_, loop_, {kName, robot_state_t::REPLAY, loop_.now()}),
+        node_(bus_, loop_, {kReplayName, robot_state_t::REPLAY, loop_.now()}),
         deck_(events, run, options.speed,
-              options.loop ? AtEnd::kAgain : page != nullptr ? AtEnd::kStand : AtEnd::kOver,
+              options.loop      ? AtEnd::kAgain
+              : page != nullptr ? AtEnd::kStand
+                                : AtEnd::kOver,
               loop_.now()) {
     node_.subscribe<experiment_command_t>(channels::kExperimentCommand,
                                           [this](const experiment_command_t& wish) {
@@ -61,11 +63,11 @@ class Player {
     loop_.onReadable(bus_.fileDescriptor(), [this] { bus_.drain(); });
     loop_.onSignals({SIGINT, SIGTERM, SIGHUP}, [this](int) { loop_.stop(); });
     if (terminal_.active()) loop_.onReadable(STDIN_FILENO, [this] { key(); });
-    loop_.every(kTick_us, loop_.now(), [this] { send(); });
+    loop_.every(kReplayTick_us, loop_.now(), [this] { send(); });
     if (needsClock()) loop_.every(kClock_us, loop_.now(), [this] { sendClock(); });
-    loop_.every(kStatus_us, loop_.now(), [this] { sendStatus(); });
+    loop_.every(kReplayStatus_us, loop_.now(), [this] { sendStatus(); });
     if (page_ != nullptr) loop_.every(kLookAfter_us, loop_.now(), [this] { lookAfterPage(); });
-    loop_.every(kShow_us, loop_.now(), [this] { show(); });
+    loop_.every(kReplayShow_us, loop_.now(), [this] { show(); });
     loop_.run();
     show();
     fmt::print("\n");
@@ -103,7 +105,7 @@ class Player {
 
   void key() {
     char letter = 0;
-    if (read(STDIN_FILENO, &letter, 1) != 1 || letter != ' ') return;
+    if (::read(STDIN_FILENO, &letter, 1) != 1 || letter != ' ') return;
     deck_.pauseOrResume(loop_.now());
     sendStatus();
   }

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::int64_t kBootloader_us = 2'500'000;  // the stock one takes 1.3 s
 constexpr std::int64_t kRetry_us = 300'000;
-constexpr std::int64_t kPatience_us = 10'000'000;
+constexpr std::int64_t kAdoptionPatience_us = 10'000'000;
 
 }  // namespace
 
@@ -30,7 +30,7 @@ struct RobotAdoption::Talk : std::enable_shared_from_this<Talk> {
       if (const auto here = talk.lock()) here->read();
     });
     later(kBootloader_us, [](Talk& talk) { talk.askAgainAndAgain(); });
-    later(kPatience_us, [](Talk& talk) { talk.giveUp(); });
+    later(kAdoptionPatience_us, [](Talk& talk) { talk.giveUp(); });
   }
 
   void later(std::int64_t delay_us, void (*what)(Talk&)) {
@@ -153,7 +153,7 @@ struct RobotAdoption::Talk : std::enable_shared_from_this<Talk> {
       found = "bytes that are no frames";
     }
     end(fmt::format("{} within {} s, expected a robot; is it powered, and the line's speed right?",
-                    found, kPatience_us / 1'000'000));
+                    found, kAdoptionPatience_us / 1'000'000));
   }
 
   void end(const std::string& problem) {

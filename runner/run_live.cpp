@@ -26,7 +26,7 @@ namespace lab::runner {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::int64_t kLookAfter_us = 100'000;
+constexpr std::int64_t kLookAfterPage_us = 100'000;
 constexpr std::int64_t kShowEvery_us = 500'000;
 constexpr std::int64_t kDiskEvery_us = 1'000'000;
 constexpr std::int64_t kReadyPatience_us = 10'000'000;
@@ -83,7 +83,7 @@ class LiveRun {
     conductor_.begin();
     conducting_ = true;
     for (const std::string& what : said_of_page_) conductor_.mark(what);
-    loop_.every(kLookAfter_us, loop_.now(), [this] { lookAfter(); });
+    loop_.every(kLookAfterPage_us, loop_.now(), [this] { lookAfter(); });
     loop_.every(kShowEvery_us, loop_.now(), [this] { show_(conductor_.progress()); });
     loop_.every(kDiskEvery_us, loop_.now(), [this] { watchDisk(); });
     if (hosts() != nullptr) loop_.every(kAttend_us, loop_.now(), [this] { watchHosts(); });

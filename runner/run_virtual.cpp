@@ -8,13 +8,13 @@
 #include "common/log_file.hpp"
 #include "common/memory_bus.hpp"
 #include "common/memory_serial.hpp"
+#include "common/units.hpp"
 #include "common/virtual_loop.hpp"
 #include "runner/services.hpp"
 
 namespace lab::runner {
 namespace {
 
-constexpr std::int64_t kSecond_us = 1'000'000;
 constexpr std::int64_t kSettle_us = 500'000;  // for what is still under way at the end
 
 /// One service with its node, as a process would hold them.
@@ -73,7 +73,7 @@ RunOutcome runVirtual(const PreparedRun& run, const ShowProgress& show,
   node.start();
   node.ready();
   if (seat) seat->begin();
-  loop.every(kSecond_us, loop.now(), [&] {
+  loop.every(units::kSecond_us, loop.now(), [&] {
     clock_t clock{};
     node.publish(channels::kClock, clock);
     show(conductor.progress());

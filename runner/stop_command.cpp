@@ -14,7 +14,7 @@
 namespace lab::runner {
 namespace {
 
-constexpr std::int64_t kTick_us = 20'000;  // the desk says when it is time
+constexpr std::int64_t kDeskTick_us = 20'000;  // the desk says when it is time
 
 /// Asks one lab's robots to stop (or to go on) until each has said that it does.
 class StopRequest {
@@ -37,7 +37,7 @@ class StopRequest {
       desk_.stop(node_.identity().name, "lab stop", start, start);
     }
     loop_.onReadable(bus_.fileDescriptor(), [this] { bus_.drain(); });
-    loop_.every(kTick_us, start, [this, start] {
+    loop_.every(kDeskTick_us, start, [this, start] {
       const std::int64_t waited = loop_.now() - start;
       const bool done = waited >= StopDesk::kMeetEveryRobot_us && desk_.confirmed();
       if (done || waited > StopDesk::kPatience_us) {

@@ -12,32 +12,35 @@
 #include "cameras/film_reader.hpp"
 #include "common/camera_file.hpp"
 #include "common/experiment_file.hpp"
+#include "common/units.hpp"
 #include "runner/commands.hpp"
 #include "runner/film_overlay.hpp"
 #include "runner/film_progress.hpp"
+#include "runner/named_files.hpp"
 #include "tracker_svc/film_tracking.hpp"
 
 namespace lab::runner {
 namespace {
 
+using units::kCm;
+using units::kPercents;
+
 namespace fs = std::filesystem;
 using tracker::FilmRow;
 using tracker::FilmSummary;
 
-constexpr double kCm = 100;
-constexpr double kPercent = 100;
 constexpr double kDefaultFps = 30;           // of an overlay movie of pictures without a rate
 constexpr double kSpacingTolerance = 0.005;  // share by which circles may be off before it is said
 
-volatile std::sig_atomic_t interrupted = 0;
+volatile std::sig_atomic_t tracking_interrupted = 0;
 
 /// While it lives, Ctrl-C ends the film and not the program.
 class Interruptible {
  public:
   Interruptible() {
-    interrupted = 0;
+    tracking_interrupted = 0;
     for (std::size_t i = 0; i < kSignals.size(); ++i) {
-      before_[i] = std::signal(kSignals[i], [](int) { interrupted = 1; });
+      before_[i] = std::signal(kSignals[i], [](int) { tracking_interrupted = 1; });
     }
   }
   ~Interruptible() {
@@ -93,14 +96,6 @@ class PoseWriter {
   std::ofstream file_;
 };
 
-std::unique_ptr<FilmReader> openFilm(const std::string& source) {
-  try {
-    return FilmReader::open(source);
-  } catch (const CameraError& error) {
-    throw UserError(error.what());
-  }
-}
-
 /// A calibration holds for pictures of one size only.
 void checkSize(const TrackOptions& options, const CameraCalibration& calibration, int width,
                int height) {
@@ -146,7 +141,7 @@ void tell(const FilmSummary& film, const CameraCalibration& calibration, std::in
   const double off = film.spacing > 0 ? film.spacing / expected - 1 : 0;
   if (film.spacing > 0) {
     fmt::print(", circles {:.4f} cm apart ({:+.2f} %, spread {:.2f} %)", film.spacing * kCm,
-               off * kPercent, film.spacing_spread / expected * kPercent);
+               off * kPercents, film.spacing_spread / expected * kPercents);
   }
   fmt::print("\n");
   if (film.surplus > 0) {
@@ -185,11 +180,11 @@ class Film {
       FilmProgress progress(reader_.length());
       try {
         CameraFrame frame;
-        for (std::int64_t i = 0; interrupted == 0 && reader_.next(frame); ++i) {
+        for (std::int64_t i = 0; tracking_interrupted == 0 && reader_.next(frame); ++i) {
           if (i % options_.every == 0) take(frame);
           progress.show(i + 1);
         }
-        problem = interrupted != 0 ? "stopped before its end" : reader_.problem();
+        problem = tracking_interrupted != 0 ? "stopped before its end" : reader_.problem();
       } catch (const CameraError& error) {
         problem = error.what();
       }

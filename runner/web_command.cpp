@@ -22,7 +22,7 @@ namespace lab::runner {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::int64_t kLookAfter_us = 100'000;
+constexpr std::int64_t kLookAfterWeb_us = 100'000;
 
 /// Shows a page in the user's browser, which lives on without us. Its address holds the token, and
 /// a command line is for everybody to read: the browser is led there by a file.
@@ -89,7 +89,7 @@ ExitCode web(const WebOptions& options) {
   pid_t opener = 0;
   page.start(say);
   loop.onSignals({SIGINT, SIGTERM, SIGHUP}, [&loop](int) { loop.stop(); });
-  loop.every(kLookAfter_us, loop.now(), [&] {
+  loop.every(kLookAfterWeb_us, loop.now(), [&] {
     page.lookAfter(say);
     lookAfterOpener(opener);
     if (page.givenUp()) loop.stop();

@@ -20,7 +20,7 @@ constexpr std::int64_t kReportEvery_us = 1'000'000;
 constexpr std::int64_t kSearchEvery_us = 1'000'000;
 constexpr std::int64_t kOtherTracker_us = 2'000'000;
 constexpr std::int64_t kListen_us = 300'000;
-constexpr double kFullScale = 255;   // [DN]
+constexpr double kWhite = 255;       // [DN]
 constexpr double kLeastSigma = 1e-6; // [m] of a spacing, against a division by nothing
 
 CameraCalibration calibrationInForce(const ServiceContext& context) {
@@ -73,7 +73,7 @@ cap_detail_t toDetail(const Track& track) {
   detail.track = track.number;
   detail.used = static_cast<std::int8_t>(track.pose.used);
   detail.spacing = track.pose.spacing;
-  detail.white = track.pose.white / static_cast<float>(kFullScale);
+  detail.white = track.pose.white / static_cast<float>(kWhite);
   detail.u = static_cast<float>(track.pose.middle.x);
   detail.v = static_cast<float>(track.pose.middle.y);
   return detail;
