@@ -13,9 +13,9 @@ if(LAB_SANITIZE)
   target_link_options(lab_options INTERFACE -fsanitize=${LAB_SANITIZE})
 endif()
 
-# Most of a compiler's time goes into headers that the sources of a library share: several sources
-# at a time take a third of it. Sanitizers and a compiler's cache (ccache) get every source by itself,
-# and so see that each includes what it uses.
+# Most of a compiler's time goes into headers that the sources of a library share: eight sources at a
+# time take a third of it. Sanitizers and a compiler's cache (ccache) get every source by itself, and
+# so see that each includes what it uses.
 set(batches ON)
 if(LAB_SANITIZE OR CMAKE_CXX_COMPILER_LAUNCHER)
   set(batches OFF)
@@ -23,36 +23,52 @@ endif()
 option(LAB_BATCHES "Compile the sources of a library several at a time" ${batches})
 
 # lab_library(name [NUMBERS] SOURCES a.cpp... [LINK target...])
-# NUMBERS is for inner loops and what promises its bits: every source is compiled by itself. The
-# sources of the others share a batch now and then, and so one namespace without a name.
+# NUMBERS is for inner loops and what promises its bits: every source is compiled by itself. Those of
+# other libraries may meet in a batch: what they name in namespaces without a name differs.
 function(lab_library name)
   cmake_parse_arguments(ARG "NUMBERS" "" "SOURCES;LINK" ${ARGN})
   add_library(${name} STATIC ${ARG_SOURCES})
   target_link_libraries(${name} PUBLIC lab_options ${ARG_LINK})
   if(LAB_BATCHES AND NOT ARG_NUMBERS)
     set_target_properties(${name} PROPERTIES UNITY_BUILD ON)
+    # To this warning every source of a batch is a header.
+    target_compile_options(${name} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
   endif()
 endfunction()
 
 # lab_program(name SOURCES main.cpp [LINK target...])
+# Its own sources read a command line and wait: what they call is optimised, and they less.
 function(lab_program name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
+  target_compile_options(${name} PRIVATE $<$<NOT:$<CONFIG:Debug>>:-O1>)
   target_link_libraries(${name} PRIVATE lab_options ${ARG_LINK})
 endfunction()
 
-# lab_test(name SOURCES x_test.cpp... [LINK target...] [LABELS label...] [TIMEOUT s] [NETWORK] [OWN_OPTIONS])
-# NETWORK runs the test inside a network namespace of its own, so that nothing it publishes leaves.
-# Everything else runs with LCM kept in memory. OWN_OPTIONS is for tests that are compiled otherwise than the rest.
-# `ctest -j` counts half cores (PROCESSORS): a test that computes takes a core; one that opens sockets
-# mostly waits, and half a core is more than the hungriest of them needs.
-function(lab_test name)
-  cmake_parse_arguments(ARG "NETWORK;OWN_OPTIONS" "TIMEOUT" "SOURCES;LINK;LABELS" ${ARGN})
+# lab_test_program(name SOURCES x_test.cpp... [LINK target...] [OWN_OPTIONS])
+# A test's program, for those that run it in a way of their own. OWN_OPTIONS is for tests that are
+# compiled otherwise than the rest.
+function(lab_test_program name)
+  cmake_parse_arguments(ARG "OWN_OPTIONS" "" "SOURCES;LINK" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE lab_options ${ARG_LINK} GTest::gmock GTest::gtest_main)
   if(NOT ARG_OWN_OPTIONS)
     target_precompile_headers(${name} REUSE_FROM lab_test_headers)
   endif()
+endfunction()
+
+# lab_test(name SOURCES x_test.cpp... [LINK target...] [OWN_OPTIONS] [LABELS label...] [TIMEOUT s] [NETWORK])
+# NETWORK runs the test inside a network namespace of its own, so that nothing it publishes leaves.
+# Everything else runs with LCM kept in memory.
+# `ctest -j` counts half cores (PROCESSORS): a test that computes takes a core; one that opens sockets
+# mostly waits, and half a core is more than the hungriest of them needs.
+function(lab_test name)
+  cmake_parse_arguments(ARG "NETWORK;OWN_OPTIONS" "TIMEOUT" "SOURCES;LINK;LABELS" ${ARGN})
+  set(own_options)
+  if(ARG_OWN_OPTIONS)
+    set(own_options OWN_OPTIONS)
+  endif()
+  lab_test_program(${name} SOURCES ${ARG_SOURCES} LINK ${ARG_LINK} ${own_options})
   if(ARG_NETWORK)
     add_test(NAME ${name}
       COMMAND "${PROJECT_SOURCE_DIR}/tests/in_private_network.sh" $<TARGET_FILE:${name}>)
