@@ -18,6 +18,10 @@ constexpr std::size_t kRoughDirections = 8;
 constexpr std::array<float, 2> kInside = {-0.0045F, -0.0025F};  // [m] from the rim
 constexpr std::array<float, 2> kAtRim = {0.0005F, 0.0014F};     // [m]
 
+constexpr float kFull = 253;  // [DN] brighter than the camera can say, or nearly so
+constexpr float kNearlyFull = 240;  // [DN] no full pixel reads less, with noise
+constexpr std::size_t kLeastKnown = 3;  // one in so many directions must show no full pixel
+
 constexpr float kFaintLight = 8;  // [read noise] of a cap at which single pixels say nothing
 
 struct Circle {
@@ -114,10 +118,12 @@ __attribute__((target_clones("avx2", "default"))) void readRimRoughly(
 }
 
 /// Directions that lead out of the picture are left out.
+/// @param full [DN] what pixels count as, at least, that are full or may be so but for noise
 std::size_t readRimInPart(const optics::GreyView& picture, float x, float y, float radius,
-                          const LocalScale& scale, const Circle& circle, Rim& rim) {
+                          const LocalScale& scale, const Circle& circle, float full, Rim& rim) {
   const auto sample = [&](float u, float v) -> float {
-    return picture.row(static_cast<int>(v))[static_cast<int>(u)];
+    const float value = picture.row(static_cast<int>(v))[static_cast<int>(u)];
+    return value < kNearlyFull ? value : std::max(value, full);
   };
   std::size_t count = 0;
   const float last = radius + kAtRim[1];
@@ -138,6 +144,18 @@ std::size_t readRimInPart(const optics::GreyView& picture, float x, float y, flo
     ++count;
   }
   return count;
+}
+
+/// Directions that are full inside of the rim and at it may have any contrast. The others are moved
+/// to the front.
+std::size_t keepKnown(float full, std::size_t count, Rim& rim) {
+  std::size_t known = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (rim.inside[i] >= 2 * full && rim.at[i] >= 2 * full) continue;
+    rim.inside[known] = rim.inside[i];
+    rim.at[known++] = rim.at[i];
+  }
+  return known;
 }
 
 /// How bright the inside of a rim is [DN], on average over the directions that were read.
@@ -184,7 +202,8 @@ float rimInTheDark(const optics::GreyView& picture, float x, float y, float radi
 }  // namespace
 
 float rimContrast(const optics::GreyView& picture, optics::Pixel middle, const LocalScale& scale,
-                  const optics::CapGeometry& cap, const optics::Imaging& imaging, RimLook look) {
+                  const optics::CapGeometry& cap, const optics::Imaging& imaging, RimLook look,
+                  float white) {
   const Circle& circle = directions();
   const auto radius = static_cast<float>(cap.cap_radius);
   const auto x = static_cast<float>(middle.x) + 0.5F;
@@ -207,8 +226,16 @@ float rimContrast(const optics::GreyView& picture, optics::Pixel middle, const L
       return rimInTheDark(picture, x, y, radius, scale, imaging);
     }
   } else {
-    count = readRimInPart(picture, x, y, radius, scale, circle, rim);
+    count = readRimInPart(picture, x, y, radius, scale, circle, 0, rim);
     if (count < kDirections / 2) return 0;
+  }
+  if (*std::max_element(rim.inside.begin(), rim.inside.begin() + count) >= 2 * kFull) {
+    const float full = std::max(kNearlyFull, white + static_cast<float>(imaging.black));
+    rim = {};
+    count = readRimInPart(picture, x, y, radius, scale, circle, full, rim);
+    const std::size_t known = keepKnown(full, count, rim);
+    if (known * kLeastKnown < count) return 0;
+    count = known;
   }
   const float softer = 2 * static_cast<float>(imaging.read_noise - 2 * imaging.black);
   std::array<float, kDirections> contrast{};

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tracker_svc/circle_fit_full.hpp"
 #include "tracker_svc/circle_fit_solve.hpp"
 
 namespace lab::tracker::fit {
@@ -39,6 +40,8 @@ constexpr double kSlopeSpread = 0.02;  // [1/px] of the white level
 // projector do over a whole picture is a few ten-thousandths a pixel
 constexpr double kFullSlope = 150;
 constexpr double kSigmaSpread = 0.5;   // [of sigma]
+// [1] as kFullSlope: white, dark and size are told apart by the little that is not full
+constexpr double kFullShape = 4;
 
 // Mean weight of the biweight, for a normal residual and a cutoff in deviations.
 double beliefAt(float cutoff) {
@@ -84,11 +87,12 @@ constexpr double weightOf(double spread) { return 1 / (spread * spread); }
 std::array<Known, 5> knownOf(const Disc& disc, float sigma, double full) {
   const double slope = weightOf(kSlopeSpread * std::max(1.0, static_cast<double>(disc.white)) /
                                 (1 + kFullSlope * full));
+  const double shape = 1 + kFullShape * full;
   const auto off = [](float v) { return static_cast<double>(v); };
   return {{{kSlopeX, off(-disc.slope_x), slope},
            {kSlopeY, off(-disc.slope_y), slope},
-           {kScale, off(1.0F - disc.scale), weightOf(kScaleSpread)},
-           {kRatio, off(kUsualRatio - disc.ratio), weightOf(kRatioSpread)},
+           {kScale, off(1.0F - disc.scale), weightOf(kScaleSpread / shape)},
+           {kRatio, off(kUsualRatio - disc.ratio), weightOf(kRatioSpread / shape)},
            {kSigma, off(sigma - disc.sigma), weightOf(kSigmaSpread * static_cast<double>(sigma))}}};
 }
 
@@ -174,6 +178,7 @@ std::optional<GridPoint> settlePlain(const Task& task, GridPoint start, Window& 
 Outcome fitPlain(const Task& task, Window& window, const Disc& rough) {
   Outcome out;
   Disc disc = rough;
+  if (!window.plain) startBeyondFull(window, task.constants, disc);
   // Holes and hot pixels are far off even from the rough disc.
   const float deviation =
       std::sqrt(task.constants.floor_variance + task.constants.shot_gain * rough.white);

@@ -9,6 +9,7 @@ namespace {
 
 constexpr float kClear = 1.2F;  // [sigma] from the outline: paint and white are not mixed there
 constexpr float kBand = 1.5F;   // [px] wide
+constexpr float kMostDN = 255;
 constexpr float kMostRatio = 0.6F;
 constexpr float kSure = 2.5F;   // [standard errors]
 constexpr int kLeastWhite = 5;  // at most one in so many pixels outside is dark: holes and rims are
@@ -53,7 +54,8 @@ bool darkAllAround(const Window& window, const Constants& constants, const Disc&
     const float qy = rm[2] * dx + rm[3] * dy;
     const float distance = std::sqrt(qx * qx + qy * qy) - outline;
     const float value = window.value[i] - constants.black;
-    const float light = std::max(0.0F, window.light[i]);
+    // No pixel says more than full.
+    const float light = std::clamp(window.light[i], 0.0F, kMostDN - constants.black);
     const float variance = constants.floor_variance + constants.shot_gain * std::max(0.0F, value);
     const auto sector = static_cast<std::size_t>(sectorOf(dx, dy));
     if (distance > clear) {

@@ -168,7 +168,8 @@ void Detector::tryCouple(const optics::GreyView& picture, std::size_t big_spot,
   const float distance = std::hypot(scale.inverse[0] * dx + scale.inverse[1] * dy,
                                     scale.inverse[2] * dx + scale.inverse[3] * dy);
   if (std::abs(distance - spacing) > kRoughSpacing) return;
-  const float rim = rimContrast(picture, middle, scale, cap_, imaging_);
+  const float rim =
+      rimContrast(picture, middle, scale, cap_, imaging_, RimLook::kAll, kBeyondFull);
   if (rim < kLeastRim) {
     if (rejected != nullptr) rejected->push_back({middle, Reason::kNoCap, rim, kLeastRim});
     return;
@@ -310,7 +311,8 @@ bool Detector::measure(const optics::GreyView& picture, Couple& couple,
   const double share = cap_.big_offset / cap_.spacing();
   const optics::Pixel middle = camera_.project(big.place.x - share * dx, big.place.y - share * dy,
                                                cap_.height);
-  couple.rim = rimContrast(picture, middle, scale_.at(middle.x, middle.y), cap_, imaging_);
+  couple.rim = rimContrast(picture, middle, scale_.at(middle.x, middle.y), cap_, imaging_,
+                           RimLook::kAll, std::min(big.fit.white, small.fit.white));
   if (couple.rim < kLeastRim) {
     if (rejected != nullptr) {
       rejected->push_back({middle, Reason::kNoCap, couple.rim, kLeastRim});

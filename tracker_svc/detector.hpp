@@ -117,14 +117,14 @@ class Detector {
   /// For circles that are left alone, some hundred of them at most: their partners, where the rim
   /// says that they are.
   void lookBeside(const optics::GreyView& picture, std::vector<Rejection>* rejected);
-  /// The direction in which the other circle of a cap may be: it is dark there, and a rim is around
-  /// both.
+  /// The directions in which the other circle of a cap may be: it is dark there, and a rim is
+  /// around both.
   /// @param step every so many headings are tried
-  /// @return [rad] from the small one to the big one
-  [[nodiscard]] std::optional<double> partnerOf(const optics::GreyView& picture,
-                                                optics::Place circle, bool big,
-                                                std::size_t step) const;
-  /// @return how many circles were fitted
+  /// @return [rad] from the small one to the big one, the best first
+  [[nodiscard]] std::vector<double> partnersOf(const optics::GreyView& picture,
+                                               optics::Place circle, bool big,
+                                               std::size_t step) const;
+  /// @return how many circles were fitted in vain
   int coupleBeside(const optics::GreyView& picture, int spot, bool big, double theta,
                    std::vector<Rejection>* rejected);
   [[nodiscard]] float leastRim(const Couple& couple) const;

@@ -15,6 +15,8 @@ namespace lab::tracker {
 namespace {
 
 constexpr int kHeadings = 126;      // that are tried, 0.9 mm of the rim apart
+constexpr int kMostPartners = 2;    // a neighbour or a shadow may look more like one
+constexpr int kBesideIt = 10;       // headings that are the same one
 constexpr std::size_t kRough = 2;   // every second at first
 constexpr double kSure = 4;         // [standard errors] of a rim: the best of many is taken
 constexpr float kDark = 0.9F;       // [1] of the white around it is left inside: light on top
@@ -25,9 +27,11 @@ constexpr float kHardly = 2;        // [read noise] by which single pixels are d
 // Of one picture, from its top: a floor full of dark junk must not hold up the tracker. Robots that
 // are there have a few hints in a picture, in stripes as fine as a circle a few dozen.
 constexpr int kMostHints = 300;  // lone circles whose partner is looked for
-constexpr int kMostFits = 40;    // of those, and of their partners: a wrong one takes a millisecond
+// Fits of those and of their partners that end in no cap: each may take a millisecond.
+constexpr int kMostInVain = 40;
 // [m] of the spacing: chosen among many, so no more than a camera that is 2.5 % off
 constexpr double kMostOff = 0.0009;
+constexpr float kFull = 253;        // [DN] or nearly so
 constexpr float kAway = 1.4F;       // [radii] where white is looked for around a circle
 constexpr float kCore = 0.35F;      // [radii] inside, whatever the heading's error
 // [rad] beside the heading: what is looked at is sure to a millimetre or two
@@ -133,12 +137,14 @@ void Detector::lookBeside(const optics::GreyView& picture, std::vector<Rejection
     });
   };
   int hints = kMostHints;
-  int fits = kMostFits;
+  int in_vain = 0;
   const std::size_t known = spots_.size();
   for (std::size_t i = 0; i < known; ++i) {
     for (const bool big : {true, false}) {
       const Spot spot = spots_[i];
-      if (taken_[i] != 0 || !(big ? spot.can_be_big : spot.can_be_small)) continue;
+      // White that is full may be brighter than it says, and the circle larger than it looks.
+      const bool full = spot.white + static_cast<float>(imaging_.black) >= kFull;
+      if (taken_[i] != 0 || !(big ? spot.can_be_big || full : spot.can_be_small)) continue;
       const optics::Pixel at{static_cast<double>(spot.x), static_cast<double>(spot.y)};
       const auto radius = static_cast<float>(big ? cap_.big_radius : cap_.small_radius);
       const float mean = scale_.at(at.x, at.y).mean;
@@ -147,33 +153,37 @@ void Detector::lookBeside(const optics::GreyView& picture, std::vector<Rejection
       if (!rough || isByCap(*rough) || !isNew(*rough, big)) continue;
       if (hints-- == 0) return;
       done.push_back({*rough, big});
-      if (!partnerOf(picture, *rough, big, kRough)) continue;
-      if (fits-- <= 0) return;
+      if (partnersOf(picture, *rough, big, kRough).empty()) continue;
+      if (in_vain >= kMostInVain) return;
       const Circle& circle = fit(picture, static_cast<int>(i), big);
+      ++in_vain;
       if (circle.fit.fault != FitFault::kNone || isByCap(circle.place)) continue;
-      if (const std::optional<double> theta = partnerOf(picture, circle.place, big, 1)) {
-        fits -= coupleBeside(picture, static_cast<int>(i), big, *theta, rejected);
+      const optics::Place place = circle.place;
+      for (const double theta : partnersOf(picture, place, big, 1)) {
+        in_vain += coupleBeside(picture, static_cast<int>(i), big, theta, rejected);
+        if (taken_[i] == 0) continue;
+        --in_vain;
+        break;
       }
     }
   }
 }
 
-std::optional<double> Detector::partnerOf(const optics::GreyView& picture, optics::Place circle,
-                                          bool big, std::size_t step) const {
+std::vector<double> Detector::partnersOf(const optics::GreyView& picture, optics::Place circle,
+                                         bool big, std::size_t step) const {
   const double offset = big ? cap_.big_offset : cap_.small_offset;
   const double apart = (big ? cap_.small_offset : cap_.big_offset) - offset;
   const auto radius = static_cast<float>(big ? cap_.small_radius : cap_.big_radius);
   const optics::Pixel at = camera_.project(circle.x, circle.y, cap_.height);
   const LocalScale scale = scale_.at(at.x, at.y);
-  std::optional<double> best;
-  if (scale.mean <= 0) return best;
+  if (scale.mean <= 0) return {};
   const auto x = static_cast<float>(at.x);
   const auto y = static_cast<float>(at.y);
   const auto far = static_cast<float>(apart);
   const int away = static_cast<int>(kAway * radius * scale.mean);
   const float noise = kHardly * static_cast<float>(imaging_.read_noise);
   bool dark = false;
-  float most = 0;
+  std::array<float, kHeadings> score{};
   for (std::size_t i = 0; i < kHeadings; i += step) {
     const Heading& heading = headings()[i];
     const float du = scale.forward[0] * heading.cosine + scale.forward[1] * heading.sine;
@@ -186,10 +196,18 @@ std::optional<double> Detector::partnerOf(const optics::GreyView& picture, optic
     const optics::Pixel middle{at.x - offset * static_cast<double>(du),
                                at.y - offset * static_cast<double>(dv)};
     const float rim = rimContrast(picture, middle, scale, cap_, imaging_,
-                                  step > 1 ? RimLook::kRough : RimLook::kAll);
-    if (rim < kLeastRim || rim * (1 - left) <= most) continue;
-    most = rim * (1 - left);
-    best = angleOf(static_cast<int>(i));
+                                  step > 1 ? RimLook::kRough : RimLook::kAll, kBeyondFull);
+    if (rim >= kLeastRim) score[i] = rim * (1 - left);
+  }
+  std::vector<double> best;
+  for (int n = 0; n < kMostPartners; ++n) {
+    const auto top = std::max_element(score.begin(), score.end());
+    if (*top <= 0) break;
+    const auto heading = static_cast<int>(top - score.begin());
+    best.push_back(angleOf(heading));
+    for (int off = -kBesideIt; off <= kBesideIt; ++off) {
+      score[static_cast<std::size_t>((heading + off + kHeadings) % kHeadings)] = 0;
+    }
   }
   return best;
 }
@@ -222,7 +240,7 @@ int Detector::coupleBeside(const optics::GreyView& picture, int spot, bool big, 
       const std::size_t before = seen_.size();
       couples_.assign(1, couple);
       settleCouples(picture, rejected);
-      if (seen_.size() > before) return fits;
+      if (seen_.size() > before) return fits - 1;
     }
     spots_.pop_back();
     circles_.resize(2 * spots_.size());

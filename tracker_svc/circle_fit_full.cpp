@@ -1,0 +1,54 @@
+#include "tracker_svc/circle_fit_full.hpp"
+
+#include <algorithm>
+
+#include "tracker_svc/circle_fit_lanes.hpp"
+
+namespace lab::tracker::fit {
+namespace {
+
+constexpr float kMostDN = 255;
+constexpr double kManyFull = 0.2;     // [1] of the pixels
+constexpr float kUsualRatio = 0.08F;  // [1] dark / white
+constexpr float kBrightest = 6;       // [1] of what the camera can say
+constexpr int kHalvings = 10;
+
+}  // namespace
+
+__attribute__((target_clones("avx2", "default"))) void startBeyondFull(
+    const Window& window, const Constants& constants, Disc& disc) {
+  const float most = kMostDN - constants.black;
+  Lanes pixels = {};
+  Lanes full = {};
+  Lanes seen = {};
+  for (int at = 0; at < window.count; at += kLanes) {
+    const Lanes value = loadLanes(window.value + at);
+    const LaneMask some = value != kNoPixel;
+    pixels += some ? Lanes{} + 1.0F : Lanes{};
+    full += value >= kMostDN ? Lanes{} + 1.0F : Lanes{};
+    seen += some ? value - constants.black : Lanes{};
+  }
+  if (!(total(full) > kManyFull * total(pixels))) return;
+  // How bright the whole window is grows with the white level, as far as not all of it is full.
+  const auto expected = [&](float white) LAB_INLINE_LAMBDA {
+    Lanes sum = {};
+    for (int at = 0; at < window.count; at += kLanes) {
+      Paint paint;
+      paintAt(loadLanes(window.x + at), loadLanes(window.y + at), disc, constants.rm,
+              constants.radius, 1.0F / disc.sigma, paint);
+      const Lanes signal = atMost(white * (kUsualRatio + (1 - kUsualRatio) * paint.share), most);
+      sum += loadLanes(window.value + at) != kNoPixel ? signal : Lanes{};
+    }
+    return total(sum);
+  };
+  float low = most;
+  float high = kBrightest * most;
+  for (int i = 0; i < kHalvings; ++i) {
+    const float middle = 0.5F * (low + high);
+    (expected(middle) < total(seen) ? low : high) = middle;
+  }
+  disc.white = 0.5F * (low + high);
+  disc.ratio = kUsualRatio;
+}
+
+}  // namespace lab::tracker::fit
