@@ -146,6 +146,18 @@ std::size_t readRimInPart(const optics::GreyView& picture, float x, float y, flo
   return count;
 }
 
+bool anyFull(const Rim& rim) {
+  Contrasts most{};
+  for (std::size_t first = 0; first < kDirections; first += 8) {
+    Contrasts here;
+    std::memcpy(&here, rim.inside.data() + first, sizeof here);
+    most = here > most ? here : most;
+  }
+  float brightest = 0;
+  for (int lane = 0; lane < 8; ++lane) brightest = std::max(brightest, most[lane]);
+  return brightest >= 2 * kFull;
+}
+
 /// Directions that are full inside of the rim and at it may have any contrast. The others are moved
 /// to the front.
 std::size_t keepKnown(float full, std::size_t count, Rim& rim) {
@@ -229,7 +241,7 @@ float rimContrast(const optics::GreyView& picture, optics::Pixel middle, const L
     count = readRimInPart(picture, x, y, radius, scale, circle, 0, rim);
     if (count < kDirections / 2) return 0;
   }
-  if (*std::max_element(rim.inside.begin(), rim.inside.begin() + count) >= 2 * kFull) {
+  if (anyFull(rim)) {
     const float full = std::max(kNearlyFull, white + static_cast<float>(imaging.black));
     rim = {};
     count = readRimInPart(picture, x, y, radius, scale, circle, full, rim);

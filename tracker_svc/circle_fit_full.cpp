@@ -16,7 +16,7 @@ constexpr int kHalvings = 10;
 }  // namespace
 
 __attribute__((target_clones("avx2", "default"))) void startBeyondFull(
-    const Window& window, const Constants& constants, Disc& disc) {
+    Window& window, const Constants& constants, Disc& disc) {
   const float most = kMostDN - constants.black;
   Lanes pixels = {};
   Lanes full = {};
@@ -29,23 +29,24 @@ __attribute__((target_clones("avx2", "default"))) void startBeyondFull(
     seen += some ? value - constants.black : Lanes{};
   }
   if (!(total(full) > kManyFull * total(pixels))) return;
+  for (int at = 0; at < window.count; at += kLanes) {
+    Paint paint;
+    paintAt(loadLanes(window.x + at), loadLanes(window.y + at), disc, constants.rm,
+            constants.radius, 1.0F / disc.sigma, paint);
+    const LaneMask some = loadLanes(window.value + at) != kNoPixel;
+    const Lanes lightness = kUsualRatio + (1 - kUsualRatio) * paint.share;
+    storeLanes(window.light + at, some ? lightness : Lanes{});
+  }
   // How bright the whole window is grows with the white level, as far as not all of it is full.
-  const auto expected = [&](float white) LAB_INLINE_LAMBDA {
-    Lanes sum = {};
-    for (int at = 0; at < window.count; at += kLanes) {
-      Paint paint;
-      paintAt(loadLanes(window.x + at), loadLanes(window.y + at), disc, constants.rm,
-              constants.radius, 1.0F / disc.sigma, paint);
-      const Lanes signal = atMost(white * (kUsualRatio + (1 - kUsualRatio) * paint.share), most);
-      sum += loadLanes(window.value + at) != kNoPixel ? signal : Lanes{};
-    }
-    return total(sum);
-  };
   float low = most;
   float high = kBrightest * most;
   for (int i = 0; i < kHalvings; ++i) {
     const float middle = 0.5F * (low + high);
-    (expected(middle) < total(seen) ? low : high) = middle;
+    Lanes expected = {};
+    for (int at = 0; at < window.count; at += kLanes) {
+      expected += atMost(middle * loadLanes(window.light + at), most);
+    }
+    (total(expected) < total(seen) ? low : high) = middle;
   }
   disc.white = 0.5F * (low + high);
   disc.ratio = kUsualRatio;

@@ -11,6 +11,7 @@ namespace lab::tracker::fit {
 ///
 /// Full pixels do not count in a fit, so nothing holds its white level but the slope of the
 /// outline, which asks for a start on the right side of full.
-void startBeyondFull(const Window& window, const Constants& constants, Disc& disc);
+/// @param window whose light is written over
+void startBeyondFull(Window& window, const Constants& constants, Disc& disc);
 
 }  // namespace lab::tracker::fit

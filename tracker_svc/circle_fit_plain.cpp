@@ -22,6 +22,8 @@ constexpr int kMostMoves = 8;          // over the grid
 constexpr double kSettled = 0.06;      // [px] a last step of the whole disc is shorter
 constexpr double kSettledBlur = 0.15;  // [1] and changes the blur by less
 constexpr double kSettledScale = 0.03;
+constexpr double kSettledFull = 0.1;    // [1] of those where some pixels are full
+constexpr double kSettledWhite = 0.01;  // [1] and changes the white level by less
 constexpr float kRoughCutoff = 0.3F;  // [1] of the white level, as kCutoff while the disc is rough
 constexpr float kLeastNoise = 0.5F;
 
@@ -228,9 +230,11 @@ Outcome fitPlain(const Task& task, Window& window, const Disc& rough) {
         cutoffAfter(blocks.squares, by, right, pass > 0 ? counts.weight : counts.pixels, pass > 0);
     step(disc, by, task.sigma);
     // Full pixels move in and out of what is known while the white level is found.
-    if (by[kX] * by[kX] + by[kY] * by[kY] < kSettled * kSettled && counts.full < 0.5 &&
-        std::abs(by[kSigma]) < kSettledBlur * static_cast<double>(disc.sigma) &&
-        std::abs(by[kScale]) < kSettledScale) {
+    const double strict = counts.full < 0.5 ? 1 : kSettledFull;
+    if (by[kX] * by[kX] + by[kY] * by[kY] < strict * strict * kSettled * kSettled &&
+        std::abs(by[kSigma]) < strict * kSettledBlur * static_cast<double>(disc.sigma) &&
+        std::abs(by[kScale]) < strict * kSettledScale &&
+        (strict == 1 || std::abs(by[kWhite]) < kSettledWhite * static_cast<double>(disc.white))) {
       break;
     }
   }
