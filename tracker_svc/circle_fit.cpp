@@ -16,6 +16,7 @@ using fit::Task;
 using fit::Window;
 
 constexpr double kMostWay = 0.5;     // [radius] from the start
+constexpr double kMostWayLit = 1;    // [radius] and with light edges, which lead the search astray
 constexpr double kMostError = 0.08;  // [radius] standard error of the centre, by x or y
 // [1] dark / white: black paint on white has 0.08, with glare over both of them more
 constexpr float kMostRatio = 0.3F;
@@ -184,7 +185,7 @@ CircleFit fitCircle(const optics::GreyView& picture, optics::Pixel start, const 
   out.glare = !out.edge && mayBeGlare(best, out.fault, task.constants);
   const double way_x = best.x - start.x;
   const double way_y = best.y - start.y;
-  const double most = kMostWay * radius;
+  const double most = (out.edge ? kMostWayLit : kMostWay) * radius;
   if (way_x * way_x + way_y * way_y > most * most) {
     out.fault = FitFault::kDiverged;
     out.glare = false;

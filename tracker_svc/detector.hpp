@@ -100,6 +100,11 @@ class Detector {
     std::array<double, 3> covariance{};  // [m^2] xx, xy, yy
   };
 
+  struct Partner {
+    double theta = 0;  // [rad] from the small one to the big one
+    float score = 0;   // [1] rim times darkness
+  };
+
   struct Rescued {
     std::size_t expected;  // index
     Detection pose;
@@ -120,10 +125,15 @@ class Detector {
   /// The directions in which the other circle of a cap may be: it is dark there, and a rim is
   /// around both.
   /// @param step every so many headings are tried
-  /// @return [rad] from the small one to the big one, the best first
-  [[nodiscard]] std::vector<double> partnersOf(const optics::GreyView& picture,
-                                               optics::Place circle, bool big,
-                                               std::size_t step) const;
+  /// @return the best first
+  [[nodiscard]] std::vector<Partner> partnersOf(const optics::GreyView& picture,
+                                                optics::Place circle, bool big,
+                                                std::size_t step) const;
+  /// Whether it is as dark inside of a circle there as paint is.
+  [[nodiscard]] bool isBlack(const optics::GreyView& picture, optics::Pixel at, bool big) const;
+  /// The place beside a rough one that has the best partner.
+  [[nodiscard]] std::optional<optics::Place> placeAside(const optics::GreyView& picture,
+                                                        optics::Place rough, bool big) const;
   /// @return how many circles were fitted in vain
   int coupleBeside(const optics::GreyView& picture, int spot, bool big, double theta,
                    std::vector<Rejection>* rejected);

@@ -19,6 +19,8 @@ constexpr int kMostPartners = 2;    // a neighbour or a shadow may look more lik
 constexpr int kBesideIt = 10;       // headings that are the same one
 constexpr std::size_t kRough = 2;   // every second at first
 constexpr double kSure = 4;         // [standard errors] of a rim: the best of many is taken
+constexpr double kAside = 0.8;         // [radii]
+constexpr int kDirectionsAside = 8;
 constexpr float kDark = 0.9F;       // [1] of the white around it is left inside: light on top
 constexpr float kBlack = 0.5F;      // [1] and without
 constexpr double kAgain = 0.1;      // [small radii] between two that are the same
@@ -139,38 +141,68 @@ void Detector::lookBeside(const optics::GreyView& picture, std::vector<Rejection
   int hints = kMostHints;
   int in_vain = 0;
   const std::size_t known = spots_.size();
-  for (std::size_t i = 0; i < known; ++i) {
-    for (const bool big : {true, false}) {
-      const Spot spot = spots_[i];
-      // White that is full may be brighter than it says, and the circle larger than it looks.
-      const bool full = spot.white + static_cast<float>(imaging_.black) >= kFull;
-      if (taken_[i] != 0 || !(big ? spot.can_be_big || full : spot.can_be_small)) continue;
-      const optics::Pixel at{static_cast<double>(spot.x), static_cast<double>(spot.y)};
-      const auto radius = static_cast<float>(big ? cap_.big_radius : cap_.small_radius);
-      const float mean = scale_.at(at.x, at.y).mean;
-      if (leftInside(picture, spot.x, spot.y, radius * mean, imaging_) > kBlack) continue;
-      const std::optional<optics::Place> rough = camera_.toPlane(at, cap_.height);
-      if (!rough || isByCap(*rough) || !isNew(*rough, big)) continue;
-      if (hints-- == 0) return;
-      done.push_back({*rough, big});
-      if (partnersOf(picture, *rough, big, kRough).empty()) continue;
-      if (in_vain >= kMostInVain) return;
-      const Circle& circle = fit(picture, static_cast<int>(i), big);
-      ++in_vain;
-      if (circle.fit.fault != FitFault::kNone || isByCap(circle.place)) continue;
-      const optics::Place place = circle.place;
-      for (const double theta : partnersOf(picture, place, big, 1)) {
-        in_vain += coupleBeside(picture, static_cast<int>(i), big, theta, rejected);
-        if (taken_[i] == 0) continue;
-        --in_vain;
-        break;
+  for (const bool aside : {false, true}) {  // what is found at once needs not be looked for
+    done.clear();
+    for (std::size_t i = 0; i < known; ++i) {
+      for (const bool big : {true, false}) {
+        const Spot spot = spots_[i];
+        // White that is full may be brighter than it says, and the circle larger than it looks.
+        const bool full = spot.white + static_cast<float>(imaging_.black) >= kFull;
+        if (taken_[i] != 0 || !(big ? spot.can_be_big || full : spot.can_be_small)) continue;
+        const optics::Pixel at{static_cast<double>(spot.x), static_cast<double>(spot.y)};
+        if (!aside && !isBlack(picture, at, big)) continue;
+        const std::optional<optics::Place> rough = camera_.toPlane(at, cap_.height);
+        if (!rough || isByCap(*rough) || !isNew(*rough, big)) continue;
+        if (hints-- == 0 || in_vain >= kMostInVain) return;
+        done.push_back({*rough, big});
+        const std::optional<optics::Place> begin =
+            aside ? placeAside(picture, *rough, big)
+                  : partnersOf(picture, *rough, big, kRough).empty() ? std::nullopt : rough;
+        if (!begin) continue;
+        const Circle& circle = fitFrom(
+            picture, camera_.project(begin->x, begin->y, cap_.height), static_cast<int>(i), big);
+        ++in_vain;
+        if (circle.fit.fault != FitFault::kNone || isByCap(circle.place)) continue;
+        const optics::Place place = circle.place;
+        for (const Partner& partner : partnersOf(picture, place, big, 1)) {
+          in_vain += coupleBeside(picture, static_cast<int>(i), big, partner.theta, rejected);
+          if (taken_[i] == 0) continue;
+          --in_vain;
+          break;
+        }
       }
     }
   }
 }
 
-std::vector<double> Detector::partnersOf(const optics::GreyView& picture, optics::Place circle,
-                                         bool big, std::size_t step) const {
+bool Detector::isBlack(const optics::GreyView& picture, optics::Pixel at, bool big) const {
+  const float radius = static_cast<float>(big ? cap_.big_radius : cap_.small_radius) *
+                       scale_.at(at.x, at.y).mean;
+  return leftInside(picture, static_cast<float>(at.x), static_cast<float>(at.y), radius,
+                    imaging_) <= kBlack;
+}
+
+// A light edge may have led the search astray by nearly a radius.
+std::optional<optics::Place> Detector::placeAside(const optics::GreyView& picture,
+                                                  optics::Place rough, bool big) const {
+  const double away = kAside * (big ? cap_.big_radius : cap_.small_radius);
+  std::optional<optics::Place> best;
+  float most = 0;
+  for (int i = 0; i < kDirectionsAside; ++i) {
+    const double angle = 2 * std::numbers::pi * i / kDirectionsAside;
+    const optics::Place place{rough.x + away * std::cos(angle), rough.y + away * std::sin(angle)};
+    if (!isBlack(picture, camera_.project(place.x, place.y, cap_.height), big)) continue;
+    const std::vector<Partner> partners = partnersOf(picture, place, big, kRough);
+    if (partners.empty() || partners[0].score <= most) continue;
+    most = partners[0].score;
+    best = place;
+  }
+  return best;
+}
+
+std::vector<Detector::Partner> Detector::partnersOf(const optics::GreyView& picture,
+                                                    optics::Place circle, bool big,
+                                                    std::size_t step) const {
   const double offset = big ? cap_.big_offset : cap_.small_offset;
   const double apart = (big ? cap_.small_offset : cap_.big_offset) - offset;
   const auto radius = static_cast<float>(big ? cap_.small_radius : cap_.big_radius);
@@ -199,12 +231,12 @@ std::vector<double> Detector::partnersOf(const optics::GreyView& picture, optics
                                   step > 1 ? RimLook::kRough : RimLook::kAll, kBeyondFull);
     if (rim >= kLeastRim) score[i] = rim * (1 - left);
   }
-  std::vector<double> best;
+  std::vector<Partner> best;
   for (int n = 0; n < kMostPartners; ++n) {
     const auto top = std::max_element(score.begin(), score.end());
     if (*top <= 0) break;
     const auto heading = static_cast<int>(top - score.begin());
-    best.push_back(angleOf(heading));
+    best.push_back({angleOf(heading), *top});
     for (int off = -kBesideIt; off <= kBesideIt; ++off) {
       score[static_cast<std::size_t>((heading + off + kHeadings) % kHeadings)] = 0;
     }
