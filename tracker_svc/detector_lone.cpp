@@ -19,6 +19,7 @@ constexpr int kMostPartners = 2;    // a neighbour or a shadow may look more lik
 constexpr int kBesideIt = 10;       // headings that are the same one
 constexpr std::size_t kRough = 2;   // every second at first
 constexpr double kSure = 4;         // [standard errors] of a rim: the best of many is taken
+constexpr int kMostAside = 8;          // of them beside spots that may be off
 constexpr double kAside = 0.8;         // [radii]
 constexpr int kDirectionsAside = 8;
 constexpr float kDark = 0.9F;       // [1] of the white around it is left inside: light on top
@@ -142,6 +143,10 @@ void Detector::lookBeside(const optics::GreyView& picture, std::vector<Rejection
   int in_vain = 0;
   const std::size_t known = spots_.size();
   for (const bool aside : {false, true}) {  // what is found at once needs not be looked for
+    // Even light leads nothing astray.
+    const auto crossed = [](const Detection& cap) { return (cap.used & kUsedEdge) != 0; };
+    if (aside && !seen_.empty() && std::ranges::none_of(seen_, crossed)) return;
+    const int most_in_vain = aside ? std::min(in_vain + kMostAside, kMostInVain) : kMostInVain;
     done.clear();
     for (std::size_t i = 0; i < known; ++i) {
       for (const bool big : {true, false}) {
@@ -153,19 +158,22 @@ void Detector::lookBeside(const optics::GreyView& picture, std::vector<Rejection
         if (!aside && !isBlack(picture, at, big)) continue;
         const std::optional<optics::Place> rough = camera_.toPlane(at, cap_.height);
         if (!rough || isByCap(*rough) || !isNew(*rough, big)) continue;
-        if (hints-- == 0 || in_vain >= kMostInVain) return;
+        if (hints-- == 0) return;
+        if (in_vain >= most_in_vain) break;
         done.push_back({*rough, big});
         const std::optional<optics::Place> begin =
             aside ? placeAside(picture, *rough, big)
                   : partnersOf(picture, *rough, big, kRough).empty() ? std::nullopt : rough;
         if (!begin) continue;
-        const Circle& circle = fitFrom(
-            picture, camera_.project(begin->x, begin->y, cap_.height), static_cast<int>(i), big);
+        const int one = static_cast<int>(i);
+        const Circle& circle =
+            aside ? fitFrom(picture, camera_.project(begin->x, begin->y, cap_.height), one, big)
+                  : fit(picture, one, big);
         ++in_vain;
         if (circle.fit.fault != FitFault::kNone || isByCap(circle.place)) continue;
         const optics::Place place = circle.place;
         for (const Partner& partner : partnersOf(picture, place, big, 1)) {
-          in_vain += coupleBeside(picture, static_cast<int>(i), big, partner.theta, rejected);
+          in_vain += coupleBeside(picture, one, big, partner.theta, rejected);
           if (taken_[i] == 0) continue;
           --in_vain;
           break;
