@@ -19,7 +19,8 @@ constexpr int kMostPartners = 2;    // a neighbour or a shadow may look more lik
 constexpr int kBesideIt = 10;       // headings that are the same one
 constexpr std::size_t kRough = 2;   // every second at first
 constexpr double kSure = 4;         // [standard errors] of a rim: the best of many is taken
-constexpr int kMostAside = 8;          // of them beside spots that may be off
+constexpr int kMostAside = 4;          // of them beside spots that may be off
+constexpr float kScoreAside = 0.15F;   // [1] rim times darkness there, at least
 constexpr double kAside = 0.8;         // [radii]
 constexpr int kDirectionsAside = 8;
 constexpr float kDark = 0.9F;       // [1] of the white around it is left inside: light on top
@@ -195,7 +196,7 @@ std::optional<optics::Place> Detector::placeAside(const optics::GreyView& pictur
                                                   optics::Place rough, bool big) const {
   const double away = kAside * (big ? cap_.big_radius : cap_.small_radius);
   std::optional<optics::Place> best;
-  float most = 0;
+  float most = kScoreAside;
   for (int i = 0; i < kDirectionsAside; ++i) {
     const double angle = 2 * std::numbers::pi * i / kDirectionsAside;
     const optics::Place place{rough.x + away * std::cos(angle), rough.y + away * std::sin(angle)};
