@@ -89,12 +89,12 @@ constexpr double weightOf(double spread) { return 1 / (spread * spread); }
 std::array<Known, 5> knownOf(const Disc& disc, float sigma, double full) {
   const double slope = weightOf(kSlopeSpread * std::max(1.0, static_cast<double>(disc.white)) /
                                 (1 + kFullSlope * full));
-  const double shape = 1 + kFullShape * full;
+  const double shape = (1 + kFullShape * full) * (1 + kFullShape * full);
   const auto off = [](float v) { return static_cast<double>(v); };
   return {{{kSlopeX, off(-disc.slope_x), slope},
            {kSlopeY, off(-disc.slope_y), slope},
-           {kScale, off(1.0F - disc.scale), weightOf(kScaleSpread / shape)},
-           {kRatio, off(kUsualRatio - disc.ratio), weightOf(kRatioSpread / shape)},
+           {kScale, off(1.0F - disc.scale), shape * weightOf(kScaleSpread)},
+           {kRatio, off(kUsualRatio - disc.ratio), shape * weightOf(kRatioSpread)},
            {kSigma, off(sigma - disc.sigma), weightOf(kSigmaSpread * static_cast<double>(sigma))}}};
 }
 
