@@ -167,11 +167,19 @@ void Detector::lookBeside(const optics::GreyView& picture, std::vector<Rejection
                   : partnersOf(picture, *rough, big, kRough).empty() ? std::nullopt : rough;
         if (!begin) continue;
         const int one = static_cast<int>(i);
+        const Circle before = circleOf(one, big);
+        // What was tried beside a spot says nothing of the spot.
+        const auto putBack = [&] {
+          if (aside && taken_[i] == 0) circleOf(one, big) = before;
+        };
         const Circle& circle =
             aside ? fitFrom(picture, camera_.project(begin->x, begin->y, cap_.height), one, big)
                   : fit(picture, one, big);
         ++in_vain;
-        if (circle.fit.fault != FitFault::kNone || isByCap(circle.place)) continue;
+        if (circle.fit.fault != FitFault::kNone || isByCap(circle.place)) {
+          putBack();
+          continue;
+        }
         const optics::Place place = circle.place;
         for (const Partner& partner : partnersOf(picture, place, big, 1)) {
           in_vain += coupleBeside(picture, one, big, partner.theta, rejected);
@@ -179,6 +187,7 @@ void Detector::lookBeside(const optics::GreyView& picture, std::vector<Rejection
           --in_vain;
           break;
         }
+        putBack();
       }
     }
   }
