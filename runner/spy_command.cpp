@@ -38,13 +38,13 @@ class Spy {
     bus_.subscribeAll([this](const Packet& packet) { take(packet); });
   }
 
-  void execute(const std::optional<double>& seconds) {
+  void execute(const std::optional<double>& longest_s) {
     loop_.onReadable(bus_.fileDescriptor(), [this] { bus_.drain(); });
     loop_.onSignals({SIGINT, SIGTERM}, [this](int) { loop_.stop(); });
     const std::int64_t start = loop_.now();
     last_show_utime_ = start;
     loop_.every(kShow_us, start + kShow_us, [this] { show(); });
-    if (seconds) loop_.at(start + units::microseconds(*seconds) + 1, [this] { loop_.stop(); });
+    if (longest_s) loop_.at(start + units::microseconds(*longest_s) + 1, [this] { loop_.stop(); });
     loop_.run();
   }
 
