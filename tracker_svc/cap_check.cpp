@@ -10,6 +10,8 @@
 #include <numbers>
 #include <numeric>
 
+#include "tracker_svc/full_pixels.hpp"
+
 namespace lab::tracker {
 namespace {
 
@@ -18,8 +20,6 @@ constexpr std::size_t kRoughDirections = 8;
 constexpr std::array<float, 2> kInside = {-0.0045F, -0.0025F};  // [m] from the rim
 constexpr std::array<float, 2> kAtRim = {0.0005F, 0.0014F};     // [m]
 
-constexpr float kFull = 253;  // [DN] brighter than the camera can say, or nearly so
-constexpr float kNearlyFull = 240;  // [DN] no full pixel reads less, with noise
 constexpr std::size_t kLeastKnown = 3;  // one in so many directions must show no full pixel
 
 constexpr float kFaintLight = 8;  // [read noise] of a cap at which single pixels say nothing

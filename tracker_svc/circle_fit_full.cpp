@@ -3,13 +3,12 @@
 #include <algorithm>
 
 #include "tracker_svc/circle_fit_lanes.hpp"
+#include "tracker_svc/full_pixels.hpp"
 
 namespace lab::tracker::fit {
 namespace {
 
-constexpr float kMostDN = 255;
 constexpr double kManyFull = 0.2;     // [1] of the pixels
-constexpr float kUsualRatio = 0.08F;  // [1] dark / white
 constexpr float kBrightest = 6;       // [1] of what the camera can say
 constexpr int kHalvings = 10;
 

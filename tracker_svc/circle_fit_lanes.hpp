@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "tracker_svc/circle_fit_model.hpp"
+#include "tracker_svc/full_pixels.hpp"
 
 #define LAB_INLINE __attribute__((always_inline)) inline
 #define LAB_INLINE_LAMBDA __attribute__((always_inline))
@@ -191,9 +192,6 @@ LAB_INLINE void paintAt(const Lanes& x, const Lanes& y, const Disc& disc, const 
   wayAt(x, y, disc, rm, outline, over_sigma, paint);
   edgeProfile(paint.z, paint.share, paint.slope);
 }
-
-constexpr float kFull = 253.0F;        // [DN] expected above: clipped, or nearly so
-constexpr float kNearlyFull = 240.0F;  // [DN] a clipped pixel never reads less, with noise
 
 /// How far a residual is believed: 1 where it is small, 0 beyond the cutoff.
 LAB_INLINE Lanes beliefOf(const Lanes& square, float over_cutoff) {

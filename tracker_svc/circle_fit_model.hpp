@@ -22,6 +22,8 @@ enum Unknown : std::size_t { kX, kY, kSlopeX, kSlopeY, kWhite, kScale, kRatio, k
 constexpr std::size_t kUnknowns = 8;
 constexpr std::size_t kBlock = 4;
 
+constexpr float kUsualRatio = 0.08F;  ///< [1] dark / white, of black paint on white
+
 /// Residuals count fully in the cost while they are small against this [expected deviations].
 constexpr float kLimit = 15;
 

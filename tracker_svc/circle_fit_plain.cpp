@@ -36,7 +36,6 @@ constexpr double kScatterLoss = 1.5;
 // Weak knowledge that keeps a fit to something else, or to an overexposed circle, finite.
 constexpr double kScaleSpread = 0.1;
 constexpr double kRatioSpread = 0.15;
-constexpr float kUsualRatio = 0.08F;
 constexpr double kSlopeSpread = 0.02;  // [1/px] of the white level
 // [1] how much less where every pixel is full: no slope can be seen there, and what lens and
 // projector do over a whole picture is a few ten-thousandths a pixel

@@ -4,12 +4,13 @@
 #include <array>
 #include <cmath>
 
+#include "tracker_svc/full_pixels.hpp"
+
 namespace lab::tracker::fit {
 namespace {
 
 constexpr float kClear = 1.2F;  // [sigma] from the outline: paint and white are not mixed there
 constexpr float kBand = 1.5F;   // [px] wide
-constexpr float kMostDN = 255;
 constexpr float kMostRatio = 0.6F;
 constexpr float kSure = 2.5F;   // [standard errors]
 constexpr int kLeastWhite = 5;  // at most one in so many pixels outside is dark: holes and rims are

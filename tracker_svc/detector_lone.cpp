@@ -10,6 +10,7 @@
 
 #include "tracker_svc/cap_check.hpp"
 #include "tracker_svc/detector.hpp"
+#include "tracker_svc/full_pixels.hpp"
 
 namespace lab::tracker {
 namespace {
@@ -35,7 +36,6 @@ constexpr int kMostHints = 300;  // lone circles whose partner is looked for
 constexpr int kMostInVain = 40;
 // [m] of the spacing: chosen among many, so no more than a camera that is 2.5 % off
 constexpr double kMostOff = 0.0009;
-constexpr float kFull = 253;        // [DN] or nearly so
 constexpr float kAway = 1.4F;       // [radii] where white is looked for around a circle
 constexpr float kCore = 0.35F;      // [radii] inside, whatever the heading's error
 // [rad] beside the heading: what is looked at is sure to a millimetre or two
