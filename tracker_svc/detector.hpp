@@ -122,6 +122,13 @@ class Detector {
   /// For circles that are left alone, some hundred of them at most: their partners, where the rim
   /// says that they are.
   void lookBeside(const optics::GreyView& picture, std::vector<Rejection>* rejected);
+  /// Whether a cap that is known leaves no room for another one there.
+  [[nodiscard]] bool isByCap(optics::Place place) const;
+  /// A lone spot's circle, and partners for it.
+  /// @param aside where it may be instead
+  /// @return how many circles were fitted in vain
+  int tryLone(const optics::GreyView& picture, int spot, bool big,
+              const std::optional<optics::Place>& aside, std::vector<Rejection>* rejected);
   /// The directions in which the other circle of a cap may be: it is dark there, and a rim is
   /// around both.
   /// @param step every so many headings are tried

@@ -135,11 +135,6 @@ void Detector::lookBeside(const optics::GreyView& picture, std::vector<Rejection
       return big == other.big && distance(place, other.place) < kAgain * cap_.small_radius;
     });
   };
-  const auto isByCap = [&, least = alone()](const optics::Place& place) {
-    return std::ranges::any_of(seen_, [&](const Detection& cap) {
-      return distance(place, {cap.x, cap.y}) < least;
-    });
-  };
   int hints = kMostHints;
   int in_vain = 0;
   const std::size_t known = spots_.size();
@@ -162,35 +157,42 @@ void Detector::lookBeside(const optics::GreyView& picture, std::vector<Rejection
         if (hints-- == 0) return;
         if (in_vain >= most_in_vain) break;
         done.push_back({*rough, big});
-        const std::optional<optics::Place> begin =
-            aside ? placeAside(picture, *rough, big)
-                  : partnersOf(picture, *rough, big, kRough).empty() ? std::nullopt : rough;
-        if (!begin) continue;
-        const int one = static_cast<int>(i);
-        const Circle before = circleOf(one, big);
-        // What was tried beside a spot says nothing of the spot.
-        const auto putBack = [&] {
-          if (aside && taken_[i] == 0) circleOf(one, big) = before;
-        };
-        const Circle& circle =
-            aside ? fitFrom(picture, camera_.project(begin->x, begin->y, cap_.height), one, big)
-                  : fit(picture, one, big);
-        ++in_vain;
-        if (circle.fit.fault != FitFault::kNone || isByCap(circle.place)) {
-          putBack();
+        std::optional<optics::Place> begin;
+        if (aside) {
+          begin = placeAside(picture, *rough, big);
+          if (!begin) continue;
+        } else if (partnersOf(picture, *rough, big, kRough).empty()) {
           continue;
         }
-        const optics::Place place = circle.place;
-        for (const Partner& partner : partnersOf(picture, place, big, 1)) {
-          in_vain += coupleBeside(picture, one, big, partner.theta, rejected);
-          if (taken_[i] == 0) continue;
-          --in_vain;
-          break;
-        }
-        putBack();
+        in_vain += tryLone(picture, static_cast<int>(i), big, begin, rejected);
       }
     }
   }
+}
+
+bool Detector::isByCap(optics::Place place) const {
+  return std::ranges::any_of(seen_, [&, least = alone()](const Detection& cap) {
+    return distance(place, {cap.x, cap.y}) < least;
+  });
+}
+
+int Detector::tryLone(const optics::GreyView& picture, int spot, bool big,
+                      const std::optional<optics::Place>& aside,
+                      std::vector<Rejection>* rejected) {
+  const Circle before = circleOf(spot, big);
+  const Circle& circle =
+      aside ? fitFrom(picture, camera_.project(aside->x, aside->y, cap_.height), spot, big)
+            : fit(picture, spot, big);
+  int in_vain = 1;
+  if (circle.fit.fault == FitFault::kNone && !isByCap(circle.place)) {
+    for (const Partner& partner : partnersOf(picture, circle.place, big, 1)) {
+      in_vain += coupleBeside(picture, spot, big, partner.theta, rejected);
+      if (taken_[static_cast<std::size_t>(spot)] != 0) return in_vain - 1;
+    }
+  }
+  // What was tried beside a spot says nothing of the spot.
+  if (aside) circleOf(spot, big) = before;
+  return in_vain;
 }
 
 bool Detector::isBlack(const optics::GreyView& picture, optics::Pixel at, bool big) const {
