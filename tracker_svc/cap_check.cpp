@@ -20,7 +20,7 @@ constexpr std::size_t kRoughDirections = 8;
 constexpr std::array<float, 2> kInside = {-0.0045F, -0.0025F};  // [m] from the rim
 constexpr std::array<float, 2> kAtRim = {0.0005F, 0.0014F};     // [m]
 
-constexpr std::size_t kLeastKnown = 3;  // one in so many directions must show no full pixel
+constexpr std::size_t kLeastKnown = 3;  // one in so many directions must not be full all along
 
 constexpr float kFaintLight = 8;  // [read noise] of a cap at which single pixels say nothing
 

@@ -50,7 +50,7 @@ LAB_INLINE Lanes numbers(const std::uint8_t* bytes) {
   const Quads all = Quads{} + eight;
   LaneMask words;
   __builtin_memcpy(&words, &all, sizeof words);
-  words = __builtin_shuffle(words, LaneMask{0, 0, 0, 0, 1, 1, 1, 1});
+  words = __builtin_shufflevector(words, words, 0, 0, 0, 0, 1, 1, 1, 1);
   constexpr LaneMask kShifts = {0, 8, 16, 24, 0, 8, 16, 24};
   return __builtin_convertvector((words >> kShifts) & 255, Lanes);
 }

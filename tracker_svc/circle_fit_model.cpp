@@ -1,5 +1,7 @@
 #include "tracker_svc/circle_fit_model.hpp"
 
+#include <algorithm>
+
 #include "tracker_svc/circle_fit_lanes.hpp"
 
 namespace lab::tracker::fit {
@@ -131,7 +133,7 @@ __attribute__((target_clones("avx2", "default"))) void sumBlocks(Window& window,
   Lanes rights[kUnknowns];
 #pragma GCC unroll 8
   for (Lanes& sum : rights) sum = Lanes{};
-  const int plain = window.plain ? window.count - kLanes : 0;
+  const int plain = window.plain ? std::max(window.count - kLanes, 0) : 0;
   for (int at = 0; at < window.count; at += kLanes) placeEight(window, at, pass);
   for (int at = 0; at < window.count; at += kLanes) paintEight(window, at, pass);
   int at = 0;

@@ -83,8 +83,8 @@ struct Known {
 
 constexpr double weightOf(double spread) { return 1 / (spread * spread); }
 
-// @param full share of the pixels that are full: they say that the light is even, as far as anybody
-//   can see
+// @param full pixels that are full, for each that is not: they say that the light is even, as far
+//   as anybody can see
 std::array<Known, 5> knownOf(const Disc& disc, float sigma, double full) {
   const double slope = weightOf(kSlopeSpread * std::max(1.0, static_cast<double>(disc.white)) /
                                 (1 + kFullSlope * full));

@@ -123,7 +123,8 @@ void Detector::fetch(const optics::GreyView& picture, const Expected& expected) 
   for (int y = top; y <= bottom; ++y) {
     const std::uint8_t* from = picture.row(y) + left;
     const std::uint8_t* last = picture.row(y) + right;
-    from -= reinterpret_cast<std::uintptr_t>(from) % kLine;
+    __builtin_prefetch(from);
+    from += kLine - reinterpret_cast<std::uintptr_t>(from) % kLine;
     for (; from <= last; from += kLine) __builtin_prefetch(from);
   }
 }

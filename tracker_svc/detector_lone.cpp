@@ -20,7 +20,8 @@ constexpr int kMostPartners = 2;    // a neighbour or a shadow may look more lik
 constexpr int kBesideIt = 10;       // headings that are the same one
 constexpr std::size_t kRough = 2;   // every second at first
 constexpr double kSure = 4;         // [standard errors] of a rim: the best of many is taken
-constexpr int kMostAside = 4;          // of them beside spots that may be off
+constexpr int kMostInVainAside = 4;    // fits beside spots that may be off, that end in no cap
+constexpr int kMostHintsAside = 60;    // such spots: each is looked at from eight sides
 constexpr float kScoreAside = 0.15F;   // [1] rim times darkness there, at least
 constexpr double kAside = 0.8;         // [radii]
 constexpr int kDirectionsAside = 8;
@@ -142,7 +143,9 @@ void Detector::lookBeside(const optics::GreyView& picture, std::vector<Rejection
     // Even light leads nothing astray.
     const auto crossed = [](const Detection& cap) { return (cap.used & kUsedEdge) != 0; };
     if (aside && !seen_.empty() && std::ranges::none_of(seen_, crossed)) return;
-    const int most_in_vain = aside ? std::min(in_vain + kMostAside, kMostInVain) : kMostInVain;
+    const int most_in_vain =
+        aside ? std::min(in_vain + kMostInVainAside, kMostInVain) : kMostInVain;
+    if (aside) hints = std::min(hints, kMostHintsAside);
     done.clear();
     for (std::size_t i = 0; i < known; ++i) {
       for (const bool big : {true, false}) {
@@ -183,11 +186,12 @@ int Detector::tryLone(const optics::GreyView& picture, int spot, bool big,
   const Circle& circle =
       aside ? fitFrom(picture, camera_.project(aside->x, aside->y, cap_.height), spot, big)
             : fit(picture, spot, big);
+  const std::size_t known = seen_.size();
   int in_vain = 1;
   if (circle.fit.fault == FitFault::kNone && !isByCap(circle.place)) {
     for (const Partner& partner : partnersOf(picture, circle.place, big, 1)) {
       in_vain += coupleBeside(picture, spot, big, partner.theta, rejected);
-      if (taken_[static_cast<std::size_t>(spot)] != 0) return in_vain - 1;
+      if (seen_.size() > known) return in_vain - 1;
     }
   }
   // What was tried beside a spot says nothing of the spot.
@@ -293,6 +297,7 @@ int Detector::coupleBeside(const optics::GreyView& picture, int spot, bool big, 
       couples_.assign(1, couple);
       settleCouples(picture, rejected);
       if (seen_.size() > before) return fits - 1;
+      taken_[static_cast<std::size_t>(spot)] = 0;
     }
     spots_.pop_back();
     circles_.resize(2 * spots_.size());

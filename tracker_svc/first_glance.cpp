@@ -103,7 +103,8 @@ __attribute__((target_clones("avx2", "default"))) void FirstGlance::compare(
   const Bytes little =
       Bytes{} + static_cast<std::uint8_t>(std::min(levels.black + kLittle * levels.faint, 255));
   const Bytes clear = Bytes{} + static_cast<std::uint8_t>(std::max(levels.clear, 0));
-  const Bytes lift = Bytes{} + static_cast<std::uint8_t>((std::max(-levels.clear, 0) + 1) / 2);
+  const auto up = static_cast<std::uint8_t>((std::max(-levels.clear, 0) + 1) / 2);
+  const Bytes lift = Bytes{} + up;
   const Bytes most = Bytes{} + levels.most;
   const Bytes black = Bytes{} + levels.black;
   for (int cell = top; cell <= bottom; ++cell) {
