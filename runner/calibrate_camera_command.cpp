@@ -117,20 +117,30 @@ std::vector<optics::GreyImage> firstPictures(const std::string& source, CameraSi
   return pictures;
 }
 
-/// The caps of the whole film, as they are found with this camera.
-std::vector<calibration::CapSight> capsOf(const std::string& source,
-                                          const optics::CameraParameters& camera,
-                                          const optics::CapGeometry& cap) {
+/// What a calibration is made of.
+struct Calibrated {
+  CameraFit fit;
+  std::optional<double> blur;  // [px]
+};
+
+/// The caps of the whole film go into the sights, as they are found with this camera, of this blur
+/// if it is known.
+/// @return the blur that they have
+std::optional<double> findCaps(const std::string& source, const optics::CameraParameters& camera,
+                               std::optional<double> blur, CameraSights& sights) {
   const std::unique_ptr<FilmReader> film = openFilm(source);
   const std::int64_t every = std::max<std::int64_t>(1, film->length() / kMostFrames);
-  CapGathering gathering(camera, cap);
+  optics::Imaging imaging;
+  imaging.blur = blur.value_or(imaging.blur);
+  CapGathering gathering(camera, sights.cap, imaging);
   FilmProgress progress(film->length());
   CameraFrame frame;
   for (std::int64_t i = 0; film->next(frame); ++i) {
     if (i % every == 0) gathering.take(frame.grey);
     progress.show(i + 1);
   }
-  return gathering.caps();
+  sights.caps = gathering.caps();
+  return gathering.blur();
 }
 
 calibration::BoardSpec boardOf(const CalibrateCameraOptions& options) {
@@ -165,37 +175,39 @@ void findBoards(const CalibrateCameraOptions& options, CameraSights& sights) {
 }
 
 /// With a board: caps, where there is a film of them, make the pose more certain.
-CameraFit calibrateWithBoards(const CalibrateCameraOptions& options, CameraSights& sights) {
+Calibrated calibrateWithBoards(const CalibrateCameraOptions& options, CameraSights& sights) {
   findBoards(options, sights);
   const CameraFit fit = calibration::fitCamera(sights);
-  if (options.source.empty() || !(fit.camera.fx > 0)) return fit;
+  if (options.source.empty() || !(fit.camera.fx > 0)) return {fit, {}};
   static_cast<void>(firstPictures(options.source, sights));
-  sights.caps = capsOf(options.source, fit.camera, sights.cap);
-  return calibration::fitCamera(sights, fit.camera);
+  const std::optional<double> blur = findCaps(options.source, fit.camera, {}, sights);
+  return {calibration::fitCamera(sights, fit.camera), blur};
 }
 
-CameraFit calibrate(const CalibrateCameraOptions& options, CameraSights& sights) {
+Calibrated calibrate(const CalibrateCameraOptions& options, CameraSights& sights) {
   if (!options.board_pictures.empty()) return calibrateWithBoards(options, sights);
   const std::vector<optics::GreyImage> pictures = firstPictures(options.source, sights);
-  CameraFit fit;
+  Calibrated out;
+  CameraFit& fit = out.fit;
   fit.refusal = calibration::cornerFault(sights.corners, sights.width, sights.height,
                                          sights.arena_width, sights.arena_height);
-  if (!fit.refusal.empty()) return fit;
+  if (!fit.refusal.empty()) return out;
   const std::optional<optics::CameraParameters> camera = roughCamera(sights, pictures);
   if (!camera) {
     fit.refusal = "found no cap in any of the pictures looked at: are there robots in it, are the "
                   "corners right, and --arena-cm, --spacing-cm, --cap-height-cm?";
-    return fit;
+    return out;
   }
   // Once with the first idea, with which caps may be missed where the lens bends most, and once more
   // with what came out.
   calibration::CameraFitLimits anywhere;
   anywhere.caps_in_part = 0;
-  sights.caps = capsOf(options.source, *camera, sights.cap);
+  out.blur = findCaps(options.source, *camera, {}, sights);
   fit = calibration::fitCamera(sights, camera, anywhere);
-  if (!(fit.camera.fx > 0)) return fit;
-  sights.caps = capsOf(options.source, fit.camera, sights.cap);
-  return calibration::fitCamera(sights, fit.camera);
+  if (!(fit.camera.fx > 0)) return out;
+  out.blur = findCaps(options.source, fit.camera, out.blur, sights);
+  fit = calibration::fitCamera(sights, fit.camera);
+  return out;
 }
 
 void writeWhole(const fs::path& path, const std::string& text) {
@@ -244,7 +256,9 @@ ExitCode calibrateCamera(const CalibrateCameraOptions& options) {
                     "robots, pictures of a board, or both");
   }
   CameraSights sights = sightsFor(options);
-  const CameraFit fit = calibrate(options, sights);
+  const Calibrated found = calibrate(options, sights);
+  const CameraFit& fit = found.fit;
+  if (found.blur) fmt::print("blur      {:.2f} px (standard deviation)\n", *found.blur);
   if (fit.map.rms > 0) fmt::print("{}", calibration::cameraReport(fit));
   if (!fit.refusal.empty()) {
     fmt::print("refused   {}: {}\n",
@@ -257,6 +271,7 @@ ExitCode calibrateCamera(const CalibrateCameraOptions& options) {
   calibration.arena_width = sights.arena_width;
   calibration.arena_height = sights.arena_height;
   calibration.residual = fit.map.rms;
+  if (found.blur) calibration.imaging = optics::Imaging{.blur = *found.blur};
   writeWhole(options.out, cameraFileText(calibration));
   fmt::print("camera    {}\n", options.out.string());
   return kDone;

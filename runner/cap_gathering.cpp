@@ -13,6 +13,7 @@ constexpr double kDistortions[] = {-0.3, -0.24, -0.18, -0.12, -0.06, 0, 0.06};
 constexpr std::size_t kMostCaps = 3000;
 constexpr double kPlace = 0.01;  // [m]
 constexpr int kHeadings = 12;
+constexpr std::size_t kFewestBlurs = 20;
 constexpr double kLeastCapSigma = 0.003;  // [px]
 constexpr double kMostSigma = 0.3;     // [px]
 
@@ -66,8 +67,17 @@ std::optional<optics::CameraParameters> roughCamera(
   return best;
 }
 
-CapGathering::CapGathering(const optics::CameraParameters& camera, const optics::CapGeometry& cap)
-    : detector_(optics::CameraModel(camera), cap) {}
+CapGathering::CapGathering(const optics::CameraParameters& camera, const optics::CapGeometry& cap,
+                           const optics::Imaging& imaging)
+    : detector_(optics::CameraModel(camera), cap, imaging) {}
+
+std::optional<double> CapGathering::blur() const {
+  if (blurs_.size() < kFewestBlurs) return std::nullopt;
+  std::vector<float> sorted = blurs_;
+  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+  std::nth_element(sorted.begin(), middle, sorted.end());
+  return static_cast<double>(*middle);
+}
 
 void CapGathering::take(const optics::GreyView& picture) {
   for (const tracker::Detection& one : detector_.search(picture)) {
@@ -85,6 +95,7 @@ void CapGathering::take(const optics::GreyView& picture) {
     const double per_metre = std::sqrt(std::abs(scale.ux * scale.vy - scale.uy * scale.vx));
     const double sigma = per_metre * std::sqrt(one.covariance[0] + one.covariance[3]);
     caps_.push_back({one.big, one.small, std::clamp(sigma, kLeastCapSigma, kMostSigma)});
+    blurs_.push_back(one.blur);
   }
 }
 

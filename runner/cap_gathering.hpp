@@ -24,16 +24,21 @@ namespace lab::runner {
 /// wrong with their picture stays wrong in every frame.
 class CapGathering {
  public:
-  CapGathering(const optics::CameraParameters& camera, const optics::CapGeometry& cap);
+  CapGathering(const optics::CameraParameters& camera, const optics::CapGeometry& cap,
+               const optics::Imaging& imaging = {});
 
   void take(const optics::GreyView& picture);
 
   [[nodiscard]] const std::vector<calibration::CapSight>& caps() const { return caps_; }
 
+  /// Standard deviation of the point spread [px]: the median over the caps; empty for too few.
+  [[nodiscard]] std::optional<double> blur() const;
+
  private:
   tracker::Detector detector_;
   std::set<std::int64_t> taken_;  // places and headings
   std::vector<calibration::CapSight> caps_;
+  std::vector<float> blurs_;  // [px] of the caps
 };
 
 }  // namespace lab::runner

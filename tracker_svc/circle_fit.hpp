@@ -38,6 +38,7 @@ struct CircleFit {
   float ratio = 0;     ///< [1] dark / white, black level taken off: about 0.08 at any light
   float residual = 0;  ///< [1] root mean square of the residuals over the expected noise
   float scale = 1;     ///< [1] fitted radius over the expected one
+  float blur = 0;      ///< [px] standard deviation of the point spread, pixel box excluded
   bool edge = false;   ///< a light edge crosses the circle and was fitted with it
   /// It is refused, but for nothing that light on top would not do: too little dark or residuals
   /// that go together, where size and contrast are right.

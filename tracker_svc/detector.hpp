@@ -36,6 +36,7 @@ struct Detection {
   std::uint8_t used = 0;
   float spacing = 0;   ///< [m] measured between the two circles, 0: not both were seen
   float white = 0;     ///< [DN] of the cap, black level taken off
+  float blur = 0;      ///< [px] standard deviation of the point spread; 0: not both were seen
   optics::Pixel big;   ///< centres in the picture, as far as seen
   optics::Pixel small;
   optics::Pixel middle;  ///< where the axis appears at cap height
