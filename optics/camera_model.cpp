@@ -54,21 +54,23 @@ Pixel CameraModel::project(double x, double y, double z, PlaneScale& scale) cons
 
 std::optional<Place> CameraModel::toPlane(Pixel pixel, double z) const {
   constexpr int kMostSteps = 20;
-  constexpr double kClose = 1e-12;
+  // An error after which one more step leaves its square, which is nothing.
+  constexpr double kClose = 1e-8;
   const double wanted_a = (pixel.x - p_.cx) / p_.fx;
   const double wanted_b = (pixel.y - p_.cy) / p_.fy;
   double a = wanted_a;
   double b = wanted_b;
   bool found = false;
-  // Newton: three or four steps for a real lens.
+  // Newton: two or three steps for a real lens.
   for (int step = 0; step < kMostSteps && !found; ++step) {
     const Distorted d = distort(p_, a, b);
     const double determinant = d.aa * d.bb - d.ab * d.ba;
     if (!(determinant > 0)) return std::nullopt;  // beyond where the lens model folds over
     const double ea = wanted_a - d.a;
     const double eb = wanted_b - d.b;
-    a += (d.bb * ea - d.ab * eb) / determinant;
-    b += (d.aa * eb - d.ba * ea) / determinant;
+    const double over = 1 / determinant;
+    a += (d.bb * ea - d.ab * eb) * over;
+    b += (d.aa * eb - d.ba * ea) * over;
     found = std::abs(ea) < kClose && std::abs(eb) < kClose;
   }
   if (!found) return std::nullopt;

@@ -31,6 +31,7 @@ constexpr float kLeastBelieved = 0.6F;  // [1] share of the pixels that are of t
 constexpr double kDoubtful = 0.02;      // [radius] standard error of the centre: looked at closely
 // of residuals: something is there that is not in the model
 constexpr float kOddCorrelation = 0.25F;
+constexpr double kUneven = 0.06;  // [1] and is not the same on both sides
 constexpr float kOddBelieved = 0.87F;
 constexpr float kOddScale = 0.06F;
 constexpr float kOddBlur = 0.3F;  // [1] of a blur's square that its shape may be off
@@ -88,9 +89,9 @@ std::optional<Task> widerFor(const Task& task, const Outcome& outcome) {
   return wide;
 }
 
-bool isOdd(const Outcome& o) {
-  return !o.good || o.correlation > kOddCorrelation || o.believed < kOddBelieved ||
-         std::abs(o.scale - 1) > kOddScale;
+bool isOdd(const Outcome& o, const Window& window) {
+  return !o.good || o.believed < kOddBelieved || std::abs(o.scale - 1) > kOddScale ||
+         (o.correlation > kOddCorrelation && fit::unevenness(window) > kUneven);
 }
 
 Outcome plainFrom(Task& task, const ShapeAt& shape_at, GridPoint start, Window& window,
@@ -154,7 +155,7 @@ CircleFit fitCircle(const optics::GreyView& picture, optics::Pixel start, const 
   Window window;
   std::optional<GridPoint> point;
   Outcome best = plainFrom(task, shape_at, fit::nearest(start), window, point);
-  const bool odd = isOdd(best);
+  const bool odd = isOdd(best, window);
   if (odd && !(best.good && !fit::edgeMayCross(task, best, window))) {
     const GridPoint first = fit::nearest(start);
     Outcome lit = litFrom(task, point.value_or(first), window);
@@ -178,6 +179,12 @@ CircleFit fitCircle(const optics::GreyView& picture, optics::Pixel start, const 
     disc.y = static_cast<float>(best.y - window.base_y);
     disc.scale = best.scale;
     disc.sigma = best.sigma;
+    if (!out.edge) {
+      disc.slope_x = best.slope_x;
+      disc.slope_y = best.slope_y;
+      disc.white = best.white - best.slope_x * disc.x - best.slope_y * disc.y;
+      fit::layLight(window, disc);
+    }
     if (!fit::darkAllAround(window, task.constants, disc, std::max(1.0F, best.noise))) {
       out.fault = FitFault::kNotRound;
     }
@@ -204,6 +211,7 @@ CircleFit fitCircle(const optics::GreyView& picture, optics::Pixel start, const 
   out.white = best.white;
   out.ratio = best.ratio;
   out.scale = best.scale;
+  out.blur = std::sqrt(std::max(0.0F, best.sigma * best.sigma - fit::kPixelBox));
   out.residual = best.noise;
   return out;
 }

@@ -35,8 +35,6 @@ LAB_INLINE void sumAll(Window& window, const Constants& constants, const LitDisc
   const float over_sigma = 1.0F / disc.sigma;
   const float over_cutoff = 1.0F / (cutoff * cutoff);
   const float contrast = 1.0F - disc.ratio;
-  const float outline = constants.radius * disc.scale;
-  const float* rm = constants.rm;
   LaneSums<kCount> lanes;
   LaneCounts counts;
   for (int at = 0; at < window.count; at += kLanes) {
@@ -44,7 +42,7 @@ LAB_INLINE void sumAll(Window& window, const Constants& constants, const LitDisc
     const Lanes y = loadLanes(window.y + at);
     const Lanes value = loadLanes(window.value + at);
     Paint paint;
-    paintAt(x, y, disc, rm, outline, over_sigma, paint);
+    paintAt(x, y, disc, constants, over_sigma, paint);
 
     Side side[kLines];
     for (std::size_t i = 0; i < kLines; ++i) {

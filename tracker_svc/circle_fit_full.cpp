@@ -30,8 +30,8 @@ __attribute__((target_clones("avx2", "default"))) void startBeyondFull(
   if (!(total(full) > kManyFull * total(pixels))) return;
   for (int at = 0; at < window.count; at += kLanes) {
     Paint paint;
-    paintAt(loadLanes(window.x + at), loadLanes(window.y + at), disc, constants.rm,
-            constants.radius, 1.0F / disc.sigma, paint);
+    paintAt(loadLanes(window.x + at), loadLanes(window.y + at), disc, constants,
+            1.0F / disc.sigma, paint);
     const LaneMask some = loadLanes(window.value + at) != kNoPixel;
     const Lanes lightness = kUsualRatio + (1 - kUsualRatio) * paint.share;
     storeLanes(window.light + at, some ? lightness : Lanes{});

@@ -20,9 +20,16 @@ struct GridPoint {
   [[nodiscard]] bool before(const GridPoint& o) const { return y != o.y ? y < o.y : x < o.x; }
 };
 
+/// The largest whole number that is not larger, for values within the range of int; without the
+/// call of a library that older processors need for it.
+template <typename Number>
+int floorOf(Number value) {
+  const int cut = static_cast<int>(value);
+  return cut - (value < static_cast<Number>(cut) ? 1 : 0);
+}
+
 inline GridPoint nearest(const optics::Pixel& p) {
-  return {static_cast<int>(std::floor(p.x / kGrid + 0.5)),
-          static_cast<int>(std::floor(p.y / kGrid + 0.5))};
+  return {floorOf(p.x / kGrid + 0.5), floorOf(p.y / kGrid + 0.5)};
 }
 
 /// Walks over the grid to the point whose own estimate of the centre lies in its own cell. Where

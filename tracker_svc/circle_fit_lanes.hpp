@@ -168,17 +168,16 @@ struct Way {
   Lanes out_x, out_y;   ///< [px] over_distance times this is the gradient of the distance
 };
 
-LAB_INLINE void wayAt(const Lanes& x, const Lanes& y, const Disc& disc, const float* rm,
-                      float outline, float over_sigma, Way& way) {
+LAB_INLINE void wayAt(const Lanes& x, const Lanes& y, const Disc& disc,
+                      const Constants& constants, float over_sigma, Way& way) {
   const Lanes dx = x - disc.x;
   const Lanes dy = y - disc.y;
-  const Lanes qx = rm[0] * dx + rm[1] * dy;
-  const Lanes qy = rm[2] * dx + rm[3] * dy;
-  const Lanes distance = rootOf(qx * qx + qy * qy + disc.sigma * disc.sigma);
+  const Outline& outline = constants.outline;
+  way.out_x = outline.xx * dx + outline.xy * dy;
+  way.out_y = outline.xy * dx + outline.yy * dy;
+  const Lanes distance = rootOf(dx * way.out_x + dy * way.out_y + disc.sigma * disc.sigma);
   way.over_distance = 1.0F / distance;
-  way.z = (distance - outline) * over_sigma;
-  way.out_x = rm[0] * qx + rm[2] * qy;
-  way.out_y = rm[1] * qx + rm[3] * qy;
+  way.z = (distance - constants.radius * disc.scale) * over_sigma;
 }
 
 /// And the paint there.
@@ -187,9 +186,9 @@ struct Paint : Way {
   Lanes slope;  ///< d share / d z
 };
 
-LAB_INLINE void paintAt(const Lanes& x, const Lanes& y, const Disc& disc, const float* rm,
-                        float outline, float over_sigma, Paint& paint) {
-  wayAt(x, y, disc, rm, outline, over_sigma, paint);
+LAB_INLINE void paintAt(const Lanes& x, const Lanes& y, const Disc& disc,
+                        const Constants& constants, float over_sigma, Paint& paint) {
+  wayAt(x, y, disc, constants, over_sigma, paint);
   edgeProfile(paint.z, paint.share, paint.slope);
 }
 

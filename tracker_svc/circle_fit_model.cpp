@@ -19,7 +19,6 @@ struct Pass {
   float over_sigma;
   float over_cutoff;
   float contrast;
-  float outline;
 };
 
 // A pass looks at all pixels several times. In one look each step would wait for the one before; a
@@ -28,8 +27,8 @@ struct Pass {
 /// First: where eight pixels lie in the disc, kept in the places of the slopes that need it.
 LAB_INLINE void placeEight(Window& window, int at, const Pass& pass) {
   Way way;
-  wayAt(loadLanes(window.x + at), loadLanes(window.y + at), pass.disc, pass.constants.rm,
-        pass.outline, pass.over_sigma, way);
+  wayAt(loadLanes(window.x + at), loadLanes(window.y + at), pass.disc, pass.constants,
+        pass.over_sigma, way);
   Slopes& kept = window.slopes[at / kLanes];
   storeLanes(kept.by[kX], way.out_x);
   storeLanes(kept.by[kY], way.out_y);
@@ -126,8 +125,7 @@ __attribute__((target_clones("avx2", "default"))) void sumBlocks(Window& window,
                   constants,
                   1.0F / disc.sigma,
                   1.0F / (cutoff * cutoff),
-                  1.0F - disc.ratio,
-                  constants.radius * disc.scale};
+                  1.0F - disc.ratio};
   LaneCounts counts;
   Lanes squares = {};
   Lanes rights[kUnknowns];
@@ -153,8 +151,8 @@ __attribute__((target_clones("avx2", "default"))) void sumBlocks(Window& window,
   counts.writeTo(blocks.counts);
 }
 
-__attribute__((target_clones("avx2", "default"))) void sumLast(Window& window, const Disc& disc,
-                                                               const Row& by, float cutoff,
+__attribute__((target_clones("avx2", "default"))) void sumLast(Window& window, const Row& by,
+                                                               float cutoff,
                                                                const BlockRow& row_x,
                                                                const BlockRow& row_y,
                                                                LastStep& last) {
@@ -167,7 +165,8 @@ __attribute__((target_clones("avx2", "default"))) void sumLast(Window& window, c
     to_x[i] = static_cast<float>(row_x[i]);
     to_y[i] = static_cast<float>(row_y[i]);
   }
-  LaneCounts counts;
+  Lanes believed = {};
+  Lanes cost = {};
   Lanes sum_x = {};
   Lanes sum_y = {};
   Lanes xx = {};
@@ -185,8 +184,6 @@ __attribute__((target_clones("avx2", "default"))) void sumLast(Window& window, c
       by_even += moved[kBlock + i] * loadLanes(kept.by[kBlock + i]);
     }
     storeLanes(window.residual + at, loadLanes(window.residual + at) - (by_odd + by_even));
-    storeLanes(window.light + at,
-               whiteAt(disc, loadLanes(window.x + at), loadLanes(window.y + at)));
   }
   for (int at = 0; at < window.count; at += kLanes) {
     const Slopes& kept = window.slopes[at / kLanes];
@@ -210,17 +207,23 @@ __attribute__((target_clones("avx2", "default"))) void sumLast(Window& window, c
     xy += pull_x * pull_y;
     yy += pull_y * pull_y;
     squares += weighted * residual;
-    counts.weight += certain > 0.0F ? belief : Lanes{};
-    counts.pixels += certain > 0.0F ? Lanes{} + 1.0F : Lanes{};
-    counts.cost += limitedCost(square);
+    believed += belief;
+    cost += limitedCost(square);
     storeLanes(window.residual + at, weighted);
   }
   last.x = total(sum_x);
   last.y = total(sum_y);
   last.variance = {total(xx), total(xy), total(yy)};
   last.squares = total(squares);
-  counts.writeTo(last.counts);
-  last.counts.cost = total(counts.cost);
+  last.believed = total(believed);
+  last.cost = total(cost);
+}
+
+__attribute__((target_clones("avx2", "default"))) void layLight(Window& window, const Disc& disc) {
+  for (int at = 0; at < window.count; at += kLanes) {
+    storeLanes(window.light + at,
+               whiteAt(disc, loadLanes(window.x + at), loadLanes(window.y + at)));
+  }
 }
 
 __attribute__((target_clones("avx2", "default"))) double correlation(const Window& window) {
@@ -234,6 +237,19 @@ __attribute__((target_clones("avx2", "default"))) double correlation(const Windo
   }
   const double all = total(squares);
   return all > 0 ? total(together) / all : 0;
+}
+
+double unevenness(const Window& window) {
+  const auto across = [&](int i) {
+    return 0.5F * (window.residual[i] - window.residual[window.places - 1 - i]);
+  };
+  float together = 0;
+  float squares = 0;
+  for (int i = 0; i + 1 < window.places; ++i) {
+    together += across(i) * across(i + 1);
+    squares += window.residual[i] * window.residual[i];
+  }
+  return squares > 0 ? static_cast<double>(together / squares) : 0;
 }
 
 }  // namespace lab::tracker::fit

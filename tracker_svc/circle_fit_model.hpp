@@ -2,7 +2,7 @@
 /// circle fit.
 ///
 ///   value = black + W(x, y) (ratio + (1 - ratio) Phi(z)),  W = white + slope_x dx + slope_y dy,
-///   z = (sqrt(|R M d|^2 + sigma^2) - R scale) / sigma,  d = (x, y) - centre,
+///   z = (sqrt(d' Q d + sigma^2) - R scale) / sigma,  d = (x, y) - centre,  Q = R^2 M' M,
 ///
 /// with R the radius and M the outline of DiscShape. Phi(z) with that z is the share of a disc
 /// under a round Gaussian to second order in sigma / R (exact in the middle to 1 % for R > 1.5
@@ -24,6 +24,8 @@ constexpr std::size_t kBlock = 4;
 
 constexpr float kUsualRatio = 0.08F;  ///< [1] dark / white, of black paint on white
 
+constexpr float kPixelBox = 1.0F / 12;  ///< [px^2] variance of the blur by the pixel itself
+
 /// Residuals count fully in the cost while they are small against this [expected deviations].
 constexpr float kLimit = 15;
 
@@ -38,9 +40,21 @@ struct Disc {
   float sigma = 1;  ///< [px] of the whole blur
 };
 
+/// The outline as a symmetric matrix Q: where d' Q d = R^2.
+struct Outline {
+  float xx = 1;
+  float xy = 0;
+  float yy = 1;
+
+  /// Square of the distance from the centre, where the outline is R away [px^2].
+  [[nodiscard]] float squareAt(float dx, float dy) const {
+    return dx * (xx * dx + xy * dy) + dy * (xy * dx + yy * dy);
+  }
+};
+
 /// What does not change within one fit.
 struct Constants {
-  float rm[4] = {1, 0, 0, 1};  ///< R M
+  Outline outline;             ///< Q
   float radius = 1;            ///< [px] R
   float black = 0;             ///< [DN]
   float floor_variance = 1;    ///< [DN^2] read noise and rounding
@@ -88,18 +102,27 @@ struct LastStep {
   double y = 0;
   std::array<double, 3> variance{};  ///< [px^2] xx, xy, yy: the residuals' own
   double squares = 0;
-  Counts counts;
+  double believed = 0;  ///< number of lanes, counted by how far they are believed; those without a
+                        ///< pixel, or with one that tells nothing, count fully
+  double cost = 0;      ///< as Counts::cost
 };
 
 /// The step of x and y alone after the small step `by`, with rows x and y of the inverse of the odd
 /// block. The residuals are those of the pass before, changed by the slopes: second order is
-/// nothing where the step was small. Leaves the believed residuals in window.residual, the light of
-/// `disc` in window.light.
-void sumLast(Window& window, const Disc& disc, const Row& by, float cutoff, const BlockRow& row_x,
+/// nothing where the step was small. Leaves the believed residuals in window.residual.
+void sumLast(Window& window, const Row& by, float cutoff, const BlockRow& row_x,
              const BlockRow& row_y, LastStep& last);
+
+/// The light on white by `disc`, to window.light.
+void layLight(Window& window, const Disc& disc);
 
 /// Correlation of the residuals of neighbouring pixels: near 0 for noise, high where something that
 /// is not in the model is there.
 double correlation(const Window& window);
+
+/// The same of what differs between the residuals of places across the middle from each other, over
+/// the square of all residuals. Blur that is no Gaussian leaves the same on both sides, and moves
+/// nothing; a light edge does not.
+double unevenness(const Window& window);
 
 }  // namespace lab::tracker::fit

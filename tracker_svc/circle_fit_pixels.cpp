@@ -45,7 +45,7 @@ const std::shared_ptr<const Pixels>& Pixels::about(const DiscShape& shape, float
   const float c = m[1] * m[1] + m[3] * m[3];
   const float over = 1.0F / (a * c - b * b);
   const auto steps = [](float value, float per_unit) {
-    return static_cast<int>(std::floor(value * per_unit + 0.5F));
+    return floorOf(value * per_unit + 0.5F);
   };
   const Kind kind{std::max(2, steps(std::sqrt(c * over), kSizes)),
                   std::max(2, steps(std::sqrt(a * over), kSizes)),
@@ -230,6 +230,7 @@ bool Pixels::gather(const optics::GreyView& picture, const GridPoint& point,
   window.base_x = base.x;
   window.base_y = base.y;
   window.count = static_cast<int>(phase.x.size());
+  window.places = phase.count;
   window.x = phase.x.data();
   window.y = phase.y.data();
   const int x = point.x >> 1;

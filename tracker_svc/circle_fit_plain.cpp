@@ -12,7 +12,7 @@ namespace {
 // [px] rough estimates of neighbouring grid points differ by less
 constexpr double kDoubt = 0.06;
 // outside the outline: wide, since the slopes of the light must be told from a shift of the circle
-constexpr float kMarginSigmas = 4.0F;
+constexpr float kMarginSigmas = 3.5F;
 constexpr float kMostMargin = 0.8F;  // [radius]
 constexpr float kTexture = 0.006F * 0.006F;  // grain of paint and sensor, variance over signal^2
 
@@ -113,7 +113,7 @@ void step(Disc& disc, const Row& by, float sigma) {
 Task::Task(const optics::GreyView& the_picture, const DiscShape& the_shape,
            const optics::Imaging& imaging)
     : picture(&the_picture),
-      sigma(static_cast<float>(std::sqrt(imaging.blur * imaging.blur + 1.0 / 12.0))) {
+      sigma(static_cast<float>(std::sqrt(imaging.blur * imaging.blur + static_cast<double>(kPixelBox)))) {
   constants.black = static_cast<float>(imaging.black);
   constants.floor_variance =
       static_cast<float>(imaging.read_noise * imaging.read_noise + 1.0 / 12.0);
@@ -125,7 +125,10 @@ Task::Task(const optics::GreyView& the_picture, const DiscShape& the_shape,
 bool Task::setShape(const DiscShape& the_shape) {
   shape = the_shape;
   constants.radius = shape.radius();
-  for (int i = 0; i < 4; ++i) constants.rm[i] = constants.radius * shape.m[i];
+  const float* m = shape.m;
+  const float square = constants.radius * constants.radius;
+  constants.outline = {square * (m[0] * m[0] + m[2] * m[2]), square * (m[0] * m[1] + m[2] * m[3]),
+                       square * (m[1] * m[1] + m[3] * m[3])};
   return setSigma(sigma);
 }
 
@@ -205,13 +208,15 @@ Outcome fitPlain(const Task& task, Window& window, const Disc& rough) {
   };
   float matrix_cutoff = cutoff;
   Row by{};
+  double pixels = 0;
   for (int pass = 0; pass < kMostPasses; ++pass) {
     matrix_cutoff = cutoff;
     Blocks blocks;
     sumBlocks(window, task.constants, disc, cutoff, blocks);
     Row& right = blocks.right;
     const Counts& counts = blocks.counts;
-    const double full = counts.full / std::max(1.0, counts.pixels);
+    pixels = counts.pixels;
+    const double full = counts.full / std::max(1.0, pixels);
     const auto known = knownOf(disc, task.sigma, full);
     for (const Known& k : known) {
       const std::size_t i = k.i % kBlock;
@@ -226,7 +231,7 @@ Outcome fitPlain(const Task& task, Window& window, const Disc& rough) {
     if (!factor->good()) return out;
     by = solve(right);
     cutoff =
-        cutoffAfter(blocks.squares, by, right, pass > 0 ? counts.weight : counts.pixels, pass > 0);
+        cutoffAfter(blocks.squares, by, right, pass > 0 ? counts.weight : pixels, pass > 0);
     step(disc, by, task.sigma);
     // Full pixels move in and out of what is known while the white level is found.
     const double strict = counts.full < 0.5 ? 1 : kSettledFull;
@@ -246,11 +251,12 @@ Outcome fitPlain(const Task& task, Window& window, const Disc& rough) {
   };
   BlockRow row_x = column(kX, false);
   BlockRow row_y = column(kY, false);
+  const double ratio_variance = column(kRatio, true)[kRatio - kBlock];
   const double belief = beliefAt(kCutoff) / beliefAt(matrix_cutoff);
   for (double& r : row_x) r /= belief;
   for (double& r : row_y) r /= belief;
   LastStep last;
-  sumLast(window, disc, by, cutoff, row_x, row_y, last);
+  sumLast(window, by, cutoff, row_x, row_y, last);
   disc.x += static_cast<float>(last.x);
   disc.y += static_cast<float>(last.y);
   // Light that rises by g across an edge blurred by sigma moves it by sigma^2 g / white: the blur
@@ -264,12 +270,15 @@ Outcome fitPlain(const Task& task, Window& window, const Disc& rough) {
   out.ratio = disc.ratio;
   out.scale = disc.scale;
   out.sigma = disc.sigma;
-  out.noise = noiseOver(last.squares, last.counts.weight - kFreedoms, true);
-  out.believed = static_cast<float>(last.counts.weight / std::max(1.0, last.counts.pixels));
-  out.pixels = static_cast<int>(last.counts.pixels);
-  out.cost = static_cast<float>(last.counts.cost);
+  out.slope_x = disc.slope_x;
+  out.slope_y = disc.slope_y;
+  const double believed = last.believed - (window.count - pixels);
+  out.noise = noiseOver(last.squares, believed - kFreedoms, true);
+  out.believed = static_cast<float>(believed / std::max(1.0, pixels));
+  out.pixels = static_cast<int>(pixels);
+  out.cost = static_cast<float>(last.cost);
   out.correlation = static_cast<float>(correlation(window));
-  out.ratio_error = static_cast<float>(std::sqrt(column(kRatio, true)[kRatio - kBlock]));
+  out.ratio_error = static_cast<float>(std::sqrt(ratio_variance));
   out.good = std::isfinite(out.x) && std::isfinite(out.y);
   return out;
 }

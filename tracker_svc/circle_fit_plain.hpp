@@ -35,6 +35,8 @@ struct Outcome {
   double y = 0;
   std::array<double, 3> covariance{};  ///< [px^2] xx, xy, yy
   float white = 0;                     ///< [DN] at the centre
+  float slope_x = 0;                   ///< [DN/px] of the white level, without light edges
+  float slope_y = 0;
   float ratio = 0;
   float scale = 1;
   float sigma = 1;        ///< [px]

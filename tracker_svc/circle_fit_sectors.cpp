@@ -46,14 +46,11 @@ bool darkAllAround(const Window& window, const Constants& constants, const Disc&
   int dark_outside = 0;
   const float outline = constants.radius * disc.scale;
   const float clear = kClear * disc.sigma;
-  const float* rm = constants.rm;
   for (int i = 0; i < window.count; ++i) {
     if (window.value[i] < 0) continue;
     const float dx = window.x[i] - disc.x;
     const float dy = window.y[i] - disc.y;
-    const float qx = rm[0] * dx + rm[1] * dy;
-    const float qy = rm[2] * dx + rm[3] * dy;
-    const float distance = std::sqrt(qx * qx + qy * qy) - outline;
+    const float distance = std::sqrt(constants.outline.squareAt(dx, dy)) - outline;
     const float value = window.value[i] - constants.black;
     // No pixel says more than full.
     const float light = std::clamp(window.light[i], 0.0F, kMostDN - constants.black);
@@ -93,14 +90,11 @@ bool darkInside(const Window& window, const Constants& constants, float sigma) {
   float outside = 0;
   float inside_count = 0;
   float outside_count = 0;
-  const float* rm = constants.rm;
   const float middle = kMiddle * constants.radius;
   const float clear = constants.radius + kClear * sigma;
   for (int i = 0; i < window.count; ++i) {
     if (window.value[i] < 0) continue;
-    const float qx = rm[0] * window.x[i] + rm[1] * window.y[i];
-    const float qy = rm[2] * window.x[i] + rm[3] * window.y[i];
-    const float square = qx * qx + qy * qy;
+    const float square = constants.outline.squareAt(window.x[i], window.y[i]);
     const float value = window.value[i] - constants.black;
     if (square < middle * middle) {
       inside += value;

@@ -124,9 +124,7 @@ Surroundings::Surroundings(const Window& window, const Constants& constants, con
   for (int i = 0; i < window.count; ++i) {
     const float dx = window.x[i] - disc.x;
     const float dy = window.y[i] - disc.y;
-    const float qx = constants.rm[0] * dx + constants.rm[1] * dy;
-    const float qy = constants.rm[2] * dx + constants.rm[3] * dy;
-    if (window.value[i] < 0 || qx * qx + qy * qy < outside * outside) continue;
+    if (window.value[i] < 0 || constants.outline.squareAt(dx, dy) < outside * outside) continue;
     samples_[static_cast<std::size_t>(count_++)] = {window.x[i], window.y[i],
                                                     window.value[i] - constants.black};
     reach_ = std::max(reach_, window.x[i] * window.x[i] + window.y[i] * window.y[i]);

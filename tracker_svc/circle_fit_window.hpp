@@ -24,12 +24,14 @@ struct Slopes {
 
 class Pixels;
 
-/// Pixels around one point of the picture, row by row; places are relative to that point.
+/// Pixels around one point of the picture, row by row; places are relative to that point, and the
+/// last but i lies across it from place i.
 struct Window {
   std::shared_ptr<const Pixels> pixels;  ///< whose the places are
   double base_x = 0;                     ///< [px] in the picture
   double base_y = 0;
   int count = 0;            ///< a multiple of kLanes
+  int places = 0;           ///< of them that are places, and do not fill up the last eight
   bool plain = false;       ///< only the last eight have less than eight pixels, and none is full
   const float* x = nullptr;  ///< [px]
   const float* y = nullptr;

@@ -168,8 +168,11 @@ void Detector::tryCouple(const optics::GreyView& picture, std::size_t big_spot,
   const float distance = std::hypot(scale.inverse[0] * dx + scale.inverse[1] * dy,
                                     scale.inverse[2] * dx + scale.inverse[3] * dy);
   if (std::abs(distance - spacing) > kRoughSpacing) return;
-  const float rim =
-      rimContrast(picture, middle, scale, cap_, imaging_, RimLook::kAll, kBeyondFull);
+  // Fits to what is no cap take long. Most are one, which shows at a rough look.
+  float rim = 0;
+  for (const RimLook look : {RimLook::kRough, RimLook::kAll}) {
+    if (rim < kLeastRim) rim = rimContrast(picture, middle, scale, cap_, imaging_, look, kBeyondFull);
+  }
   if (rim < kLeastRim) {
     if (rejected != nullptr) rejected->push_back({middle, Reason::kNoCap, rim, kLeastRim});
     return;
@@ -337,6 +340,7 @@ Detection Detector::poseOf(const Couple& couple, float rim) const {
   out.spacing = static_cast<float>(
       std::hypot(big.place.x - small.place.x, big.place.y - small.place.y));
   out.white = (big.fit.white + small.fit.white) / 2;
+  out.blur = (big.fit.blur + small.fit.blur) / 2;
   out.big = {big.fit.x, big.fit.y};
   out.small = {small.fit.x, small.fit.y};
   out.middle = camera_.project(out.x, out.y, cap_.height);

@@ -46,12 +46,17 @@ int Detector::loneCircle(const optics::GreyView& picture, const Expected& expect
         spots_[i].can_be_small && fit(picture, spot, false).fit.fault == FitFault::kNone;
     if (!big && !small) continue;
     if (big && small) return -1;  // which one it is must be certain
-    const optics::Place& at = circleOf(spot, big).place;
-    // Spots that were centred again are there twice.
-    const bool again = lone >= 0 && big == is_big &&
-                       distance(at.x, at.y, place.x, place.y) < cap_.small_radius;
-    if (again) continue;
-    if (lone >= 0) return -1;  // two circles that make no pair: something is wrong
+    const Circle& circle = circleOf(spot, big);
+    const optics::Place& at = circle.place;
+    if (lone >= 0) {
+      // Circles do not overlap: one was centred again, or stands in for the other with a light edge
+      // that is not there.
+      const bool again = distance(at.x, at.y, place.x, place.y) < cap_.small_radius;
+      const bool edge = circleOf(lone, is_big).fit.edge;
+      if (again && (big == is_big || (circle.fit.edge && !edge))) continue;
+      // two circles that make no pair: something is wrong
+      if (!again || circle.fit.edge || !edge) return -1;
+    }
     lone = spot;
     place = at;
     is_big = big;
