@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "common/camera_file.hpp"
-#include "tracker_cases_score.hpp"
+#include "tests/tracker_svc/kinds/score.hpp"
 #ifdef LAB_HAS_OPENCV
 #include "tracker_cases_opencv.hpp"
 #endif

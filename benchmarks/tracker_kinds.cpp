@@ -1,8 +1,8 @@
-// tracker_kinds [--only TEXT] [--seeds N] [--first SEED] [--missed] [--out DIR]
+// tracker_kinds [--only TEXT] [--seeds N] [--first SEED] [--missed] [--out DIR] [--results FILE]
 // Paints pictures of many kinds, runs the detector over them, and prints how it does, a line a
-// kind. With --missed, what was missed or wrong is said one by one, and what was refused nearby.
-// With --out, the pictures are left there as DIR/<kind>_<seed>.pgm.
-#include <chrono>
+// kind; it fails where a kind is short of its bars. With --missed, what was missed or wrong is said
+// one by one, and what was refused nearby. With --out, the pictures are left there as
+// DIR/<kind>_<seed>.pgm; with --results, the lines.
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -14,17 +14,17 @@
 #include <string_view>
 #include <vector>
 
-#include "tracker_cases_score.hpp"
-#include "tracker_kinds_scenes.hpp"
+#include "tests/tracker_svc/kinds/bars.hpp"
+#include "tests/tracker_svc/kinds/scenes.hpp"
+#include "tests/tracker_svc/kinds/score.hpp"
 #include "tracker_svc/detector.hpp"
 
 namespace {
 
 namespace fs = std::filesystem;
 using lab::cases::Kind;
-using lab::cases::Scene;
+using lab::cases::Look;
 using lab::tracker::Detection;
-using lab::tracker::Detector;
 using lab::tracker::Rejection;
 
 constexpr double kNearby = 0.7;  // [cap radii] from a robot's axis
@@ -35,6 +35,7 @@ struct Options {
   std::uint64_t seeds = 10;
   bool missed = false;
   std::optional<fs::path> out;
+  fs::path results;
 };
 
 void sayRefused(const std::vector<Rejection>& rejected, lab::optics::Pixel where, double reach) {
@@ -47,53 +48,56 @@ void sayRefused(const std::vector<Rejection>& rejected, lab::optics::Pixel where
   }
 }
 
-void sayUnmatched(const Kind& kind, std::uint64_t seed, const Scene& scene,
-                  const lab::cases::Unmatched& left, const std::vector<Detection>& poses,
-                  const std::vector<Rejection>& rejected, const Detector& detector) {
-  for (const std::size_t i : left.missed) {
-    const lab::cases::TrueRobot& robot = scene.truth[i];
-    const double height = detector.cap().height;
-    const auto at = detector.camera().project(robot.x, robot.y, height);
-    const auto scale = detector.camera().scaleAt({robot.x, robot.y}, height);
+void sayUnmatched(const Kind& kind, std::uint64_t seed, const Look& look) {
+  const lab::optics::CameraModel camera(look.scene.settings.camera);
+  const lab::optics::CapGeometry& cap = look.scene.settings.cap;
+  for (const std::size_t i : look.left.missed) {
+    const lab::cases::TrueRobot& robot = look.scene.truth[i];
+    const auto at = camera.project(robot.x, robot.y, cap.height);
+    const auto scale = camera.scaleAt({robot.x, robot.y}, cap.height);
     std::printf("  missed %s %llu: robot %zu at (%.4f, %.4f) %.3f, pixel (%.1f, %.1f): %s\n",
                 kind.name, static_cast<unsigned long long>(seed), i, robot.x, robot.y, robot.theta,
-                at.x, at.y, lab::cases::lightOn(scene, i).c_str());
-    sayRefused(rejected, at,
-               kNearby * detector.cap().cap_radius * std::hypot(scale.ux, scale.uy));
+                at.x, at.y, lab::cases::lightOn(look.scene, i).c_str());
+    sayRefused(look.rejected, at, kNearby * cap.cap_radius * std::hypot(scale.ux, scale.uy));
   }
-  for (const std::size_t i : left.wrong) {
+  for (const std::size_t i : look.left.wrong) {
+    const Detection& pose = look.poses[i];
     std::printf("  wrong %s %llu: (%.4f, %.4f) %.3f, pixel (%.1f, %.1f), quality %.2f\n", kind.name,
-                static_cast<unsigned long long>(seed), poses[i].x, poses[i].y, poses[i].theta,
-                poses[i].middle.x, poses[i].middle.y, static_cast<double>(poses[i].quality));
+                static_cast<unsigned long long>(seed), pose.x, pose.y, pose.theta, pose.middle.x,
+                pose.middle.y, static_cast<double>(pose.quality));
   }
 }
 
-void runKind(const Kind& kind, const Options& options) {
+void leave(const lab::optics::GreyImage& image, const fs::path& file) {
+  std::ofstream out(file, std::ios::binary);
+  out << "P5\n" << image.width << ' ' << image.height << "\n255\n";
+  out.write(reinterpret_cast<const char*>(image.pixels.data()),
+            static_cast<std::streamsize>(image.pixels.size()));
+}
+
+/// @return whether all bars were reached, but for those that are known not to be
+bool runKind(const Kind& kind, const Options& options, std::ofstream& results) {
   lab::cases::Score score;
   for (std::uint64_t seed = options.first; seed < options.first + options.seeds; ++seed) {
-    const Scene scene = lab::cases::sceneOf(kind, seed);
-    const lab::optics::GreyImage image = lab::cases::paint(scene);
+    const Look look = lab::cases::look(kind, seed, options.missed, score);
     if (options.out) {
-      std::ofstream file(*options.out / (std::string(kind.name) + '_' + std::to_string(seed) +
-                                         ".pgm"), std::ios::binary);
-      file << "P5\n" << image.width << ' ' << image.height << "\n255\n";
-      file.write(reinterpret_cast<const char*>(image.pixels.data()),
-                 static_cast<std::streamsize>(image.pixels.size()));
+      leave(look.image,
+            *options.out / (std::string(kind.name) + '_' + std::to_string(seed) + ".pgm"));
     }
-    Detector detector(lab::optics::CameraModel(scene.settings.camera), scene.settings.cap,
-                      scene.settings.imaging);
-    std::vector<Rejection> rejected;
-    const auto start = std::chrono::steady_clock::now();
-    const std::vector<Detection> poses =
-        detector.search(image.view(), options.missed ? &rejected : nullptr);
-    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
-    const lab::cases::Unmatched left = score.add(scene.truth, poses, detector.camera(),
-                                                 scene.settings.cap.height, took.count());
-    if (options.missed) sayUnmatched(kind, seed, scene, left, poses, rejected, detector);
+    if (options.missed) sayUnmatched(kind, seed, look);
   }
-  std::printf("%-22s %s%s\n", kind.name, score.text().c_str(),
-              score.isSurprising() ? "  surprise off" : "");
+  std::string text(kind.name);
+  text.resize(23, ' ');
+  text += score.text() + (score.isSurprising() ? "  surprise off" : "") + '\n';
+  bool all = true;
+  for (const lab::cases::Shortfall& one : lab::cases::shortOf(kind.bars, score.tally())) {
+    text += (one.known ? "  open: " : "  SHORT OF ITS BAR: ") + one.what + '\n';
+    all = all && one.known;
+  }
+  std::fputs(text.c_str(), stdout);
   std::fflush(stdout);
+  results << text << std::flush;
+  return all;
 }
 
 std::optional<Options> read(int argc, char** argv) {
@@ -114,6 +118,8 @@ std::optional<Options> read(int argc, char** argv) {
       options.first = std::strtoull(value, nullptr, 10);
     } else if (name == "--out") {
       options.out = value;
+    } else if (name == "--results") {
+      options.results = value;
     } else {
       return std::nullopt;
     }
@@ -128,14 +134,19 @@ int main(int argc, char** argv) {
   if (!options) {
     std::fprintf(stderr,
                  "usage: tracker_kinds [--only TEXT] [--seeds N] [--first SEED] [--missed] "
-                 "[--out DIR]\n");
+                 "[--out DIR] [--results FILE]\n");
     return 2;
   }
   if (options->out) fs::create_directories(*options->out);
+  std::ofstream results(options->results);
   std::printf("%-22s %s\n", "kind", lab::cases::Score::header().c_str());
+  bool any = false;
+  bool all = true;
   for (const Kind& kind : lab::cases::kinds()) {
     if (std::string_view(kind.name).find(options->only) == std::string_view::npos) continue;
-    runKind(kind, *options);
+    any = true;
+    all = runKind(kind, *options, results) && all;
   }
-  return 0;
+  if (!any) std::fprintf(stderr, "tracker_kinds: no kind is like %s\n", options->only.c_str());
+  return any && all ? 0 : 1;
 }

@@ -49,34 +49,9 @@ struct Score {
   int wrong = 0;          ///< detections that belong to no robot
   double position = 0;    ///< [m] root mean square, 2-D
   double heading = 0;     ///< [rad] root mean square
-  double surprise = 0;    ///< mean normalised error squared, expected 3
 };
 
 double wrapped(double angle) { return std::remainder(angle, 2 * std::numbers::pi); }
-
-// e' C^-1 e by elimination.
-double surprise(const Detection& seen, const sim::PaintedRobot& robot) {
-  const auto& c = seen.covariance;
-  double m[3][4] = {{c[0], c[1], c[2], seen.x - robot.x},
-                    {c[1], c[3], c[4], seen.y - robot.y},
-                    {c[2], c[4], c[5], wrapped(seen.theta - robot.theta)}};
-  const double e[3] = {m[0][3], m[1][3], m[2][3]};
-  for (int i = 0; i < 3; ++i) {
-    for (int j = i + 1; j < 3; ++j) {
-      const double share = m[j][i] / m[i][i];
-      for (int k = i; k < 4; ++k) m[j][k] -= share * m[i][k];
-    }
-  }
-  double out = 0;
-  double solution[3] = {0, 0, 0};
-  for (int i = 2; i >= 0; --i) {
-    double value = m[i][3];
-    for (int k = i + 1; k < 3; ++k) value -= m[i][k] * solution[k];
-    solution[i] = value / m[i][i];
-    out += solution[i] * e[i];
-  }
-  return out;
-}
 
 Score score(const std::vector<Detection>& seen, const std::vector<sim::PaintedRobot>& robots) {
   constexpr double kSame = 0.01;  // [m]
@@ -90,7 +65,6 @@ Score score(const std::vector<Detection>& seen, const std::vector<sim::PaintedRo
       ++score.found;
       score.position += distance * distance;
       score.heading += std::pow(wrapped(seen[i].theta - robot.theta), 2);
-      score.surprise += surprise(seen[i], robot);
       break;
     }
   }
@@ -98,7 +72,6 @@ Score score(const std::vector<Detection>& seen, const std::vector<sim::PaintedRo
   const double count = std::max(score.found, 1);
   score.position = std::sqrt(score.position / count);
   score.heading = std::sqrt(score.heading / count);
-  score.surprise /= count;
   return score;
 }
 
@@ -122,23 +95,6 @@ TEST(Detector, FindsEveryCapToAFewMicrometres) {
   EXPECT_EQ(result.wrong, 0);
   EXPECT_LT(result.position, 20e-6);
   EXPECT_LT(result.heading, 0.04 * std::numbers::pi / 180);
-}
-
-TEST(Detector, SaysHowFarItMayBeOff) {
-  double sum = 0;
-  int count = 0;
-  for (const std::uint64_t seed : {11U, 12U, 13U}) {
-    const Scene scene(40, seed);
-    Detector detector = scene.detector();
-    const Score result = score(detector.search(scene.paint().view()), scene.robots);
-    sum += result.surprise * result.found;
-    count += result.found;
-  }
-  EXPECT_EQ(count, 120);
-  // 360 degrees of freedom: 3 (1 +- 3 sqrt(2 / 360)), and 15 % for what no model holds. Below, more
-  // room: the covariance has a floor for real sensors and marks that these pictures need not have.
-  EXPECT_GT(sum / count, 3 * 0.4);
-  EXPECT_LT(sum / count, 3 * (1 + 0.22 + 0.15));
 }
 
 TEST(Detector, FindsCapsThatLightEdgesCross) {

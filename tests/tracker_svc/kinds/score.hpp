@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/tracker_svc/kinds/bars.hpp"
 #include "tracker_svc/detector.hpp"
 
 namespace lab::cases {
@@ -34,7 +35,7 @@ class Score {
   Unmatched add(const std::vector<TrueRobot>& truth, const std::vector<tracker::Detection>& poses,
            const optics::CameraModel& camera, double height, double seconds);
 
-  [[nodiscard]] int robots() const { return robots_; }
+  [[nodiscard]] Tally tally() const;
 
   // Whether the mean normalised error squared, for each degree of freedom, is off by more than a
   // tenth of what it should be and three of its standard errors.

@@ -4,12 +4,14 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "light/field.hpp"
 #include "optics/image.hpp"
 #include "sim_svc/camera_painter.hpp"
-#include "tracker_cases_score.hpp"
+#include "tests/tracker_svc/kinds/bars.hpp"
+#include "tests/tracker_svc/kinds/score.hpp"
 
 namespace lab::cases {
 
@@ -48,10 +50,14 @@ struct Kind {
   int decoys = 0;            // pairs of discs on the floor of another size or distance than a cap's
   int floor_pairs = 0;       // pairs on the floor that look as a cap's do
   int glares = 0;
+  Bars bars = {};
 };
 
 // All of them.
 std::span<const Kind> kinds();
+
+// @throws std::out_of_range where there is none of that name
+const Kind& kindOf(std::string_view name);
 
 struct Scene {
   sim::PainterSettings settings;
@@ -64,6 +70,18 @@ struct Scene {
 Scene sceneOf(const Kind& kind, std::uint64_t seed);
 
 optics::GreyImage paint(const Scene& scene);
+
+// What the detector makes of a scene, without any idea of where the robots are.
+struct Look {
+  Scene scene;
+  optics::GreyImage image;
+  std::vector<tracker::Detection> poses;
+  std::vector<tracker::Rejection> rejected;  // where asked for
+  Unmatched left;
+};
+
+// Paints a scene, runs the detector over it, and adds what it found to the score.
+Look look(const Kind& kind, std::uint64_t seed, bool with_rejected, Score& score);
 
 // What a scene's light does to a robot, in words: the range of it on both circles, and how far the
 // nearest edge is from their middles.

@@ -1,4 +1,4 @@
-#include "tracker_cases_score.hpp"
+#include "tests/tracker_svc/kinds/score.hpp"
 
 #include <algorithm>
 #include <Eigen/Dense>
@@ -98,10 +98,22 @@ Unmatched Score::add(const std::vector<TrueRobot>& truth,
   return left;
 }
 
+Tally Score::tally() const {
+  const int good = std::max(found_ - flipped_, 1);
+  return {.frames = frames_,
+          .robots = robots_,
+          .found = found_,
+          .flipped = flipped_,
+          .wrong = wrong_,
+          .position = std::sqrt(position_ / good),
+          .heading = std::sqrt(heading_ / good) * 180 / std::numbers::pi,
+          .surprise = surprises_ > 0 ? surprise_ / surprises_ : 1,
+          .surprises = surprises_};
+}
+
 bool Score::isSurprising() const {
-  if (surprises_ == 0) return false;
-  const double freedom = 3.0 * surprises_;
-  return std::abs(surprise_ / surprises_ - 1) > 0.1 + 3 * std::sqrt(2 / freedom);
+  const Tally all = tally();
+  return all.surprises > 0 && std::abs(all.surprise - 1) > mostSurprise(all);
 }
 
 std::string Score::header() {
@@ -109,14 +121,13 @@ std::string Score::header() {
 }
 
 std::string Score::text() const {
-  const int good = std::max(found_ - flipped_, 1);
-  const int frames = std::max(frames_, 1);
+  const Tally all = tally();
+  const int frames = std::max(all.frames, 1);
   char line[160];
-  std::snprintf(line, sizeof line, "%6d  %7.2f  %11.2f  %5d  %11.4f  %11.4f  %8s  %8.3f", robots_,
-                robots_ > 0 ? 100.0 * found_ / robots_ : 100.0,
-                static_cast<double>(wrong_) / frames, flipped_, std::sqrt(position_ / good),
-                std::sqrt(heading_ / good) * 180 / std::numbers::pi,
-                surprises_ > 0 ? std::to_string(surprise_ / surprises_).substr(0, 5).c_str() : "-",
+  std::snprintf(line, sizeof line, "%6d  %7.2f  %11.2f  %5d  %11.4f  %11.4f  %8s  %8.3f",
+                all.robots, all.robots > 0 ? 100.0 * all.found / all.robots : 100.0,
+                static_cast<double>(all.wrong) / frames, all.flipped, all.position, all.heading,
+                all.surprises > 0 ? std::to_string(all.surprise).substr(0, 5).c_str() : "-",
                 1e3 * fastest_ / frames);
   return line;
 }
