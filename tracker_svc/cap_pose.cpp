@@ -2,8 +2,30 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace lab::tracker {
+namespace {
+
+constexpr double kUsualRatio = 0.08;  // [1] dark / white, of black paint on white
+constexpr double kPaintDoubt = 0.02;  // [1] by which paint may be another one
+constexpr double kSure = 3;           // [standard errors]
+const double kSlope = std::sqrt(2 * std::numbers::pi);  // [blurs] contrast over the outline's slope
+
+// [DN] that black returns beyond what paint does.
+double onTop(const PaintLook& look) { return (look.ratio - kUsualRatio) * look.white; }
+
+}  // namespace
+
+double movedByLightOnTop(const PaintLook& circle, const PaintLook& other) {
+  const double contrast = (1 - circle.ratio) * circle.white;
+  const double more =
+      onTop(circle) - onTop(other) - kPaintDoubt * std::max(circle.white, other.white);
+  if (!(more > 0 && contrast > 0)) return 0;
+  const double doubt =
+      kSure * std::hypot(circle.error * circle.white, other.error * other.white);
+  return kSlope * circle.blur * std::max(0.0, more - doubt) / contrast;
+}
 
 CapPose poseFromCircles(const MarkedPlace& big, const MarkedPlace& small,
                         const optics::CapGeometry& cap) {

@@ -14,6 +14,22 @@ struct MarkedPlace {
   std::array<double, 3> covariance{};  ///< [m^2] xx, xy, yy
 };
 
+/// What a circle's fit says of its paint.
+struct PaintLook {
+  double white = 0;  ///< [DN] of the cap around it
+  double ratio = 0;  ///< [1] dark / white
+  double error = 0;  ///< [1] standard error of the ratio
+  double blur = 0;   ///< [px] of the outline
+};
+
+/// [px] by which light on top, as from something shiny, may have moved a circle of a cap.
+///
+/// It makes black paint brighter than paint is. Where it does so to one circle more than to the
+/// other one, it is not even over one of them either: about as much more on one side of its outline
+/// than on the other, which moves the outline by that share of its slope. What is the same on both
+/// circles (haze, another black level, another paint) moves nothing and counts for nothing.
+[[nodiscard]] double movedByLightOnTop(const PaintLook& circle, const PaintLook& other);
+
 struct CapPose {
   double x = 0;      ///< [m] the robot's axis
   double y = 0;      ///< [m]

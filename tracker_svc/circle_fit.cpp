@@ -6,6 +6,7 @@
 #include "tracker_svc/circle_fit_edge.hpp"
 #include "tracker_svc/circle_fit_plain.hpp"
 #include "tracker_svc/circle_fit_sectors.hpp"
+#include "tracker_svc/circle_fit_structure.hpp"
 
 namespace lab::tracker {
 namespace {
@@ -44,10 +45,9 @@ constexpr float kBlurStep = 0.25F;   // [px]
 // [1] of the white level: residuals that noise cannot explain. Noise is not shared by neighbouring
 // pixels; what is shared is another shape.
 float misfitOf(const Outcome& o, const fit::Constants& constants) {
-  const float by_chance = 3 / std::sqrt(static_cast<float>(std::max(1, o.pixels)));
   const float expected = std::sqrt(constants.floor_variance + constants.shot_gain * 0.5F * o.white);
-  return std::sqrt(std::max(0.0F, o.correlation - by_chance)) * o.noise * expected /
-         std::max(o.white, 1.0F);
+  const float shared = std::max(0.0F, o.correlation - fit::correlationByChance(o.pixels));
+  return std::sqrt(shared) * o.noise * expected / std::max(o.white, 1.0F);
 }
 
 FitFault faultOf(const Outcome& o, bool edge, const fit::Constants& constants) {
@@ -200,6 +200,12 @@ CircleFit fitCircle(const optics::GreyView& picture, optics::Pixel start, const 
   out.x = best.x;
   out.y = best.y;
   out.covariance = best.covariance;
+  if (best.correlation > fit::correlationByChance(best.pixels)) {
+    const double size = fit::varianceOfStructure(window, best.pixels);
+    out.covariance[0] = best.floor + size * (best.covariance[0] - best.floor);
+    out.covariance[1] *= size;
+    out.covariance[2] = best.floor + size * (best.covariance[2] - best.floor);
+  }
   if (out.glare) {
     // What is left over on one side of the outline moves it by its share of the outline's slope.
     const double share = static_cast<double>(misfitOf(best, task.constants)) /
@@ -210,8 +216,9 @@ CircleFit fitCircle(const optics::GreyView& picture, optics::Pixel start, const 
   }
   out.white = best.white;
   out.ratio = best.ratio;
+  out.ratio_error = std::max(1.0F, best.noise) * best.ratio_error;
+  out.blur = best.sigma;
   out.scale = best.scale;
-  out.blur = std::sqrt(std::max(0.0F, best.sigma * best.sigma - fit::kPixelBox));
   out.residual = best.noise;
   return out;
 }

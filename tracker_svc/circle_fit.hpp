@@ -36,17 +36,19 @@ struct CircleFit {
   std::array<double, 3> covariance{};  ///< [px^2] xx, xy, yy, with the floor from the residuals
   float white = 0;                     ///< [DN] of the cap at the centre
   float ratio = 0;     ///< [1] dark / white, black level taken off: about 0.08 at any light
+  float ratio_error = 0;  ///< [1] its standard error
+  float blur = 0;         ///< [px] standard deviation, pixel box included
   float residual = 0;  ///< [1] root mean square of the residuals over the expected noise
   float scale = 1;     ///< [1] fitted radius over the expected one
-  float blur = 0;      ///< [px] standard deviation of the point spread, pixel box excluded
-  bool edge = false;   ///< a light edge crosses the circle and was fitted with it
+  bool edge = false;   ///< light that is no plane was fitted with it: an edge, or light that bends
   /// It is refused, but for nothing that light on top would not do: too little dark or residuals
   /// that go together, where size and contrast are right.
   bool glare = false;
 };
 
 /// Fits position, radius scale, blur, dark level and a tilted white plane under the given outline;
-/// where the residuals ask for it, one or two light edges as well (circle_fit_edge.hpp). Starts at
+/// where the residuals ask for it, one or two light edges or light that bends as well
+/// (circle_fit_edge.hpp). The covariance follows what the residuals say of the centre. Starts at
 /// `start`; a start within a quarter of the radius of the centre leads to the same centre, to the
 /// last bit (circle_fit_grid.hpp; with light edges across the circle nearly always).
 ///

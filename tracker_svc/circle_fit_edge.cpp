@@ -18,11 +18,17 @@ constexpr int kPasses = 8;
 // passes until residuals may count for less: a guess may be a side off
 constexpr int kTrusting = 2;
 constexpr double kSettled = 0.003;  // [px]
+// [1/px] of the white level: what is not an edge is nearly even, or else is no edge at all
+constexpr float kSlopeLines = 0.005F;
+constexpr float kSlopeBent = 0.1F;
 constexpr double kDoubt = 0.03;  // [px] as in the plain fit
 // [px] as in the plain fit, with light edges that are not quite straight
-constexpr double kFloor = 0.0045;
+constexpr double kFloor = 0.003;
 constexpr float kClean = 0.25F;  // [1] correlation of residuals below which one line is enough
 constexpr float kFits = 0.82F;   // [1] and the share of pixels that are of the model
+// [blurs] softer than the lens makes it, an edge may be none, but light that bends
+constexpr float kSoftEdge = 1.2F;
+constexpr float kMissesEdge = 2.5F;  // [expected deviations] of residuals: there is another edge
 constexpr float kBetter = 0.9F;  // [1] of the cost, for three more unknowns
 
 template <std::size_t kLines>
@@ -40,7 +46,11 @@ void turn(Line& line, float by) {
   line.ny = ny / length;
 }
 
-std::size_t brightest(const LitDisc& lit, std::size_t levels) {
+/// Of light without an edge, the level in the middle; with edges, the brightest side.
+template <std::size_t kLines>
+std::size_t brightest(const LitDisc& lit) {
+  if constexpr (kLines == 0) return 0;
+  constexpr std::size_t levels = levelsOf(kLines);
   return static_cast<std::size_t>(
       std::max_element(lit.level.begin(), lit.level.begin() + static_cast<std::ptrdiff_t>(levels)) -
       lit.level.begin());
@@ -65,21 +75,26 @@ LitFit fitLines(const Task& task, Window& window, const LitDisc& from) {
   for (int pass = 0; pass < kPasses; ++pass) {
     Sums<kCount> sums;
     sumLitDisc<kLines>(window, constants, lit, cutoff, sums);
-    const float white = std::max(1.0F, lit.level[brightest(lit, kLevels)]);
-    know<kLines>(sums, kLitSlopeX, -lit.disc.slope_x, 0.005F * white);
-    know<kLines>(sums, kLitSlopeY, -lit.disc.slope_y, 0.005F * white);
+    const float white = std::max(1.0F, lit.level[brightest<kLines>(lit)]);
+    const float slope = (kLines == 0 ? kSlopeBent : kSlopeLines) * white;
+    know<kLines>(sums, kLitSlopeX, -lit.disc.slope_x, slope);
+    know<kLines>(sums, kLitSlopeY, -lit.disc.slope_y, slope);
     know<kLines>(sums, kLitScale, 1 - lit.disc.scale, 0.03F);
     know<kLines>(sums, kLitRatio, 0.08F - lit.disc.ratio, 0.05F);
     know<kLines>(sums, kLitSigma, sigma - lit.disc.sigma, 0.25F * sigma);
     for (std::size_t i = 0; i < kLevels; ++i) {
-      know<kLines>(sums, kLitLevel + i, 0.5F * white - lit.level[i], 2 * white);
+      const bool bends = kLines == 0 && i > 0;
+      know<kLines>(sums, kLitLevel + i, (bends ? 0.0F : 0.5F * white) - lit.level[i],
+                   (bends ? 0.5F : 2.0F) * white);
     }
     for (std::size_t i = 0; i < kLines; ++i) {
       know<kLines>(sums, kLitLevel + kLevels + 2 * i, 0, 0.5F);
       know<kLines>(sums, kLitLevel + kLevels + 2 * i + 1, 0, 2.0F);
     }
-    know<kLines>(sums, kLitLevel + kLevels + 2 * kLines, 1.2F * sigma - lit.edge_sigma,
-                 0.3F * sigma);
+    if constexpr (kLines > 0) {
+      know<kLines>(sums, kLitLevel + kLevels + 2 * kLines, 1.2F * sigma - lit.edge_sigma,
+                   0.3F * sigma);
+    }
     if constexpr (kLines == 1) know<kLines>(sums, kCount - 1, -lit.bend, 0.02F);
     const Factor<kCount> factor(sums.normal);
     if (!factor.good()) return out;
@@ -108,9 +123,11 @@ LitFit fitLines(const Task& task, Window& window, const LitDisc& from) {
       turn(lit.line[i], step(kLitLevel + kLevels + 2 * i, 0.3F));
       lit.line[i].offset += step(kLitLevel + kLevels + 2 * i + 1, most_step);
     }
-    lit.edge_sigma =
-        std::clamp(lit.edge_sigma + step(kLitLevel + kLevels + 2 * kLines, 0.3F * sigma),
-                   0.8F * sigma, 3 * sigma);
+    if constexpr (kLines > 0) {
+      lit.edge_sigma =
+          std::clamp(lit.edge_sigma + step(kLitLevel + kLevels + 2 * kLines, 0.3F * sigma),
+                     0.8F * sigma, 3 * sigma);
+    }
     if constexpr (kLines == 1) {
       lit.bend = std::clamp(lit.bend + step(kCount - 1, 0.03F), -0.1F, 0.1F);
     }
@@ -122,12 +139,12 @@ LitFit fitLines(const Task& task, Window& window, const LitDisc& from) {
       const auto cx = factor.inverseColumn(kLitX);
       const auto cy = factor.inverseColumn(kLitY);
       const double size = static_cast<double>(noise * noise);
-      o.covariance = {size * cx[kLitX] + kFloor * kFloor, size * cx[kLitY],
-                      size * cy[kLitY] + kFloor * kFloor};
+      o.floor = kFloor * kFloor;
+      o.covariance = {size * cx[kLitX] + o.floor, size * cx[kLitY], size * cy[kLitY] + o.floor};
       o.ratio_error = static_cast<float>(std::sqrt(factor.inverseColumn(kLitRatio)[kLitRatio]));
       o.x = window.base_x + static_cast<double>(lit.disc.x);
       o.y = window.base_y + static_cast<double>(lit.disc.y);
-      o.white = lit.level[brightest(lit, kLevels)];
+      o.white = lit.level[brightest<kLines>(lit)];
       o.ratio = lit.disc.ratio;
       o.scale = lit.disc.scale;
       o.sigma = lit.disc.sigma;
@@ -143,7 +160,7 @@ LitFit fitLines(const Task& task, Window& window, const LitDisc& from) {
   return out;
 }
 
-LitDisc litFrom(const Disc& disc, const Split& split, float sigma) {
+LitDisc expectedAt(const Disc& disc, float sigma) {
   LitDisc lit;
   lit.disc = disc;
   lit.disc.slope_x = 0;
@@ -151,7 +168,18 @@ LitDisc litFrom(const Disc& disc, const Split& split, float sigma) {
   lit.disc.scale = 1;
   lit.disc.ratio = 0.08F;
   lit.disc.sigma = sigma;
-  lit.level = split.level;
+  return lit;
+}
+
+LitDisc bentFrom(const Disc& disc, const Split& split, float sigma) {
+  LitDisc lit = expectedAt(disc, sigma);
+  lit.level[0] = 0.5F * (split.level[0] + split.level[1]);
+  return lit;
+}
+
+LitDisc litFrom(const Disc& disc, const Split& split, float sigma) {
+  LitDisc lit = expectedAt(disc, sigma);
+  std::copy(split.level.begin(), split.level.end(), lit.level.begin());
   lit.line = split.line;
   lit.edge_sigma = 1.2F * sigma;
   return lit;
@@ -164,18 +192,31 @@ void light(const Task& task, Window& window, const LitDisc& lit) {
   sumLitDisc<kLines>(window, task.constants, lit, kNoCutoff, sums);
 }
 
+bool isClean(const Outcome& outcome) {
+  return outcome.good && outcome.correlation < kClean && outcome.believed > kFits;
+}
+
 Outcome fitLit(const Task& task, Window& window, const Disc& rough) {
   const Surroundings around(window, task.constants, rough);
   LitFit best;
+  std::size_t count = 1;  // lines of the best
+  bool is_last = true;    // so that what it leaves in the window is there
   if (const Split split = around.oneLine(); split.good) {
     best = fitLines<1>(task, window, litFrom(rough, split, task.sigma));
     const Outcome& one = best.outcome;
-    if (one.good && one.correlation < kClean && one.believed > kFits) return one;
+    const bool soft = best.lit.edge_sigma > kSoftEdge * task.sigma;
+    if (one.good && soft && one.noise < kMissesEdge) {
+      const LitFit bent = fitLines<0>(task, window, bentFrom(rough, split, task.sigma));
+      if (isClean(bent.outcome) && bent.outcome.cost < one.cost) return bent.outcome;
+      is_last = false;
+    }
+    if (isClean(one)) {
+      if (!is_last) light<1>(task, window, best.lit);
+      return one;
+    }
   }
   const Disc better = best.outcome.good ? best.lit.disc : rough;
   const TwoLines lines = around.twoLines();
-  std::size_t count = 1;  // lines of the best
-  bool is_last = true;    // so that what it leaves in the window is there
   for (const Split& split : {lines.parallel, lines.crossing}) {
     if (!split.good) continue;
     const LitFit two = fitLines<2>(task, window, litFrom(better, split, task.sigma));

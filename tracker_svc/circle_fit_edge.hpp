@@ -1,4 +1,5 @@
-/// Finds and fits the light edges that cross a circle. Internal to the circle fit.
+/// Finds and fits the light edges that cross a circle, or light that bends on it. Internal to the
+/// circle fit.
 #pragma once
 
 #include <optional>
@@ -7,7 +8,7 @@
 
 namespace lab::tracker::fit {
 
-/// Where the circle near `start` is, as a point of the grid, with light edges considered.
+/// Where the circle near `start` is, as a point of the grid, in light that is no plane.
 /// @param outcome the fit from there
 std::optional<GridPoint> settleLit(const Task& task, GridPoint start, Window& window,
                                    Outcome& outcome);

@@ -44,13 +44,25 @@ LAB_INLINE void sumAll(Window& window, const Constants& constants, const LitDisc
     Paint paint;
     paintAt(x, y, disc, constants, over_sigma, paint);
 
-    Side side[kLines];
+    Side side[kLines + 1];  // there may be none
     for (std::size_t i = 0; i < kLines; ++i) {
       sideOf(lit.line[i], kLines == 1 ? lit.bend : 0.0F, lit.edge_sigma, x, y, side[i]);
     }
     Lanes basis[kLevels];
-    Lanes jump[kLines];  // d W / d share of each line
-    if constexpr (kLines == 1) {
+    Lanes jump[kLines + 1];  // d W / d share of each line
+    if constexpr (kLines == 0) {
+      const float over_radius = 1.0F / constants.radius;
+      const Lanes u = x * over_radius;
+      const Lanes v = y * over_radius;
+      basis[0] = Lanes{} + 1.0F;
+      basis[1] = u * u;
+      basis[2] = u * v;
+      basis[3] = v * v;
+      basis[4] = basis[1] * u;
+      basis[5] = basis[1] * v;
+      basis[6] = basis[3] * u;
+      basis[7] = basis[3] * v;
+    } else if constexpr (kLines == 1) {
       basis[0] = 1.0F - side[0].share;
       basis[1] = side[0].share;
       jump[0] = Lanes{} + (lit.level[1] - lit.level[0]);
@@ -72,10 +84,29 @@ LAB_INLINE void sumAll(Window& window, const Constants& constants, const LitDisc
     const Lanes paint_x = outward * paint.out_x;
     const Lanes paint_y = outward * paint.out_y;
     Lanes crossing = {};
-    for (std::size_t i = 0; i < kLines; ++i) {
-      crossing += jump[i] * side[i].rise * (lit.line[i].nx * paint_x + lit.line[i].ny * paint_y);
+    if constexpr (kLines == 0) {
+      const Lanes u = x / constants.radius;
+      const Lanes v = y / constants.radius;
+      const float* l = lit.level.data();
+      const Lanes by_u = u * (2 * l[1] + 3 * l[4] * u) + v * (l[2] + 2 * l[5] * u + l[6] * v);
+      const Lanes by_v = v * (2 * l[3] + 3 * l[7] * v) + u * (l[2] + 2 * l[6] * v + l[5] * u);
+      crossing = (disc.slope_x + by_u / constants.radius) * paint_x +
+                 (disc.slope_y + by_v / constants.radius) * paint_y;
+      crossing *= disc.sigma * disc.sigma;
     }
-    const Lanes signal = white * lightness + crossing * (disc.sigma * disc.sigma);
+    for (std::size_t i = 0; i < kLines; ++i) {
+      const Line& line = lit.line[i];
+      const Lanes rho = atMost(atLeast(paint.over_distance * (disc.sigma / lit.edge_sigma) *
+                                           (line.nx * paint.out_x + line.ny * paint.out_y),
+                                       -1.0F),
+                               1.0F);
+      const Lanes both = side[i].z * paint.z;
+      const Lanes third = (side[i].z * side[i].z - 1.0F) * (paint.z * paint.z - 1.0F);
+      crossing += jump[i] * side[i].rise * paint.slope * rho *
+                  (1.0F + rho * (0.5F * both + rho * (1.0F / 6.0F) * third));
+    }
+    if constexpr (kLines > 0) crossing *= contrast * lit.edge_sigma;
+    const Lanes signal = white * lightness + crossing;
     const Lanes residual = value - constants.black - signal;
     const Lanes certain = certaintyOf(value, signal, constants, counts);
     const Lanes square = residual * residual * certain;
@@ -101,7 +132,7 @@ LAB_INLINE void sumAll(Window& window, const Constants& constants, const LitDisc
       slopes[kLitLevel + kLevels + 2 * i + 1] = -moved;
       softness -= moved * side[i].z;
     }
-    slopes[kLitLevel + kLevels + 2 * kLines] = softness;
+    if constexpr (kLines > 0) slopes[kLitLevel + kLevels + 2 * kLines] = softness;
     if constexpr (kLines == 1) {
       slopes[kCount - 1] =
           lightness * jump[0] * side[0].rise * side[0].along * side[0].along * 0.5F;
@@ -116,6 +147,15 @@ LAB_INLINE void sumAll(Window& window, const Constants& constants, const LitDisc
 }
 
 }  // namespace
+
+template <>
+__attribute__((target_clones("avx2", "default"))) void sumLitDisc<0>(Window& window,
+                                                                     const Constants& constants,
+                                                                     const LitDisc& disc,
+                                                                     float cutoff,
+                                                                     Sums<litUnknowns(0)>& sums) {
+  sumAll<0>(window, constants, disc, cutoff, sums);
+}
 
 template <>
 __attribute__((target_clones("avx2", "default"))) void sumLitDisc<1>(Window& window,

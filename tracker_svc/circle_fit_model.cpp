@@ -239,17 +239,4 @@ __attribute__((target_clones("avx2", "default"))) double correlation(const Windo
   return all > 0 ? total(together) / all : 0;
 }
 
-double unevenness(const Window& window) {
-  const auto across = [&](int i) {
-    return 0.5F * (window.residual[i] - window.residual[window.places - 1 - i]);
-  };
-  float together = 0;
-  float squares = 0;
-  for (int i = 0; i + 1 < window.places; ++i) {
-    together += across(i) * across(i + 1);
-    squares += window.residual[i] * window.residual[i];
-  }
-  return squares > 0 ? static_cast<double>(together / squares) : 0;
-}
-
 }  // namespace lab::tracker::fit

@@ -24,8 +24,6 @@ constexpr std::size_t kBlock = 4;
 
 constexpr float kUsualRatio = 0.08F;  ///< [1] dark / white, of black paint on white
 
-constexpr float kPixelBox = 1.0F / 12;  ///< [px^2] variance of the blur by the pixel itself
-
 /// Residuals count fully in the cost while they are small against this [expected deviations].
 constexpr float kLimit = 15;
 
@@ -119,10 +117,5 @@ void layLight(Window& window, const Disc& disc);
 /// Correlation of the residuals of neighbouring pixels: near 0 for noise, high where something that
 /// is not in the model is there.
 double correlation(const Window& window);
-
-/// The same of what differs between the residuals of places across the middle from each other, over
-/// the square of all residuals. Blur that is no Gaussian leaves the same on both sides, and moves
-/// nothing; a light edge does not.
-double unevenness(const Window& window);
 
 }  // namespace lab::tracker::fit

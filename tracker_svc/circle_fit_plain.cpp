@@ -113,7 +113,7 @@ void step(Disc& disc, const Row& by, float sigma) {
 Task::Task(const optics::GreyView& the_picture, const DiscShape& the_shape,
            const optics::Imaging& imaging)
     : picture(&the_picture),
-      sigma(static_cast<float>(std::sqrt(imaging.blur * imaging.blur + static_cast<double>(kPixelBox)))) {
+      sigma(static_cast<float>(std::sqrt(imaging.blur * imaging.blur + optics::kPixelBox))) {
   constants.black = static_cast<float>(imaging.black);
   constants.floor_variance =
       static_cast<float>(imaging.read_noise * imaging.read_noise + 1.0 / 12.0);

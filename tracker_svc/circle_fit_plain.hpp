@@ -34,6 +34,7 @@ struct Outcome {
   double x = 0;  ///< [px] in the picture
   double y = 0;
   std::array<double, 3> covariance{};  ///< [px^2] xx, xy, yy
+  double floor = 0;                    ///< [px^2] of xx and yy: what no residual shows
   float white = 0;                     ///< [DN] at the centre
   float slope_x = 0;                   ///< [DN/px] of the white level, without light edges
   float slope_y = 0;

@@ -24,8 +24,8 @@ struct Slopes {
 
 class Pixels;
 
-/// Pixels around one point of the picture, row by row; places are relative to that point, and the
-/// last but i lies across it from place i.
+/// Pixels around one point of the picture, row by row; places are relative to that point. What is
+/// looked at looks the same upside down: the last place lies opposite the first.
 struct Window {
   std::shared_ptr<const Pixels> pixels;  ///< whose the places are
   double base_x = 0;                     ///< [px] in the picture

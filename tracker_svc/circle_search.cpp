@@ -37,7 +37,7 @@ CircleSearch::CircleSearch(const ScaleMap& scale, const optics::CapGeometry& cap
   noise_ = std::clamp(static_cast<int>(std::ceil(kSigmas * static_cast<float>(imaging.read_noise))),
                       1, 100);
   levels_ = levelsOf(black_, noise_);
-  softness_ = static_cast<float>(std::sqrt(imaging.blur * imaging.blur + 1.0 / 12));
+  softness_ = static_cast<float>(std::sqrt(imaging.blur * imaging.blur + optics::kPixelBox));
   if (scale.largest() <= 0 || width <= kWord || height < 1) return;
   const double small = cap.small_radius * static_cast<double>(scale.smallest());
   const double big = cap.big_radius * static_cast<double>(scale.largest());

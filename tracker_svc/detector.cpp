@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "tracker_svc/cap_check.hpp"
-#include "tracker_svc/cap_pose.hpp"
 
 namespace lab::tracker {
 namespace {
@@ -327,11 +326,25 @@ bool Detector::measure(const optics::GreyView& picture, Couple& couple,
   return true;
 }
 
+MarkedPlace Detector::markedBy(const Circle& circle, const Circle& other) const {
+  const auto lookOf = [](const CircleFit& fit) {
+    return PaintLook{static_cast<double>(fit.white), static_cast<double>(fit.ratio),
+                     static_cast<double>(fit.ratio_error), static_cast<double>(fit.blur)};
+  };
+  MarkedPlace out{circle.place, circle.covariance};
+  const double moved = movedByLightOnTop(lookOf(circle.fit), lookOf(other.fit));
+  if (moved > 0) {
+    const double metres = moved / static_cast<double>(scale_.at(circle.fit.x, circle.fit.y).mean);
+    out.covariance[0] += metres * metres;
+    out.covariance[2] += metres * metres;
+  }
+  return out;
+}
+
 Detection Detector::poseOf(const Couple& couple, float rim) const {
   const Circle& big = circleOf(couple.big, true);
   const Circle& small = circleOf(couple.small, false);
-  const CapPose pose =
-      poseFromCircles({big.place, big.covariance}, {small.place, small.covariance}, cap_);
+  const CapPose pose = poseFromCircles(markedBy(big, small), markedBy(small, big), cap_);
   Detection out;
   out.x = pose.x;
   out.y = pose.y;
@@ -340,7 +353,8 @@ Detection Detector::poseOf(const Couple& couple, float rim) const {
   out.spacing = static_cast<float>(
       std::hypot(big.place.x - small.place.x, big.place.y - small.place.y));
   out.white = (big.fit.white + small.fit.white) / 2;
-  out.blur = (big.fit.blur + small.fit.blur) / 2;
+  const float blur = (big.fit.blur + small.fit.blur) / 2;
+  out.blur = std::sqrt(std::max(0.0F, blur * blur - static_cast<float>(optics::kPixelBox)));
   out.big = {big.fit.x, big.fit.y};
   out.small = {small.fit.x, small.fit.y};
   out.middle = camera_.project(out.x, out.y, cap_.height);

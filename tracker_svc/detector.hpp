@@ -12,6 +12,7 @@
 #include "optics/cap.hpp"
 #include "optics/image.hpp"
 #include "optics/imaging.hpp"
+#include "tracker_svc/cap_pose.hpp"
 #include "tracker_svc/circle_fit.hpp"
 #include "tracker_svc/circle_search.hpp"
 #include "tracker_svc/pairing.hpp"
@@ -164,6 +165,8 @@ class Detector {
   [[nodiscard]] bool fitBoth(const optics::GreyView& picture, const Couple& couple);
   [[nodiscard]] bool measure(const optics::GreyView& picture, Couple& couple,
                              std::vector<Rejection>* rejected);
+  /// A circle of a cap, with what light on top may have done to it.
+  [[nodiscard]] MarkedPlace markedBy(const Circle& circle, const Circle& other) const;
   [[nodiscard]] Detection poseOf(const Couple& couple, float rim) const;
   /// Degraded poses of those expected caps that were not seen; valid until the next call.
   const std::vector<Rescued>& rescue(const optics::GreyView& picture,

@@ -25,8 +25,12 @@ struct Pool {
   int edges = 0;
   int differ = 0;  // from another start
   double squares = 0;
+  double normalised = 0;  // sum of error^T covariance^-1 error
 
   [[nodiscard]] double rms() const { return std::sqrt(squares / std::max(1, fits - refused)); }
+  [[nodiscard]] double nees() const { return normalised / (2.0 * std::max(1, fits - refused)); }
+  // By how much the normalised error squared may be off: 10 % and three standard deviations.
+  [[nodiscard]] double neesTolerance() const { return 0.1 + 3 * std::sqrt(2.0 / (2.0 * fits)); }
 };
 
 class CircleFitEdgeTest : public ::testing::Test {
@@ -60,7 +64,12 @@ class CircleFitEdgeTest : public ::testing::Test {
         continue;
       }
       pool.edges += fit.edge ? 1 : 0;
-      pool.squares += std::pow(fit.x - p.x, 2) + std::pow(fit.y - p.y, 2);
+      const double ex = fit.x - p.x;
+      const double ey = fit.y - p.y;
+      const auto& c = fit.covariance;
+      pool.squares += ex * ex + ey * ey;
+      pool.normalised +=
+          (c[2] * ex * ex - 2 * c[1] * ex * ey + c[0] * ey * ey) / (c[0] * c[2] - c[1] * c[1]);
     }
     return pool;
   }
@@ -117,6 +126,40 @@ TEST_F(CircleFitEdgeTest, NarrowStripes) {
   });
   EXPECT_LE(pool.refused, 1);
   EXPECT_LT(pool.rms(), 0.1);
+}
+
+// Paint and light change at the same place: what a pixel sees is not what both say by themselves.
+TEST_F(CircleFitEdgeTest, EdgesThatTouchTheOutline) {
+  for (const double radius : {4.1, 6.7}) {
+    const Pool pool = fitMany(radius, 120, [&](double r) -> Light {
+      const double angle = even(0, 2 * std::numbers::pi);
+      const double offset = r + even(-1, 1);
+      return [=](double x, double y) {
+        return 0.3 + 0.7 * softStep(x * std::cos(angle) + y * std::sin(angle) - offset, 0.7);
+      };
+    });
+    EXPECT_EQ(pool.refused, 0) << radius;
+    EXPECT_NEAR(pool.nees(), 1, pool.neesTolerance()) << radius;
+    EXPECT_LT(pool.rms(), 0.03) << radius;
+  }
+}
+
+// Light that bends within a circle's reach, as in waves and in noise, has no edge to be fitted.
+TEST_F(CircleFitEdgeTest, LightThatBends) {
+  for (const double radius : {4.1, 6.7}) {
+    const Pool pool = fitMany(radius, 120, [&](double) -> Light {
+      const double angle = even(0, 2 * std::numbers::pi);
+      const double phase = even(0, 2 * std::numbers::pi);
+      const double length = even(55, 75);
+      return [=](double x, double y) {
+        const double along = x * std::cos(angle) + y * std::sin(angle);
+        return 0.55 + 0.45 * std::sin(2 * std::numbers::pi * along / length + phase);
+      };
+    });
+    EXPECT_EQ(pool.refused, 0) << radius;
+    EXPECT_NEAR(pool.nees(), 1, pool.neesTolerance()) << radius;
+    EXPECT_LT(pool.rms(), 0.04) << radius;
+  }
 }
 
 TEST_F(CircleFitEdgeTest, CornersOfACheckerboard) {
