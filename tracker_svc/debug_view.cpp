@@ -249,6 +249,9 @@ void DebugView::Server::distribute() {
     const std::lock_guard lock(mutex);
     paint = std::exchange(newest, {});
   }
+  // Two pictures shown before the first was asked for here: the later one is sent, and this is the
+  // call of the other.
+  if (!paint) return;
   RgbImage image;
   // Encoded for those who wait, once for each form.
   std::shared_ptr<const Bytes> png;

@@ -22,7 +22,7 @@ const std::array<double, 5> kVignetting{0.05, 0, -0.12, 0, -0.10};
 /// corners by another law, with noise of each mean [DN].
 std::vector<ToneSight> sightsOf(double gamma, double noise, unsigned seed) {
   std::mt19937_64 engine(seed);
-  std::normal_distribution<double> normal(0, noise);
+  std::normal_distribution<double> normal;  // which has no width of 0
   const optics::ProjectorTone tone(gamma, kVignetting, kWidth, kHeight);
   std::vector<ToneSight> sights;
   for (double x = 0.05; x < kWidth; x += 0.1) {
@@ -32,7 +32,7 @@ std::vector<ToneSight> sightsOf(double gamma, double noise, unsigned seed) {
       const double camera = 180 * std::exp(-0.08 * (a * a + b * b) + 0.03 * a);
       ToneSight sight{{x, y}, {}, false};
       for (const double value : kValues) {
-        sight.grey.push_back(12 + camera * tone.light(value, {x, y}) + normal(engine));
+        sight.grey.push_back(12 + camera * tone.light(value, {x, y}) + noise * normal(engine));
       }
       sights.push_back(std::move(sight));
     }
