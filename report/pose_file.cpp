@@ -241,6 +241,13 @@ class Reader {
       }
       fail(line_, fmt::format("{}: found no number, expected a time in s", time_.name));
     }
+    // Fifty times the seconds since 1970. Milliseconds since then are beyond it, and microseconds do
+    // not fit into a utime.
+    constexpr double kLatest = 1e11;
+    if (!(std::abs(row.time) < kLatest)) {
+      fail(line_, fmt::format("{}: found {} s, expected a time in s, of less than 1e11 s",
+                              time_ ? time_.name : frame_.name, row.time));
+    }
     const std::int64_t id = id_ ? whole(id_) : default_robot_;
     if (id < std::numeric_limits<int>::min() || id > std::numeric_limits<int>::max()) {
       fail(line_, fmt::format("{}: found {}, expected a smaller number", id_.name, id));
@@ -311,6 +318,11 @@ class Reader {
     const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
     std::nth_element(sorted.begin(), middle, sorted.end());
     file_.frame_period = *middle;
+    constexpr double kShortest = 0.9e-6;  // a utime knows no less than a microsecond
+    if (file_.frame_period < kShortest) {
+      fail(1, fmt::format("{}: found {} s from frame to frame, expected a time in s, 1e-6 s or more",
+                          time_ ? time_.name : frame_.name, file_.frame_period));
+    }
     // A film of which every n-th picture was tracked is whole.
     const std::int64_t span = file_.frames.back().frame - file_.frames.front().frame;
     file_.missing_frames = span / least_step + 1 -
