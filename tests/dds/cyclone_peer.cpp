@@ -1,5 +1,6 @@
 /// cyclone_peer DOMAIN CONFIGURATION: an endpoint as rmw_cyclonedds makes it (peer_loop.hpp).
 #include <iostream>
+#include <memory>
 #include <stdexcept>
 
 #include "peer_loop.hpp"
@@ -13,8 +14,11 @@ dds_entity_t checked(dds_entity_t handle) {
   return handle;
 }
 
-dds_qos_t* made(const PeerQos& wanted) {
-  dds_qos_t* qos = dds_create_qos();
+using QosHandle = std::unique_ptr<dds_qos_t, decltype(&dds_delete_qos)>;
+
+QosHandle made(const PeerQos& wanted) {
+  QosHandle handle(dds_create_qos(), dds_delete_qos);
+  dds_qos_t* qos = handle.get();
   dds_qset_reliability(
       qos, wanted.reliable ? DDS_RELIABILITY_RELIABLE : DDS_RELIABILITY_BEST_EFFORT, DDS_INFINITY);
   dds_qset_history(qos, DDS_HISTORY_KEEP_LAST, wanted.depth);
@@ -33,7 +37,7 @@ dds_qos_t* made(const PeerQos& wanted) {
   if (!wanted.user_data.empty()) {
     dds_qset_userdata(qos, wanted.user_data.data(), wanted.user_data.size());
   }
-  return qos;
+  return handle;
 }
 
 class CycloneEndpoint : public PeerEndpoint {
@@ -42,10 +46,9 @@ class CycloneEndpoint : public PeerEndpoint {
                   const std::string& type, const PeerQos& wanted)
       : writer_(writer) {
     const dds_entity_t named = checked(rawTopic(participant, topic, type));
-    dds_qos_t* qos = made(wanted);
-    endpoint_ = checked(writer ? dds_create_writer(participant, named, qos, nullptr)
-                               : dds_create_reader(participant, named, qos, nullptr));
-    dds_delete_qos(qos);
+    const QosHandle qos = made(wanted);
+    endpoint_ = checked(writer ? dds_create_writer(participant, named, qos.get(), nullptr)
+                               : dds_create_reader(participant, named, qos.get(), nullptr));
   }
 
   PeerMatch match() override {

@@ -4,11 +4,9 @@
 #include <dds/ddsi/ddsi_serdata.h>
 #include <dds/ddsi/ddsi_sertype.h>
 #include <dds/ddsi/q_radmin.h>
-#include <dds/ddsrt/heap.h>
 
 #include <algorithm>
 #include <array>
-#include <cstring>
 #include <memory>
 
 namespace lab::dds {
@@ -21,6 +19,7 @@ struct RawData : ddsi_serdata {
     ddsi_serdata_init(this, of, what);
   }
   Payload payload;
+  Payload on_wire;  ///< the payload, its size rounded up to four bytes
 };
 
 const RawData* raw(const ddsi_serdata* data) { return static_cast<const RawData*>(data); }
@@ -28,6 +27,8 @@ const RawData* raw(const ddsi_serdata* data) { return static_cast<const RawData*
 ddsi_serdata* made(const ddsi_sertype* type, ddsi_serdata_kind kind, Payload payload) {
   auto data = std::make_unique<RawData>(type, kind);
   data->payload = std::move(payload);
+  data->on_wire = data->payload;
+  data->on_wire.resize((data->payload.size() + 3) / 4 * 4);
   return data.release();
 }
 
@@ -42,26 +43,18 @@ ddsi_serdata* fromFragments(const ddsi_sertype* type, ddsi_serdata_kind kind,
 }
 
 void copyOut(const ddsi_serdata* data, std::size_t offset, std::size_t size, void* to) {
-  // The wire rounds up to four bytes.
-  const Payload& payload = raw(data)->payload;
-  std::memset(to, 0, size);
-  if (offset < payload.size()) {
-    std::memcpy(to, payload.data() + offset, std::min(size, payload.size() - offset));
-  }
+  std::copy_n(raw(data)->on_wire.data() + offset, size, static_cast<unsigned char*>(to));
 }
 
+// No memory of its own: where the payload is encrypted, Cyclone gives back another place than this.
 ddsi_serdata* reference(const ddsi_serdata* data, std::size_t offset, std::size_t size,
                         ddsrt_iovec_t* to) {
-  to->iov_base = ddsrt_malloc(size);
+  to->iov_base = const_cast<unsigned char*>(raw(data)->on_wire.data()) + offset;
   to->iov_len = size;
-  copyOut(data, offset, size, to->iov_base);
   return ddsi_serdata_ref(data);
 }
 
-void unreference(ddsi_serdata* data, const ddsrt_iovec_t* from) {
-  ddsrt_free(from->iov_base);
-  ddsi_serdata_unref(data);
-}
+void unreference(ddsi_serdata* data, const ddsrt_iovec_t*) { ddsi_serdata_unref(data); }
 
 const ddsi_serdata_ops& dataOps() {
   static const ddsi_serdata_ops kOps = [] {
