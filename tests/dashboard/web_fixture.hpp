@@ -20,7 +20,7 @@ class RecordingLab final : public LabPort {
   std::string wish(const Wish& wish) override {
     const std::lock_guard lock(mutex_);
     wishes_.push_back(wish);
-    return refusal;
+    return refusal_;
   }
   std::optional<std::string> ask(std::string_view what, std::string_view which) override {
     if (what == "nothing") return std::nullopt;
@@ -31,10 +31,14 @@ class RecordingLab final : public LabPort {
     return wishes_;
   }
 
-  std::string refusal;
+  void refuse(const std::string& why) {
+    const std::lock_guard lock(mutex_);
+    refusal_ = why;
+  }
 
  private:
   std::mutex mutex_;
+  std::string refusal_;
   std::vector<Wish> wishes_;
 };
 

@@ -75,7 +75,7 @@ TEST_F(WebTest, HandsWishesOnAndSaysWhatBecameOfThem) {
   EXPECT_EQ(statusOf(wish(R"({"wish":"stop","reason":"by hand"})")), "202");
   ASSERT_THAT(lab_.wishes(), SizeIs(1));
   EXPECT_EQ(std::get<StopRobots>(lab_.wishes().front()).reason, "by hand");
-  lab_.refusal = "no script runs";
+  lab_.refuse("no script runs");
   EXPECT_THAT(wish(R"({"wish":"pause"})"),
               AllOf(StartsWith("HTTP/1.1 409"), EndsWith(R"({"error":"no script runs"})")));
 }
