@@ -17,14 +17,22 @@ if(LAB_SANITIZE)
   target_link_options(lab_options INTERFACE -fsanitize=${LAB_SANITIZE})
 endif()
 
-# Most of a compiler's time goes into headers that the sources of a library share: sixteen of them at
-# a time take a third of it. Sanitizers and a compiler's cache (ccache) get every source by itself, and
+# Most of a compiler's time goes into headers that the sources of a library, or of tests, share: sixteen
+# of them at a time take a third of it. Sanitizers and a compiler's cache (ccache) get every source by itself, and
 # so see that each includes what it uses.
 set(batches ON)
 if(LAB_SANITIZE OR CMAKE_CXX_COMPILER_LAUNCHER)
   set(batches OFF)
 endif()
-option(LAB_BATCHES "Compile the sources of a library several at a time" ${batches})
+option(LAB_BATCHES "Compile the sources of a library, and of tests, several at a time" ${batches})
+
+function(lab_batches target)
+  if(LAB_BATCHES)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 16)
+    # To this warning every source of a batch is a header.
+    target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
+  endif()
+endfunction()
 
 # lab_library(name [NUMBERS] SOURCES a.cpp... [LINK target...])
 # NUMBERS is for inner loops and what promises its bits: every source is compiled by itself. Those of
@@ -33,10 +41,8 @@ function(lab_library name)
   cmake_parse_arguments(ARG "NUMBERS" "" "SOURCES;LINK" ${ARGN})
   add_library(${name} STATIC ${ARG_SOURCES})
   target_link_libraries(${name} PUBLIC lab_options ${ARG_LINK})
-  if(LAB_BATCHES AND NOT ARG_NUMBERS)
-    set_target_properties(${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 16)
-    # To this warning every source of a batch is a header.
-    target_compile_options(${name} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
+  if(NOT ARG_NUMBERS)
+    lab_batches(${name})
   endif()
 endfunction()
 
@@ -61,23 +67,45 @@ function(lab_test_program name)
   endif()
 endfunction()
 
-# lab_test(name SOURCES x_test.cpp... [LINK target...] [OWN_OPTIONS] [LABELS label...] [TIMEOUT s] [NETWORK])
+# lab_test_group(name [SOURCES helper.cpp...] [LINK target...])
+# The program of several tests, which lab_test(... IN name) adds: a folder's tests that link the same
+# are compiled in batches, as the sources of a library are.
+function(lab_test_group name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
+  add_executable(${name} ${ARG_SOURCES} $<TARGET_OBJECTS:lab_test_main>)
+  target_link_libraries(${name} PRIVATE lab_options ${ARG_LINK} GTest::gmock GTest::gtest)
+  target_precompile_headers(${name} REUSE_FROM lab_test_headers)
+  lab_batches(${name})
+endfunction()
+
+# lab_test(name SOURCES x_test.cpp... [IN group] [LINK target...] [OWN_OPTIONS] [LABELS label...]
+#          [TIMEOUT s] [NETWORK])
+# IN makes it a part of that group's program, otherwise it is a program of its own.
 # NETWORK runs the test inside a network namespace of its own, so that nothing it publishes leaves.
 # Everything else runs with LCM kept in memory.
 # `ctest -j` counts half cores (PROCESSORS): a test that computes takes a core; one that opens sockets
 # mostly waits, and half a core is more than the hungriest of them needs.
 function(lab_test name)
-  cmake_parse_arguments(ARG "NETWORK;OWN_OPTIONS" "TIMEOUT" "SOURCES;LINK;LABELS" ${ARGN})
-  set(own_options)
-  if(ARG_OWN_OPTIONS)
-    set(own_options OWN_OPTIONS)
-  endif()
-  lab_test_program(${name} SOURCES ${ARG_SOURCES} LINK ${ARG_LINK} ${own_options})
-  if(ARG_NETWORK)
-    add_test(NAME ${name}
-      COMMAND "${PROJECT_SOURCE_DIR}/tests/in_private_network.sh" $<TARGET_FILE:${name}>)
+  cmake_parse_arguments(ARG "NETWORK;OWN_OPTIONS" "TIMEOUT;IN" "SOURCES;LINK;LABELS" ${ARGN})
+  set(program ${name})
+  set(sources)
+  if(ARG_IN)
+    set(program ${ARG_IN})
+    set(sources ${ARG_SOURCES})
+    target_sources(${program} PRIVATE ${ARG_SOURCES})
+    target_link_libraries(${program} PRIVATE ${ARG_LINK})
   else()
-    add_test(NAME ${name} COMMAND ${name})
+    set(own_options)
+    if(ARG_OWN_OPTIONS)
+      set(own_options OWN_OPTIONS)
+    endif()
+    lab_test_program(${name} SOURCES ${ARG_SOURCES} LINK ${ARG_LINK} ${own_options})
+  endif()
+  if(ARG_NETWORK)
+    add_test(NAME ${name} COMMAND "${PROJECT_SOURCE_DIR}/tests/in_private_network.sh"
+      $<TARGET_FILE:${program}> ${sources})
+  else()
+    add_test(NAME ${name} COMMAND ${program} ${sources})
     set_tests_properties(${name} PROPERTIES PROCESSORS 2 ENVIRONMENT "LCM_DEFAULT_URL=memq://")
   endif()
   if(ARG_LABELS)

@@ -8,7 +8,7 @@
 
 #include "programs.hpp"
 
-namespace lab::analysis {
+namespace lab::analysis::film_ensemble_test {
 namespace {
 
 struct Case {
@@ -67,4 +67,4 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& parameter) { return parameter.param.name; });
 
 }  // namespace
-}  // namespace lab::analysis
+}  // namespace lab::analysis::film_ensemble_test

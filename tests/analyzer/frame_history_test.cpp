@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace lab::analysis {
+namespace lab::analysis::frame_history_test {
 namespace {
 
 constexpr double kPeriod = 0.02;  // s
@@ -88,4 +88,4 @@ TEST(FrameHistory, InterpolatesWhereAtMostOneFrameWasLost) {
 }
 
 }  // namespace
-}  // namespace lab::analysis
+}  // namespace lab::analysis::frame_history_test

@@ -10,7 +10,7 @@
 #include "analyzer/phased_noise.hpp"
 #include "reference_table.hpp"
 
-namespace lab::analysis {
+namespace lab::analysis::laws_test {
 namespace {
 
 constexpr double kCm = 0.01;
@@ -252,4 +252,4 @@ TEST(ExactLaw, IsNotANumberWithoutALaw) {
 }
 
 }  // namespace
-}  // namespace lab::analysis
+}  // namespace lab::analysis::laws_test

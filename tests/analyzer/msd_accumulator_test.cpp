@@ -9,7 +9,7 @@
 
 #include "analyzer/lags.hpp"
 
-namespace lab::analysis {
+namespace lab::analysis::msd_accumulator_test {
 namespace {
 
 constexpr double kPeriod = 0.02;  // s
@@ -471,4 +471,4 @@ TEST(BlockStore, PacksBlocksWithoutLosingWhatTheyDifferIn) {
 }
 
 }  // namespace
-}  // namespace lab::analysis
+}  // namespace lab::analysis::msd_accumulator_test

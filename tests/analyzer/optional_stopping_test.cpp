@@ -7,7 +7,7 @@
 
 #include "film_ensemble.hpp"
 
-namespace lab::analysis {
+namespace lab::analysis::optional_stopping_test {
 namespace {
 
 constexpr int kFilms = 300;
@@ -113,4 +113,4 @@ TEST(OptionalStopping, KeepsItsIntervalsNearly) {
 }
 
 }  // namespace
-}  // namespace lab::analysis
+}  // namespace lab::analysis::optional_stopping_test

@@ -13,7 +13,7 @@
 #include "pose_film.hpp"
 #include "programs.hpp"
 
-namespace lab::analysis {
+namespace lab::analysis::reversal_finder_test {
 namespace {
 
 struct Case {
@@ -174,4 +174,4 @@ TEST(ReversalTeller, SaysWhatTheRobotWouldHaveSaid) {
 }
 
 }  // namespace
-}  // namespace lab::analysis
+}  // namespace lab::analysis::reversal_finder_test

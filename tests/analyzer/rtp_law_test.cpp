@@ -11,7 +11,7 @@
 #include "analyzer/laws.hpp"
 #include "window_moments.hpp"
 
-namespace lab::analysis {
+namespace lab::analysis::rtp_law_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -172,4 +172,4 @@ TEST(RtpLaw, WheelsThatSaturateTurnTooLittle) {
 }
 
 }  // namespace
-}  // namespace lab::analysis
+}  // namespace lab::analysis::rtp_law_test

@@ -8,7 +8,7 @@
 #include "programs.hpp"
 #include "run_film.hpp"
 
-namespace lab::analysis {
+namespace lab::analysis::run_ensemble_test {
 namespace {
 
 struct Case {
@@ -138,4 +138,4 @@ INSTANTIATE_TEST_SUITE_P(Walls, RunEnsemble,
                          });
 
 }  // namespace
-}  // namespace lab::analysis
+}  // namespace lab::analysis::run_ensemble_test

@@ -7,7 +7,7 @@
 #include "film_ensemble.hpp"
 #include "programs.hpp"
 
-namespace lab::analysis {
+namespace lab::analysis::stitched_film_test {
 namespace {
 
 Film walled(const ProgramLaw& law, double duration) {
@@ -112,4 +112,4 @@ TEST(LostMessages, LeaveTheStitchedMotionUnbiased) {
 }
 
 }  // namespace
-}  // namespace lab::analysis
+}  // namespace lab::analysis::stitched_film_test

@@ -9,7 +9,7 @@
 #include "common/random.hpp"
 #include "optics/simulated_projector.hpp"
 
-namespace lab::calibration {
+namespace lab::calibration::projector_fit_test {
 namespace {
 
 using optics::Pixel;
@@ -236,4 +236,4 @@ TEST(LensFromCorners, NoneForCornersThatCross) {
 }
 
 }  // namespace
-}  // namespace lab::calibration
+}  // namespace lab::calibration::projector_fit_test

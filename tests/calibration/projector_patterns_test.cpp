@@ -10,7 +10,7 @@
 #include "optics/simulated_camera.hpp"
 #include "optics/simulated_projector.hpp"
 
-namespace lab::calibration {
+namespace lab::calibration::projector_patterns_test {
 namespace {
 
 constexpr double kWidth = 1.2;
@@ -126,4 +126,4 @@ TEST(ProjectorPatterns, CountsWhatSaysNothing) {
 }
 
 }  // namespace
-}  // namespace lab::calibration
+}  // namespace lab::calibration::projector_patterns_test

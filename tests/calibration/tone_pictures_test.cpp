@@ -8,7 +8,7 @@
 
 #include "optics/simulated_camera.hpp"
 
-namespace lab::calibration {
+namespace lab::calibration::tone_pictures_test {
 namespace {
 
 using testing::HasSubstr;
@@ -109,4 +109,4 @@ TEST(TonePictures, AverageTheFloorOfAPicture) {
 }
 
 }  // namespace
-}  // namespace lab::calibration
+}  // namespace lab::calibration::tone_pictures_test

@@ -9,7 +9,7 @@
 #include "common/bus.hpp"
 #include "common/header.hpp"
 
-namespace lab {
+namespace lab::codec_test {
 namespace {
 
 robot_status_t statusOfTwo() {
@@ -124,4 +124,4 @@ TEST(Header, IsNotReadWhenTheSendersLengthMakesNoSense) {
 }
 
 }  // namespace
-}  // namespace lab
+}  // namespace lab::codec_test

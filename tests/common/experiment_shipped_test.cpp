@@ -2,7 +2,7 @@
 
 #include "tests/common/experiment_samples.hpp"
 
-namespace lab {
+namespace lab::experiment_shipped_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -71,4 +71,4 @@ TEST(ShippedExperiments, SwitchTheLightThroughThreeBands) {
 }
 
 }  // namespace
-}  // namespace lab
+}  // namespace lab::experiment_shipped_test

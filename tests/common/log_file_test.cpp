@@ -12,7 +12,7 @@
 #include "common/channels.hpp"
 #include "tests/common/temporary_folder.hpp"
 
-namespace lab {
+namespace lab::log_file_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -224,4 +224,4 @@ TEST_F(LogFile, ReadsASeriesAsOneLog) {  // a restarted logger goes on in .01, .
 }
 
 }  // namespace
-}  // namespace lab
+}  // namespace lab::log_file_test

@@ -107,7 +107,7 @@ TEST_F(SerialDevicesTest, NamesTheProcessThatHasALine) {
   const auto robot = dut.offer("robot_1");
   const std::string path = dut.offered().at(0);
   OtherProcess other([&path] { openSerialLine(path, 38400).release(); });
-  EXPECT_THAT(complaint(path), HasSubstr("in use by test_common_ser (pid " + other.pid() + ")"));
+  EXPECT_THAT(complaint(path), HasSubstr("in use by test_common (pid " + other.pid() + ")"));
   EXPECT_THAT(lineHolder(path), HasSubstr(other.pid()));
 }
 
@@ -115,7 +115,7 @@ TEST_F(SerialDevicesTest, RespectsAProgramThatOnlyAskedForExclusiveUse) {
   const auto robot = dut.offer("robot_1");
   const std::string path = dut.offered().at(0);
   OtherProcess other([&path] { ioctl(open(path.c_str(), O_RDWR | O_NOCTTY), TIOCEXCL); });
-  EXPECT_THAT(complaint(path), HasSubstr("in use by test_common_ser (pid " + other.pid() + ")"));
+  EXPECT_THAT(complaint(path), HasSubstr("in use by test_common (pid " + other.pid() + ")"));
 }
 
 TEST_F(SerialDevicesTest, LeavesTheSettingsOfALineInUseAlone) {

@@ -12,7 +12,7 @@
 #include "common/virtual_loop.hpp"
 #include "tests/common/temporary_folder.hpp"
 
-namespace lab {
+namespace lab::serial_ports_test {
 namespace {
 
 using testing::ElementsAre;
@@ -257,4 +257,4 @@ INSTANTIATE_TEST_SUITE_P(Of, SerialPortsTest, testing::Values(false, true),
                          [](const auto& kind) { return kind.param ? "Terminals" : "Memory"; });
 
 }  // namespace
-}  // namespace lab
+}  // namespace lab::serial_ports_test

@@ -17,7 +17,7 @@
 #include "common/log_file.hpp"
 #include "tests/common/temporary_folder.hpp"
 
-namespace lab {
+namespace lab::stock_tools_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -160,4 +160,4 @@ TEST_F(StockTools, PlayerPlaysWhatOurWriterWrote) {
 }
 
 }  // namespace
-}  // namespace lab
+}  // namespace lab::stock_tools_test

@@ -5,7 +5,7 @@
 
 #include <string>
 
-namespace lab {
+namespace lab::virtual_loop_test {
 namespace {
 
 using testing::ElementsAre;
@@ -111,4 +111,4 @@ TEST_F(VirtualLoopTest, RefusesAPeriodThatIsNotPositive) {
 }
 
 }  // namespace
-}  // namespace lab
+}  // namespace lab::virtual_loop_test

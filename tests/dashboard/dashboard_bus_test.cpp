@@ -16,7 +16,7 @@
 #include "dashboard/dashboard_service.hpp"
 #include "messages.hpp"
 
-namespace lab::dashboard {
+namespace lab::dashboard::dashboard_bus_test {
 namespace {
 
 using testing::HasSubstr;
@@ -255,4 +255,4 @@ TEST(AddressFile, WhatIsNoAddressIsNone) {
 }
 
 }  // namespace
-}  // namespace lab::dashboard
+}  // namespace lab::dashboard::dashboard_bus_test

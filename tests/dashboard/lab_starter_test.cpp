@@ -7,7 +7,7 @@
 #include "dashboard/json_form.hpp"
 #include "tests/common/temporary_folder.hpp"
 
-namespace lab::dashboard {
+namespace lab::dashboard::lab_starter_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -149,4 +149,4 @@ TEST(LabCommand, CutsAtLinesAndCharacters) {
 }
 
 }  // namespace
-}  // namespace lab::dashboard
+}  // namespace lab::dashboard::lab_starter_test

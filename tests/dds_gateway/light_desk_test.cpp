@@ -4,7 +4,7 @@
 
 #include <limits>
 
-namespace lab::gateway {
+namespace lab::gateway::light_desk_test {
 namespace {
 
 constexpr std::int64_t kTimeout = 400'000;
@@ -82,4 +82,4 @@ TEST(LightDesk, TheSameLightAgainIsTheSameCommand) {
 }
 
 }  // namespace
-}  // namespace lab::gateway
+}  // namespace lab::gateway::light_desk_test

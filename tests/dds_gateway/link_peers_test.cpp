@@ -1,6 +1,6 @@
 #include "dds_gateway/link_peers.hpp"
 
-namespace lab::gateway {
+namespace lab::gateway::link_peers_test {
 namespace {
 
 using testing::AllOf;
@@ -182,4 +182,4 @@ TEST(LinkPeers, OurOwnSignsAndThousandsOfNamesAreNotBelieved) {
 }
 
 }  // namespace
-}  // namespace lab::gateway
+}  // namespace lab::gateway::link_peers_test

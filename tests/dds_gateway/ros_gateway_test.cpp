@@ -11,7 +11,7 @@
 
 #include "tests/dds_gateway/ros_world.hpp"
 
-namespace lab::gateway {
+namespace lab::gateway::ros_gateway_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -306,4 +306,4 @@ TEST(RosGateway, RefusesFilesThatItCannotUse) {
 }
 
 }  // namespace
-}  // namespace lab::gateway
+}  // namespace lab::gateway::ros_gateway_test

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-namespace lab::dynamics {
+namespace lab::dynamics::params_from_physics_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -132,4 +132,4 @@ TEST(ParamsFromPhysics, RefusesAnUnknownKind) {
 }
 
 }  // namespace
-}  // namespace lab::dynamics
+}  // namespace lab::dynamics::params_from_physics_test

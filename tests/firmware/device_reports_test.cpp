@@ -4,7 +4,7 @@
 
 #include "tests/firmware/robot_on_bench.hpp"
 
-namespace lab::firmware {
+namespace lab::firmware::device_reports_test {
 namespace {
 
 wire::SetParam param(uint8_t id, int32_t value) {
@@ -259,4 +259,4 @@ TEST(Line, ThatIsFullLosesTheAnswerAndNotTheRobot) {
 }
 
 }  // namespace
-}  // namespace lab::firmware
+}  // namespace lab::firmware::device_reports_test

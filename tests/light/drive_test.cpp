@@ -10,7 +10,7 @@
 
 #include "tests/light/light_samples.hpp"
 
-namespace lab::light {
+namespace lab::light::drive_test {
 namespace {
 
 using testing::HasSubstr;
@@ -231,4 +231,4 @@ TEST(DriveValidate, SaysWhatWasFoundAndWhatIsAllowed) {
 }
 
 }  // namespace
-}  // namespace lab::light
+}  // namespace lab::light::drive_test

@@ -20,7 +20,7 @@
 #include "projector_ctl/projector_service.hpp"
 #include "tests/projector_ctl/scripted_display.hpp"
 
-namespace lab::projector {
+namespace lab::projector::display_service_test {
 namespace {
 
 using testing::HasSubstr;
@@ -336,4 +336,4 @@ TEST(ThreadPresenterTest, EndsWithASwapThatNeverReturns) {
 }
 
 }  // namespace
-}  // namespace lab::projector
+}  // namespace lab::projector::display_service_test

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <random>
 
-namespace lab::projector {
+namespace lab::projector::prediction_test {
 namespace {
 
 constexpr std::int64_t kStart = 1'000'000'000'000;  // [us]
@@ -140,4 +140,4 @@ TEST(Prediction, AReportOfAProgramIsBelievedForAWhile) {
 }
 
 }  // namespace
-}  // namespace lab::projector
+}  // namespace lab::projector::prediction_test

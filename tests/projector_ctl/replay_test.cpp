@@ -7,7 +7,7 @@
 #include <limits>
 #include <random>
 
-namespace lab::projector {
+namespace lab::projector::replay_test {
 namespace {
 
 using light::Drive;
@@ -171,4 +171,4 @@ TEST_F(ReplayTest, NeedsTheCommand) {
 }
 
 }  // namespace
-}  // namespace lab::projector
+}  // namespace lab::projector::replay_test

@@ -9,7 +9,7 @@
 
 #include "projector_ctl/projector_core.hpp"
 
-namespace lab::projector {
+namespace lab::projector::scene_test {
 namespace {
 
 using light::Drive;
@@ -433,4 +433,4 @@ TEST_F(DrivenCore, TurnsTheSyncPatchWithEveryCommandShownAlsoThroughRamps) {
 }
 
 }  // namespace
-}  // namespace lab::projector
+}  // namespace lab::projector::scene_test

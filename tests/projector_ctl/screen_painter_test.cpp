@@ -9,7 +9,7 @@
 #include "light/raster.hpp"
 #include "optics/simulated_projector.hpp"
 
-namespace lab::projector {
+namespace lab::projector::screen_painter_test {
 namespace {
 
 using light::Blend;
@@ -132,4 +132,4 @@ TEST(ScreenPainter, AToneMaySetEachPixelByItself) {
 }
 
 }  // namespace
-}  // namespace lab::projector
+}  // namespace lab::projector::screen_painter_test

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <random>
 
-namespace lab::projector {
+namespace lab::projector::trail_test {
 namespace {
 
 constexpr std::int64_t kStart = 1'000'000'000'000;  // [us]
@@ -212,4 +212,4 @@ TEST(Trail, ShowsNothingAboveWhite) {
 }
 
 }  // namespace
-}  // namespace lab::projector
+}  // namespace lab::projector::trail_test

@@ -15,7 +15,7 @@
 #include "report/thinning.hpp"
 #include "synthetic_lab.hpp"
 
-namespace lab::report {
+namespace lab::report::figures_test {
 namespace {
 
 using testing::HasSubstr;
@@ -172,4 +172,4 @@ TEST(Gnuplot, MakesIdsOfSeveralFiguresDifferent) {
 }
 
 }  // namespace
-}  // namespace lab::report
+}  // namespace lab::report::figures_test

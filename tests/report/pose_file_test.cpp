@@ -9,7 +9,7 @@
 #include "report/report_error.hpp"
 #include "synthetic_lab.hpp"
 
-namespace lab::report {
+namespace lab::report::pose_file_test {
 namespace {
 
 using testing::HasSubstr;
@@ -200,4 +200,4 @@ TEST(PoseFile, NamesWhatTheFirstLineLacks) {
 }
 
 }  // namespace
-}  // namespace lab::report
+}  // namespace lab::report::pose_file_test

@@ -11,7 +11,7 @@
 #include "common/chip_link.hpp"
 #include "robot_on_chip.hpp"
 
-namespace lab::emulator {
+namespace lab::emulator::lockstep_test {
 namespace {
 
 constexpr std::int64_t kStart = 1'700'000'000'000'000;
@@ -296,4 +296,4 @@ TEST(Lockstep, AnErrorIsToldOverTheSocket) {
 }
 
 }  // namespace
-}  // namespace lab::emulator
+}  // namespace lab::emulator::lockstep_test

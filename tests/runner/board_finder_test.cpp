@@ -11,7 +11,7 @@
 #include "common/random.hpp"
 #include "optics/simulated_camera.hpp"
 
-namespace lab::runner {
+namespace lab::runner::board_finder_test {
 namespace {
 
 using calibration::BoardSpec;
@@ -196,4 +196,4 @@ TEST(Board, IsDrawnWithAllItsDiscs) {
 }
 
 }  // namespace
-}  // namespace lab::runner
+}  // namespace lab::runner::board_finder_test

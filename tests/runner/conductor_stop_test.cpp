@@ -16,7 +16,7 @@
 #include "common/virtual_loop.hpp"
 #include "runner/conductor.hpp"
 
-namespace lab::runner {
+namespace lab::runner::conductor_stop_test {
 namespace {
 
 using testing::HasSubstr;
@@ -111,4 +111,4 @@ TEST_F(ConductorStops, MarksARunThatDidNotGetThere) {
 }
 
 }  // namespace
-}  // namespace lab::runner
+}  // namespace lab::runner::conductor_stop_test

@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-namespace lab::runner {
+namespace lab::runner::doctor_dds_test {
 namespace {
 
 using testing::HasSubstr;
@@ -114,4 +114,4 @@ TEST(DoctorOfDds, SaysWhyADomainCannotBeEntered) {
 }
 
 }  // namespace
-}  // namespace lab::runner
+}  // namespace lab::runner::doctor_dds_test

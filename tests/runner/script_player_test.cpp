@@ -4,7 +4,7 @@
 
 #include <vector>
 
-namespace lab::runner {
+namespace lab::runner::script_player_test {
 namespace {
 
 using testing::ElementsAre;
@@ -227,4 +227,4 @@ TEST(ScriptPlayer, ARepeatingScriptIsCutByTheRunsEndWithoutAFault) {
 }
 
 }  // namespace
-}  // namespace lab::runner
+}  // namespace lab::runner::script_player_test

@@ -6,7 +6,7 @@
 
 #include "common/experiment_messages.hpp"
 
-namespace lab::runner {
+namespace lab::runner::step_condition_test {
 namespace {
 
 constexpr std::int64_t kBegin = 1'000'000;
@@ -171,4 +171,4 @@ TEST(TumbleCount, GoesOnAcrossAWrapAndAReboot) {
 }
 
 }  // namespace
-}  // namespace lab::runner
+}  // namespace lab::runner::step_condition_test

@@ -4,7 +4,7 @@
 
 #include "common/experiment_messages.hpp"
 
-namespace lab::runner {
+namespace lab::runner::stop_rules_test {
 namespace {
 
 using testing::HasSubstr;
@@ -131,4 +131,4 @@ TEST(StopRules, OneRobotMayBeMeantAndNoRulesEndNothing) {
 }
 
 }  // namespace
-}  // namespace lab::runner
+}  // namespace lab::runner::stop_rules_test

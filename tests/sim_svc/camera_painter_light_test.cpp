@@ -8,7 +8,7 @@
 #include "optics/simulated_camera.hpp"
 #include "sim_svc/camera_painter.hpp"
 
-namespace lab::sim {
+namespace lab::sim::camera_painter_light_test {
 namespace {
 
 constexpr int kWidth = 1280;
@@ -264,4 +264,4 @@ TEST(PainterLight, FollowsTheProjectorsGammaAndVignetting) {
 }
 
 }  // namespace
-}  // namespace lab::sim
+}  // namespace lab::sim::camera_painter_light_test

@@ -7,7 +7,7 @@
 #include "optics/simulated_camera.hpp"
 #include "sim_svc/camera_painter.hpp"
 
-namespace lab::sim {
+namespace lab::sim::camera_painter_noise_test {
 namespace {
 
 constexpr int kWidth = 320;
@@ -98,4 +98,4 @@ TEST(CameraPainterNoise, AnotherSizeOfCanvasIsRefused) {
 }
 
 }  // namespace
-}  // namespace lab::sim
+}  // namespace lab::sim::camera_painter_noise_test

@@ -7,7 +7,7 @@
 #include "sim_svc/camera_painter.hpp"
 #include "tests/sim_svc/painter_reference.hpp"
 
-namespace lab::sim {
+namespace lab::sim::camera_painter_shape_test {
 namespace {
 
 using reference::Window;
@@ -147,4 +147,4 @@ TEST(CameraPainterShape, DiscsOnTheFloorLieOnTheFloor) {
 }
 
 }  // namespace
-}  // namespace lab::sim
+}  // namespace lab::sim::camera_painter_shape_test

@@ -17,7 +17,7 @@
 #include "tests/sim_svc/wire_host.hpp"
 #include "tests/sim_svc/world_fixture.hpp"
 
-namespace lab::sim {
+namespace lab::sim::chip_robots_test {
 namespace {
 
 using testing::AllOf;
@@ -261,4 +261,4 @@ TEST_F(ChipRobotsTest, AFirmwareThatIsNoneIsRefusedInTheEmulatorsOwnWords) {
 }
 
 }  // namespace
-}  // namespace lab::sim
+}  // namespace lab::sim::chip_robots_test

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
-namespace lab::sim {
+namespace lab::sim::placement_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -80,4 +80,4 @@ TEST(PlaceRobots, NamesTheRobotsThatDoNotFit) {
 }
 
 }  // namespace
-}  // namespace lab::sim
+}  // namespace lab::sim::placement_test

@@ -13,7 +13,7 @@
 #include "common/memory_bus.hpp"
 #include "common/virtual_loop.hpp"
 
-namespace lab::sim {
+namespace lab::sim::sim_service_test {
 namespace {
 
 constexpr std::int64_t kSecond_us = 1'000'000;
@@ -221,4 +221,4 @@ TEST_F(SimServiceTest, LightThatIsAnnouncedComesOnAtItsTime) {
 }
 
 }  // namespace
-}  // namespace lab::sim
+}  // namespace lab::sim::sim_service_test

@@ -5,7 +5,7 @@
 #include "sim_svc/world.hpp"
 #include "tests/sim_svc/world_fixture.hpp"
 
-namespace lab::sim {
+namespace lab::sim::world_crowd_test {
 namespace {
 
 constexpr double kRadius = 0.0375;
@@ -75,4 +75,4 @@ TEST(WorldCrowd, RobotsInContactGetAwayFromEachOther) {
 }
 
 }  // namespace
-}  // namespace lab::sim
+}  // namespace lab::sim::world_crowd_test

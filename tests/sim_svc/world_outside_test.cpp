@@ -6,7 +6,7 @@
 
 #include "tests/sim_svc/world_fixture.hpp"
 
-namespace lab::sim {
+namespace lab::sim::world_outside_test {
 namespace {
 
 std::vector<RobotSetup> externalAt(double x, double y, double theta) {
@@ -247,4 +247,4 @@ TEST(WorldGhosts, NeverOverlapARobotThatCanYield) {
 }
 
 }  // namespace
-}  // namespace lab::sim
+}  // namespace lab::sim::world_outside_test

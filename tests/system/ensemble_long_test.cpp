@@ -6,7 +6,7 @@
 
 #include "tests/system/hour_ensemble.hpp"
 
-namespace lab::system_test {
+namespace lab::system_test::ensemble_long_test {
 namespace {
 
 struct Place {
@@ -44,4 +44,4 @@ INSTANTIATE_TEST_SUITE_P(
     });
 
 }  // namespace
-}  // namespace lab::system_test
+}  // namespace lab::system_test::ensemble_long_test

@@ -79,8 +79,8 @@ class Chain {
     });
   }
 
-  void run(double seconds) {
-    loop_.runUntil(loop_.now() + static_cast<std::int64_t>(1e6 * seconds));
+  void run(double duration_s) {
+    loop_.runUntil(loop_.now() + static_cast<std::int64_t>(1e6 * duration_s));
   }
 
   /// [m] between the middles of robot and spot.
@@ -116,18 +116,18 @@ class Chain {
 };
 
 TEST(FollowSpot, SitsOnARobotOf10CmASecondWithPredictionAndLagsWithout) {
-  const double seconds = std::getenv("LAB_LONG") != nullptr ? 600 : 60;
+  const double duration_s = std::getenv("LAB_LONG") != nullptr ? 600 : 60;
   double rms[2];
   for (const bool predict : {false, true}) {
     light::Drive drive;
     drive.follow = light::Follow::kRobots;
     drive.predict = predict;
     Chain chain(drive);
-    chain.run(seconds);
-    EXPECT_GT(chain.compared(), 0.8 * kRobots * 10 * (seconds - 2));
+    chain.run(duration_s);
+    EXPECT_GT(chain.compared(), 0.8 * kRobots * 10 * (duration_s - 2));
     rms[predict ? 1 : 0] = chain.rms();
   }
-  std::cout << "spot on a robot of 10 cm/s, camera 20 ms, projector 40 ms, " << seconds << " s of "
+  std::cout << "spot on a robot of 10 cm/s, camera 20 ms, projector 40 ms, " << duration_s << " s of "
             << kRobots << " robots: " << 100 * rms[1] << " cm RMS with prediction, " << 100 * rms[0]
             << " cm without\n";
   EXPECT_LT(rms[1], 0.005);

@@ -12,7 +12,7 @@
 #include "tracker_svc/detector.hpp"
 #include "tracker_svc/rim_fit.hpp"
 
-namespace lab::tracker {
+namespace lab::tracker::degraded_pose_test {
 namespace {
 
 constexpr int kWidth = 1280;
@@ -305,4 +305,4 @@ TEST(CapPose, OfOneCircleAndTheMiddleHasTheRightCovariance) {
 }
 
 }  // namespace
-}  // namespace lab::tracker
+}  // namespace lab::tracker::degraded_pose_test

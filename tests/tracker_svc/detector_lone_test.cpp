@@ -14,7 +14,7 @@
 #include "tracker_svc/cap_check.hpp"
 #include "tracker_svc/detector.hpp"
 
-namespace lab::tracker {
+namespace lab::tracker::detector_lone_test {
 namespace {
 
 using light::Layer;
@@ -172,4 +172,4 @@ TEST(CapCheck, IsSureInTheDark) {
 }
 
 }  // namespace
-}  // namespace lab::tracker
+}  // namespace lab::tracker::detector_lone_test

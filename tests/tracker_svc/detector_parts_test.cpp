@@ -13,7 +13,7 @@
 #include "tracker_svc/pairing.hpp"
 #include "tracker_svc/scale_map.hpp"
 
-namespace lab::tracker {
+namespace lab::tracker::detector_parts_test {
 namespace {
 
 constexpr int kWidth = 640;
@@ -220,4 +220,4 @@ TEST(Pairing, TakesTheCheapestCouplesAndEachCircleOnce) {
 }
 
 }  // namespace
-}  // namespace lab::tracker
+}  // namespace lab::tracker::detector_parts_test

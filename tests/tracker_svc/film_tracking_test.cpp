@@ -8,7 +8,7 @@
 #include "covered_cap.hpp"
 #include "painted_film.hpp"
 
-namespace lab::tracker {
+namespace lab::tracker::film_tracking_test {
 namespace {
 
 constexpr double kNear = 1e-4;  // [m] what a robot is found to at 640 x 480, many times over
@@ -195,4 +195,4 @@ TEST(FilmCsv, WritesTheColumnsThatItNames) {
 }
 
 }  // namespace
-}  // namespace lab::tracker
+}  // namespace lab::tracker::film_tracking_test

@@ -11,7 +11,7 @@
 
 #include "optics/image.hpp"
 
-namespace lab::tracker {
+namespace lab::tracker::first_glance_test {
 namespace {
 
 constexpr int kWidth = 330;  // the last word overlaps the one before
@@ -120,4 +120,4 @@ TEST(FirstGlance, SeesTheBrightSideInTheCellBeside) {
 }
 
 }  // namespace
-}  // namespace lab::tracker
+}  // namespace lab::tracker::first_glance_test

@@ -1,0 +1,44 @@
+// The main program of tests that share one: runs the tests of the sources named, all if none is.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <iostream>
+#include <map>
+#include <string>
+
+namespace {
+
+// What --gtest_filter calls the tests of each source.
+std::map<std::string, std::string> filtersBySource() {
+  std::map<std::string, std::string> filters;
+  const auto& all = *testing::UnitTest::GetInstance();
+  for (int s = 0; s < all.total_test_suite_count(); ++s) {
+    const auto& suite = *all.GetTestSuite(s);
+    for (int t = 0; t < suite.total_test_count(); ++t) {
+      const auto& test = *suite.GetTestInfo(t);
+      filters[std::filesystem::path(test.file()).filename()] +=
+          std::string(suite.name()) + '.' + test.name() + ':';
+    }
+  }
+  return filters;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  testing::InitGoogleTest(&argc, argv);
+  const auto filters = filtersBySource();
+  std::string wanted;
+  for (int i = 1; i < argc; ++i) {
+    const auto found = filters.find(argv[i]);
+    if (found == filters.end()) {
+      std::cerr << argv[0] << ": no test of " << argv[i] << " here; there are those of";
+      for (const auto& [source, filter] : filters) std::cerr << ' ' << source;
+      std::cerr << '\n';
+      return 2;
+    }
+    wanted += found->second;
+  }
+  if (!wanted.empty()) GTEST_FLAG_SET(filter, wanted);
+  return RUN_ALL_TESTS();
+}
