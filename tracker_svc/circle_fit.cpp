@@ -33,6 +33,7 @@ constexpr double kDoubtful = 0.02;      // [radius] standard error of the centre
 // of residuals: something is there that is not in the model
 constexpr float kOddCorrelation = 0.25F;
 constexpr double kUneven = 0.06;  // [1] and is not the same on both sides
+constexpr float kEvenMisfit = 0.01F;  // [1] or is much, of the white level
 constexpr float kOddBelieved = 0.87F;
 constexpr float kOddScale = 0.06F;
 constexpr float kOddBlur = 0.3F;  // [1] of a blur's square that its shape may be off
@@ -89,9 +90,10 @@ std::optional<Task> widerFor(const Task& task, const Outcome& outcome) {
   return wide;
 }
 
-bool isOdd(const Outcome& o, const Window& window) {
-  return !o.good || o.believed < kOddBelieved || std::abs(o.scale - 1) > kOddScale ||
-         (o.correlation > kOddCorrelation && fit::unevenness(window) > kUneven);
+bool isOdd(const Outcome& o, const Task& task, const Window& window) {
+  if (!o.good || o.believed < kOddBelieved || std::abs(o.scale - 1) > kOddScale) return true;
+  return o.correlation > kOddCorrelation &&
+         (misfitOf(o, task.constants) > kEvenMisfit || fit::unevenness(window) > kUneven);
 }
 
 Outcome plainFrom(Task& task, const ShapeAt& shape_at, GridPoint start, Window& window,
@@ -155,7 +157,7 @@ CircleFit fitCircle(const optics::GreyView& picture, optics::Pixel start, const 
   Window window;
   std::optional<GridPoint> point;
   Outcome best = plainFrom(task, shape_at, fit::nearest(start), window, point);
-  const bool odd = isOdd(best, window);
+  const bool odd = isOdd(best, task, window);
   if (odd && !(best.good && !fit::edgeMayCross(task, best, window))) {
     const GridPoint first = fit::nearest(start);
     Outcome lit = litFrom(task, point.value_or(first), window);
