@@ -114,6 +114,7 @@ std::optional<Options> read(int argc, char** argv) {
       options.only = value;
     } else if (name == "--seeds") {
       options.seeds = std::strtoull(value, nullptr, 10);
+      if (options.seeds == 0) return std::nullopt;
     } else if (name == "--first") {
       options.first = std::strtoull(value, nullptr, 10);
     } else if (name == "--out") {

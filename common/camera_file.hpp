@@ -15,7 +15,7 @@ namespace lab {
 struct CameraCalibration {
   optics::CameraParameters camera;
   optics::CapGeometry cap;
-  std::optional<optics::Imaging> imaging;  ///< empty: not measured
+  std::optional<optics::Imaging> imaging;  ///< empty: nothing of it measured
   double arena_width = 1.20;   ///< [m]
   double arena_height = 0.90;  ///< [m]
   std::optional<double> residual;  ///< [m] root mean square over the arena, at cap height

@@ -3,10 +3,10 @@
 
 namespace lab::optics {
 
-/// Noise and blur of an 8-bit camera with a linear response. [DN] are its grey steps, 0..255.
 /// [px^2] variance of the blur by the pixel itself, which sees a square.
 inline constexpr double kPixelBox = 1.0 / 12;
 
+/// Noise and blur of an 8-bit camera with a linear response. [DN] are its grey steps, 0..255.
 struct Imaging {
   double blur = 0.75;        ///< [px] standard deviation of the point spread, pixel box excluded
   double read_noise = 1.2;   ///< [DN] standard deviation in the dark

@@ -198,6 +198,12 @@ class Reader {
   }
 
   /// nan for an empty field, for "nan" and for "inf".
+  /// Where a time comes from, and the way out where it is none.
+  [[nodiscard]] std::string timeName() const { return time_ ? time_.name : "--fps"; }
+  [[nodiscard]] const char* timeHint() const {
+    return time_ ? "; times in other units: leave the column out and give --fps" : "";
+  }
+
   [[nodiscard]] double number(const Column& column) const {
     const std::string_view text = fields_[column.index];
     if (text.empty() || text == "nan" || text == "NaN" || text == "NA") return kNan;
@@ -245,8 +251,8 @@ class Reader {
     // not fit into a utime.
     constexpr double kLatest = 1e11;
     if (!(std::abs(row.time) < kLatest)) {
-      fail(line_, fmt::format("{}: found {} s, expected a time in s, of less than 1e11 s",
-                              time_ ? time_.name : frame_.name, row.time));
+      fail(line_, fmt::format("{}: found {} s, expected less than 1e11 s{}", timeName(), row.time,
+                              timeHint()));
     }
     const std::int64_t id = id_ ? whole(id_) : default_robot_;
     if (id < std::numeric_limits<int>::min() || id > std::numeric_limits<int>::max()) {
@@ -320,8 +326,8 @@ class Reader {
     file_.frame_period = *middle;
     constexpr double kShortest = 0.9e-6;  // a utime knows no less than a microsecond
     if (file_.frame_period < kShortest) {
-      fail(1, fmt::format("{}: found {} s from frame to frame, expected a time in s, 1e-6 s or more",
-                          time_ ? time_.name : frame_.name, file_.frame_period));
+      fail(1, fmt::format("{}: found {} s from frame to frame, expected 1e-6 s or more{}", timeName(),
+                          file_.frame_period, timeHint()));
     }
     // A film of which every n-th picture was tracked is whole.
     const std::int64_t span = file_.frames.back().frame - file_.frames.front().frame;

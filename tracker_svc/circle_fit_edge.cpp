@@ -59,6 +59,7 @@ std::size_t brightest(const LitDisc& lit) {
 struct LitFit {
   Outcome outcome;
   LitDisc lit;
+  float cutoff = kNoCutoff;  ///< [expected deviations] of its last pass
 };
 
 template <std::size_t kLines>
@@ -74,6 +75,7 @@ LitFit fitLines(const Task& task, Window& window, const LitDisc& from) {
   float cutoff = kNoCutoff;
   for (int pass = 0; pass < kPasses; ++pass) {
     Sums<kCount> sums;
+    out.cutoff = cutoff;
     sumLitDisc<kLines>(window, constants, lit, cutoff, sums);
     const float white = std::max(1.0F, lit.level[brightest<kLines>(lit)]);
     const float slope = (kLines == 0 ? kSlopeBent : kSlopeLines) * white;
@@ -185,11 +187,11 @@ LitDisc litFrom(const Disc& disc, const Split& split, float sigma) {
   return lit;
 }
 
-/// The light on white and the residuals of a fit, into the window.
+/// The light on white and the believed residuals of a fit, into the window.
 template <std::size_t kLines>
-void light(const Task& task, Window& window, const LitDisc& lit) {
+void light(const Task& task, Window& window, const LitFit& fit) {
   Sums<litUnknowns(kLines)> sums;
-  sumLitDisc<kLines>(window, task.constants, lit, kNoCutoff, sums);
+  sumLitDisc<kLines>(window, task.constants, fit.lit, fit.cutoff, sums);
 }
 
 bool isClean(const Outcome& outcome) {
@@ -211,7 +213,7 @@ Outcome fitLit(const Task& task, Window& window, const Disc& rough) {
       is_last = false;
     }
     if (isClean(one)) {
-      if (!is_last) light<1>(task, window, best.lit);
+      if (!is_last) light<1>(task, window, best);
       return one;
     }
   }
@@ -228,9 +230,9 @@ Outcome fitLit(const Task& task, Window& window, const Disc& rough) {
   }
   if (best.outcome.good && !is_last) {
     if (count == 1) {
-      light<1>(task, window, best.lit);
+      light<1>(task, window, best);
     } else {
-      light<2>(task, window, best.lit);
+      light<2>(task, window, best);
     }
   }
   return best.outcome;
@@ -251,6 +253,7 @@ std::optional<GridPoint> settleLit(const Task& task, GridPoint start, Window& wi
                                    Outcome& outcome) {
   GridPoint last;
   const auto estimate = [&](GridPoint point) -> std::optional<optics::Pixel> {
+    last = point;
     outcome = {};
     if (!task.gather(point, window)) return std::nullopt;
     Disc rough;
@@ -261,7 +264,6 @@ std::optional<GridPoint> settleLit(const Task& task, GridPoint start, Window& wi
       outcome.good = false;
       return std::nullopt;
     }
-    last = point;
     return optics::Pixel{outcome.x, outcome.y};
   };
   const std::optional<GridPoint> chosen = settle(start, kDoubt, kMostMoves, estimate);

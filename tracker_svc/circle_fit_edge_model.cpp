@@ -50,10 +50,10 @@ LAB_INLINE void sumAll(Window& window, const Constants& constants, const LitDisc
     }
     Lanes basis[kLevels];
     Lanes jump[kLines + 1];  // d W / d share of each line
+    const float over_radius = 1.0F / constants.radius;
+    const Lanes u = x * over_radius;
+    const Lanes v = y * over_radius;
     if constexpr (kLines == 0) {
-      const float over_radius = 1.0F / constants.radius;
-      const Lanes u = x * over_radius;
-      const Lanes v = y * over_radius;
       basis[0] = Lanes{} + 1.0F;
       basis[1] = u * u;
       basis[2] = u * v;
@@ -85,13 +85,11 @@ LAB_INLINE void sumAll(Window& window, const Constants& constants, const LitDisc
     const Lanes paint_y = outward * paint.out_y;
     Lanes crossing = {};
     if constexpr (kLines == 0) {
-      const Lanes u = x / constants.radius;
-      const Lanes v = y / constants.radius;
       const float* l = lit.level.data();
       const Lanes by_u = u * (2 * l[1] + 3 * l[4] * u) + v * (l[2] + 2 * l[5] * u + l[6] * v);
       const Lanes by_v = v * (2 * l[3] + 3 * l[7] * v) + u * (l[2] + 2 * l[6] * v + l[5] * u);
-      crossing = (disc.slope_x + by_u / constants.radius) * paint_x +
-                 (disc.slope_y + by_v / constants.radius) * paint_y;
+      crossing = (disc.slope_x + by_u * over_radius) * paint_x +
+                 (disc.slope_y + by_v * over_radius) * paint_y;
       crossing *= disc.sigma * disc.sigma;
     }
     for (std::size_t i = 0; i < kLines; ++i) {

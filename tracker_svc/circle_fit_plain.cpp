@@ -265,6 +265,7 @@ Outcome fitPlain(const Task& task, Window& window, const Disc& rough) {
   const float moved = white > 0 ? disc.sigma * disc.sigma / white : 0.0F;
   out.x = window.base_x + static_cast<double>(disc.x + moved * disc.slope_x);
   out.y = window.base_y + static_cast<double>(disc.y + moved * disc.slope_y);
+  out.floor = kFloor * kFloor;
   out.covariance = covarianceOf({row_x[kX], row_x[kY], row_y[kY]}, last.variance);
   out.white = white;
   out.ratio = disc.ratio;

@@ -10,7 +10,8 @@ namespace lab::tracker::fit {
 
 /// Correlation of neighbouring residuals, of what is opposite on opposite sides of the centre, over
 /// the square of all residuals. Blur that is no Gaussian is the same on both sides, and moves
-/// nothing; a light edge is not. 1 where that cannot be told.
+/// nothing; a light edge is not. "Opposite" is seen from the grid point, a quarter of a pixel from
+/// the centre at most. 1 where that cannot be told: of large circles not every row is looked at.
 [[nodiscard]] double unevenness(const Window& window);
 
 /// By how much the centre's variance differs from what it would be if the window's residuals, which

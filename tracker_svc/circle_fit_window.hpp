@@ -24,8 +24,9 @@ struct Slopes {
 
 class Pixels;
 
-/// Pixels around one point of the picture, row by row; places are relative to that point. What is
-/// looked at looks the same upside down: the last place lies opposite the first.
+/// Pixels around one point of the picture, row by row; places are relative to that point. Where
+/// every row is looked at, they look the same upside down: the last place lies opposite the first,
+/// seen from that point.
 struct Window {
   std::shared_ptr<const Pixels> pixels;  ///< whose the places are
   double base_x = 0;                     ///< [px] in the picture
@@ -37,7 +38,8 @@ struct Window {
   const float* y = nullptr;
   alignas(32) float value[kMostPixels + 2 * kLanes];  ///< [DN]
   Slopes slopes[kMostPixels / kLanes + 2];
-  alignas(32) float light[kMostPixels + 2 * kLanes];     ///< [DN] on white, by the last fit
+  /// [DN] on white, by a fit with edges or layLight(); weights while a plain fit runs
+  alignas(32) float light[kMostPixels + 2 * kLanes];
   alignas(32) float residual[kMostPixels + 2 * kLanes];  ///< of the last fit, weighted
 };
 

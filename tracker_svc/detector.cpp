@@ -170,7 +170,8 @@ void Detector::tryCouple(const optics::GreyView& picture, std::size_t big_spot,
   // Fits to what is no cap take long. Most are one, which shows at a rough look.
   float rim = 0;
   for (const RimLook look : {RimLook::kRough, RimLook::kAll}) {
-    if (rim < kLeastRim) rim = rimContrast(picture, middle, scale, cap_, imaging_, look, kBeyondFull);
+    if (rim >= kLeastRim) break;
+    rim = rimContrast(picture, middle, scale, cap_, imaging_, look, kBeyondFull);
   }
   if (rim < kLeastRim) {
     if (rejected != nullptr) rejected->push_back({middle, Reason::kNoCap, rim, kLeastRim});

@@ -25,7 +25,7 @@ enum Used : std::uint8_t {
   kUsedBig = 1,    ///< the big circle
   kUsedSmall = 2,  ///< the small circle
   kUsedRim = 4,    ///< the rim of the cap, in place of one circle: a degraded pose
-  kUsedEdge = 8,   ///< a light edge was fitted together with a circle
+  kUsedEdge = 8,   ///< a light edge, or light that bends, was fitted together with a circle
 };
 
 struct Detection {

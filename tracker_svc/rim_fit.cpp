@@ -99,7 +99,7 @@ void measure(const Profile& profile, const optics::CapGeometry& cap,
              const optics::Imaging& imaging, double off, Direction& direction) {
   // Pixels are squares, and are read between their centres.
   const double soft =
-      std::sqrt(imaging.blur * imaging.blur + 1.0 / 12 + 1.0 / 6) / profile.per_metre;
+      std::sqrt(imaging.blur * imaging.blur + optics::kPixelBox + 1.0 / 6) / profile.per_metre;
   const double gap = std::max(cap.robot_radius - cap.cap_radius, 0.0);
   double basis[kSamples][3];
   double slope[kSamples][2];

@@ -120,13 +120,14 @@ TEST(PoseFile, RefusesTimesThatAreNoSeconds) {
 
   EXPECT_EQ(problemOf(head + "0,1,2,3,1.76e9\n1,1,2,3,1760000001\n"), "none");
   EXPECT_EQ(problemOf(head + "0,1,2,3,1.76e18\n1,1,2,3,1.7600000001e18\n"),
-            "poses.csv:2: t_s: found 1.76e+18 s, expected a time in s, of less than 1e11 s");
+            "poses.csv:2: t_s: found 1.76e+18 s, expected less than 1e11 s; times in other units: leave "
+            "the column out and give --fps");
   EXPECT_EQ(
       problemOf("frame,id,x_cm,y_cm\n2,1,2,3\n3,1,2,3\n", {.scale = std::nullopt, .fps = 1e-12}),
-      "poses.csv:2: frame: found 2000000000000 s, expected a time in s, of less than 1e11 s");
+      "poses.csv:2: --fps: found 2000000000000 s, expected less than 1e11 s");
   EXPECT_EQ(problemOf(head + "0,1,2,3,0\n1,1,2,3,1e-9\n"),
-            "poses.csv:1: t_s: found 1e-09 s from frame to frame, expected a time in s, 1e-6 s or "
-            "more");
+            "poses.csv:1: t_s: found 1e-09 s from frame to frame, expected 1e-6 s or more; times in "
+            "other units: leave the column out and give --fps");
 }
 
 TEST(PoseFile, ReadsWhatTrexExports) {

@@ -43,7 +43,7 @@ std::vector<Shortfall> shortOf(const Bars& bars, const Tally& tally) {
     out.push_back({sentence("%d of %d robots missed or turned round: %.2f %%, wanted %.2f %%",
                             missed, tally.robots, 100.0 - 100.0 * missed / tally.robots,
                             100 * bars.recall),
-                   bars.recall_open});
+                   chanceOf(missed, (1 - bars.recall_known) * tally.robots) >= kRarely});
   }
   if (std::isfinite(bars.wrong) && chanceOf(tally.wrong, bars.wrong * tally.frames) < kRarely) {
     out.push_back({sentence("%d wrong poses in %d pictures, allowed %.2f a picture", tally.wrong,

@@ -14,7 +14,8 @@ struct Bars {
   double position = std::numeric_limits<double>::infinity();  // [px] root mean square, 2-D
   double heading = std::numeric_limits<double>::infinity();   // [degrees] root mean square
   bool honest = false;  // the mean error squared is what the covariance says
-  bool recall_open = false;  // not reached yet, as is known: said, and no failure
+  double recall_known = 2;  // [1] where `recall` is not reached yet: less than this is a failure,
+                            // what is between is said
 };
 
 // What was found in some pictures.
