@@ -160,8 +160,10 @@ CircleFit fitCircle(const optics::GreyView& picture, optics::Pixel start, const 
   const bool odd = isOdd(best, task, window);
   if (odd && !(best.good && !fit::edgeMayCross(task, best, window))) {
     const GridPoint first = fit::nearest(start);
-    Outcome lit = litFrom(task, point.value_or(first), window);
-    if (!lit.good && point && !(*point == first)) lit = litFrom(task, first, window);
+    Task wider = task;
+    wider.setMargin(fit::kMarginLit);
+    Outcome lit = litFrom(wider, point.value_or(first), window);
+    if (!lit.good && point && !(*point == first)) lit = litFrom(wider, first, window);
     if (lit.good && (!best.good || lit.cost * static_cast<float>(best.pixels) <
                                        kEdgePays * best.cost * static_cast<float>(lit.pixels))) {
       best = lit;

@@ -11,8 +11,6 @@ namespace {
 
 // [px] rough estimates of neighbouring grid points differ by less
 constexpr double kDoubt = 0.06;
-// outside the outline: wide, since the slopes of the light must be told from a shift of the circle
-constexpr float kMarginSigmas = 3.5F;
 constexpr float kMostMargin = 0.8F;  // [radius]
 constexpr float kTexture = 0.006F * 0.006F;  // grain of paint and sensor, variance over signal^2
 
@@ -134,8 +132,17 @@ bool Task::setShape(const DiscShape& the_shape) {
 
 bool Task::setSigma(float the_sigma) {
   sigma = the_sigma;
+  return choosePixels();
+}
+
+bool Task::setMargin(float sigmas) {
+  margin_sigmas = sigmas;
+  return choosePixels();
+}
+
+bool Task::choosePixels() {
   const float margin =
-      std::max(2.0F * sigma, std::min(kMarginSigmas * sigma, kMostMargin * constants.radius));
+      std::max(2.0F * sigma, std::min(margin_sigmas * sigma, kMostMargin * constants.radius));
   const std::shared_ptr<const Pixels>& found = Pixels::about(shape, sigma, margin);
   if (pixels == found) return false;
   pixels = found;

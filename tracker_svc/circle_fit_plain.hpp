@@ -12,20 +12,30 @@
 
 namespace lab::tracker::fit {
 
+/// Outside the outline: wide, since the slopes of the light must be told from a shift of the circle;
+/// wider where an edge must be seen. [deviations of the blur]
+constexpr float kMargin = 3.5F;
+constexpr float kMarginLit = 4.0F;
+
 /// One circle to be fitted.
 struct Task {
   const optics::GreyView* picture = nullptr;
   DiscShape shape;
   Constants constants;
   float sigma = 1;   ///< [px] the whole blur, as far as known
+  float margin_sigmas = kMargin;
   std::shared_ptr<const Pixels> pixels;  ///< that are looked at
 
   Task(const optics::GreyView& the_picture, const DiscShape& the_shape,
        const optics::Imaging& imaging);
   bool setSigma(float the_sigma);              ///< @return whether other pixels are looked at now
+  bool setMargin(float sigmas);                ///< @return as above
   bool setShape(const DiscShape& the_shape);   ///< @return as above
   /// The pixels around the point. @return false where the outline would leave the picture
   bool gather(GridPoint point, Window& window) const;
+
+ private:
+  bool choosePixels();
 };
 
 /// What a fit found, with or without light edges.
