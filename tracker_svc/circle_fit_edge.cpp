@@ -82,7 +82,7 @@ LitFit fitLines(const Task& task, Window& window, const LitDisc& from) {
     know<kLines>(sums, kLitSlopeX, -lit.disc.slope_x, slope);
     know<kLines>(sums, kLitSlopeY, -lit.disc.slope_y, slope);
     know<kLines>(sums, kLitScale, 1 - lit.disc.scale, 0.03F);
-    know<kLines>(sums, kLitRatio, 0.08F - lit.disc.ratio, 0.05F);
+    know<kLines>(sums, kLitRatio, kUsualRatio - lit.disc.ratio, 0.05F);
     know<kLines>(sums, kLitSigma, sigma - lit.disc.sigma, 0.25F * sigma);
     for (std::size_t i = 0; i < kLevels; ++i) {
       const bool bends = kLines == 0 && i > 0;
@@ -168,7 +168,7 @@ LitDisc expectedAt(const Disc& disc, float sigma) {
   lit.disc.slope_x = 0;
   lit.disc.slope_y = 0;
   lit.disc.scale = 1;
-  lit.disc.ratio = 0.08F;
+  lit.disc.ratio = kUsualRatio;
   lit.disc.sigma = sigma;
   return lit;
 }
