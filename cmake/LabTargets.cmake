@@ -34,26 +34,38 @@ function(lab_batches target)
   endif()
 endfunction()
 
-# lab_library(name [NUMBERS] SOURCES a.cpp... [LINK target...])
+# What reads a file or a command line once and then waits: half of the compiler's time.
+function(lab_lightly_optimised target)
+  target_compile_options(${target} PRIVATE $<$<CONFIG:Release,RelWithDebInfo>:-Og>)
+endfunction()
+
+# lab_library(name [NUMBERS|SHELL] SOURCES a.cpp... [LINK target...])
 # NUMBERS is for inner loops and what promises its bits: every source is compiled by itself. Those of
 # other libraries may meet in a batch: what they name in namespaces without a name differs.
+# SHELL is for what others work for: it is optimised less.
 function(lab_library name)
-  cmake_parse_arguments(ARG "NUMBERS" "" "SOURCES;LINK" ${ARGN})
+  cmake_parse_arguments(ARG "NUMBERS;SHELL" "" "SOURCES;LINK" ${ARGN})
   add_library(${name} STATIC ${ARG_SOURCES})
   target_link_libraries(${name} PUBLIC lab_options ${ARG_LINK})
+  if(ARG_SHELL)
+    lab_lightly_optimised(${name})
+  endif()
   if(NOT ARG_NUMBERS)
     lab_batches(${name})
   endif()
 endfunction()
 
 # lab_program(name SOURCES main.cpp [LINK target...])
-# Its own sources read a command line and wait: what they call is optimised, and they less.
+# Its own sources are a shell.
 function(lab_program name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
-  target_compile_options(${name} PRIVATE $<$<NOT:$<CONFIG:Debug>>:-O1>)
+  lab_lightly_optimised(${name})
   target_link_libraries(${name} PRIVATE lab_options ${ARG_LINK})
 endfunction()
+
+# What a test that computes takes, in the units of `ctest -j` and PROCESSORS.
+set(LAB_CORE 4)
 
 # lab_test_program(name SOURCES x_test.cpp... [LINK target...] [OWN_OPTIONS])
 # A test's program, for those that run it in a way of their own. OWN_OPTIONS is for tests that are
@@ -83,8 +95,8 @@ endfunction()
 # IN makes it a part of that group's program, otherwise it is a program of its own.
 # NETWORK runs the test inside a network namespace of its own, so that nothing it publishes leaves.
 # Everything else runs with LCM kept in memory.
-# `ctest -j` counts half cores (PROCESSORS): a test that computes takes a core; one that opens sockets
-# mostly waits, and half a core is more than the hungriest of them needs.
+# One that opens sockets mostly waits: a quarter of a core (LAB_CORE) is more than all but one of them
+# need.
 function(lab_test name)
   cmake_parse_arguments(ARG "NETWORK;OWN_OPTIONS" "TIMEOUT;IN" "SOURCES;LINK;LABELS" ${ARGN})
   set(program ${name})
@@ -109,7 +121,7 @@ function(lab_test name)
       $<TARGET_FILE:${program}> ${sources})
   else()
     add_test(NAME ${name} COMMAND ${program} ${sources})
-    set_tests_properties(${name} PROPERTIES PROCESSORS 2 ENVIRONMENT "LCM_DEFAULT_URL=memq://")
+    set_tests_properties(${name} PROPERTIES PROCESSORS ${LAB_CORE} ENVIRONMENT "LCM_DEFAULT_URL=memq://")
   endif()
   if(ARG_LABELS)
     set_tests_properties(${name} PROPERTIES LABELS "${ARG_LABELS}")
