@@ -37,6 +37,9 @@ constexpr float kEvenMisfit = 0.01F;  // [1] or is much, of the white level
 constexpr float kOddBelieved = 0.87F;
 constexpr float kOddScale = 0.06F;
 constexpr float kOddBlur = 0.3F;  // [1] of a blur's square that its shape may be off
+// [px] of blur, beyond which a circle of another size is no circle that a light edge cuts
+constexpr float kDefocused = 2;
+constexpr float kOtherBelieved = 0.8F;  // [1] share of the pixels that are of that circle
 // [1] of the cost must be left with a light edge in the model
 constexpr float kEdgePays = 0.7F;
 constexpr float kBlurOff = 1.3F;     // [1] blur beyond the one expected: looked at anew
@@ -90,7 +93,14 @@ std::optional<Task> widerFor(const Task& task, const Outcome& outcome) {
   return wide;
 }
 
+// Out of focus: another circle. Where outlines are sharp, this may be what a light edge left of one.
+bool hasAnotherSize(const Outcome& o, const fit::Constants& constants) {
+  return o.good && std::abs(o.scale - 1) > kMostScale && o.sigma > kDefocused &&
+         o.believed > kOtherBelieved && misfitOf(o, constants) < kMostMisfit;
+}
+
 bool isOdd(const Outcome& o, const Task& task, const Window& window) {
+  if (hasAnotherSize(o, task.constants)) return false;
   if (!o.good || o.believed < kOddBelieved || std::abs(o.scale - 1) > kOddScale) return true;
   return o.correlation > kOddCorrelation &&
          (misfitOf(o, task.constants) > kEvenMisfit || fit::unevenness(window) > kUneven);

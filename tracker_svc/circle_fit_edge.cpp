@@ -1,7 +1,9 @@
 #include "tracker_svc/circle_fit_edge.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 
 #include "tracker_svc/circle_fit_edge_model.hpp"
 #include "tracker_svc/circle_fit_sectors.hpp"
@@ -219,7 +221,10 @@ Outcome fitLit(const Task& task, Window& window, const Disc& rough) {
   }
   const Disc better = best.outcome.good ? best.lit.disc : rough;
   const TwoLines lines = around.twoLines();
-  for (const Split& split : {lines.parallel, lines.crossing}) {
+  // The likelier first: where it explains everything, the other is not tried.
+  std::array<Split, 2> likely{lines.parallel, lines.crossing};
+  if (likely[1].gain > likely[0].gain) std::swap(likely[0], likely[1]);
+  for (const Split& split : likely) {
     if (!split.good) continue;
     const LitFit two = fitLines<2>(task, window, litFrom(better, split, task.sigma));
     is_last = two.outcome.good &&
@@ -227,6 +232,7 @@ Outcome fitLit(const Task& task, Window& window, const Disc& rough) {
     if (!is_last) continue;
     best = two;
     count = 2;
+    if (isClean(two.outcome)) break;
   }
   if (best.outcome.good && !is_last) {
     if (count == 1) {

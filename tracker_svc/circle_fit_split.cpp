@@ -99,12 +99,13 @@ Line turned(const Line& n) {
 
 Line across(const Line& n) { return {-n.ny, n.nx, 0}; }
 
-Split splitOf(const Best& best, bool crossing, float reach) {
+Split splitOf(const Best& best, bool crossing, float reach, const Pile& all) {
   const auto offset = [&](int bin) {
     return static_cast<float>(bin) * 2 * reach / static_cast<float>(kBins) - reach;
   };
   Split split;
   split.good = best.gain > 0;
+  split.gain = best.gain - all.gain();
   split.line = {best.normal, crossing ? across(best.normal) : best.normal};
   split.line[0].offset = offset(best.first);
   split.line[1].offset = offset(best.second);
@@ -156,16 +157,15 @@ Split Surroundings::oneLine() const {
     for (std::size_t i = 1; i < piles.size(); ++i) piles[i] = piles[i] + piles[i - 1];
     tryOne([&](int i) { return piles[static_cast<std::size_t>(i)]; }, normal, one);
   }
-  Split split = splitOf(one, false, reach_);
   Pile all;
   for (int i = 0; i < count_; ++i) all = all + Pile{1, samples_[static_cast<std::size_t>(i)].light};
-  split.gain = one.gain - all.gain();
-  return split;
+  return splitOf(one, false, reach_, all);
 }
 
 TwoLines Surroundings::twoLines() const {
   Best parallel;
   Best crossing;
+  Pile all;
   Line normal;
   for (int k = 0; k < kAngles; ++k, normal = turned(normal)) {
     Table table;
@@ -184,8 +184,9 @@ TwoLines Surroundings::twoLines() const {
     tryParallel([&](int i) { return p[i][kBins]; }, normal, parallel);
     tryParallel([&](int i) { return p[kBins][i]; }, across(normal), parallel);
     tryCrossing(table, normal, crossing);
+    all = p[kBins][kBins];
   }
-  return {splitOf(parallel, false, reach_), splitOf(crossing, true, reach_)};
+  return {splitOf(parallel, false, reach_, all), splitOf(crossing, true, reach_, all)};
 }
 
 }  // namespace lab::tracker::fit
