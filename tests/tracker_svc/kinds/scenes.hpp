@@ -1,63 +1,17 @@
-// The kinds of pictures that a tracker has to cope with, any number of each, with their truth.
+// Scenes of a kind, any number of each, with their truth: painted, and looked at by the detector.
 #pragma once
 
 #include <cstdint>
-#include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "light/field.hpp"
 #include "optics/image.hpp"
 #include "sim_svc/camera_painter.hpp"
-#include "tests/tracker_svc/kinds/bars.hpp"
+#include "tests/tracker_svc/kinds/kinds.hpp"
 #include "tests/tracker_svc/kinds/score.hpp"
 
 namespace lab::cases {
-
-enum class Places { kAnywhere, kChains, kHexagons, kPairs, kAtWalls };
-
-// What light falls on a scene. `high` and `low` are its two levels, `size` its length.
-enum class Shown {
-  kUniform,   // high
-  kHalf,      // high on one side of a line through the middle third of the arena
-  kGradient,  // from low to high across the arena
-  kRadial,    // high in the middle, low at a distance of `size`
-  kStripes,   // share 1/2, period `size`
-  kChecker,   // squares of side `size`
-  kDisks,     // 12 discs of radius `size`
-  kRobots,    // a disc of radius `size` beside every other robot
-  kWave,      // period `size`
-  kNoise,     // correlated over `size`
-};
-
-struct Kind {
-  const char* name = "";
-  int robots = 40;
-  int rows = 720;  // of a picture 16 : 9, or 4 : 3 for 480
-  Shown shown = Shown::kUniform;
-  double high = 1;
-  double low = 0;
-  double size = 0;  // [m]
-  Places places = Places::kAnywhere;
-  double blur = 0.75;        // [px]
-  double read_noise = 1.2;   // [DN]
-  double exposure = 0.01;    // [s]
-  double brightness = 1;     // [1] gain that makes up for nothing else: above 1 whites clip
-  double speed = 0;          // [m/s]
-  double vignetting = 0.1;   // [1]
-  int debris = 0;            // discs and strips on the floor
-  int decoys = 0;            // pairs of discs on the floor of another size or distance than a cap's
-  int floor_pairs = 0;       // pairs on the floor that look as a cap's do
-  int glares = 0;
-  Bars bars = {};
-};
-
-// All of them.
-std::span<const Kind> kinds();
-
-// @throws std::out_of_range where there is none of that name
-const Kind& kindOf(std::string_view name);
 
 struct Scene {
   sim::PainterSettings settings;
