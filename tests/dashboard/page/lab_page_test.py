@@ -20,8 +20,7 @@ import unittest
 import urllib.request
 
 sys.dont_write_bytecode = True
-import page_test
-from page_test import Keys, PageTest
+from page_case import LOST_SERVER, Keys, PageTest, browser
 
 PORT = 28490
 SILENCE_S = 30 if os.environ.get("LAB_LONG") else 6
@@ -89,7 +88,6 @@ class BesideALab(PageTest):
         self.lab = Lab(*ARGUMENTS, folder.name)
         self.addCleanup(self.lab.end)
         self.address = self.lab.address()
-        browser = page_test.browser
         self.addCleanup(browser.get, "about:blank")
         # So high that curves are in sight: what is not is not drawn.
         browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {
@@ -136,7 +134,7 @@ class BesideALab(PageTest):
         time.sleep(0.5)
         self.assertEqual([], self.moved())
 
-        page_test.browser.refresh()
+        browser.refresh()
         self.live()
         self.until("labPage.controls.stopText.startsWith('stopped: all 20 robots')")
         self.assertTrue(self.js("labPage.controls.control"))
@@ -147,7 +145,7 @@ class BesideALab(PageTest):
         self.assertEqual([], self.console())
 
     def test_a_server_that_is_killed_comes_back(self):
-        page_test.browser.execute_script("window.notReloaded = true")
+        browser.execute_script("window.notReloaded = true")
         server = self.lab.children()["dashboard"]
         os.kill(server, signal.SIGSTOP)
         self.says("banner", "no word from the server since")
@@ -210,8 +208,8 @@ class BesideALab(PageTest):
         self.assertEqual([], self.console())
 
     def console(self):
-        return [entry for entry in page_test.browser.get_log("browser")
-                if not any(word in entry["message"] for word in page_test.LOST_SERVER)]
+        return [entry for entry in browser.get_log("browser")
+                if not any(word in entry["message"] for word in LOST_SERVER)]
 
     def wish(self, name, **fields):
         token = self.address.split("#token=")[1]
@@ -221,17 +219,6 @@ class BesideALab(PageTest):
         self.assertEqual(202, urllib.request.urlopen(request, timeout=5).status)
 
 
-def setUpModule():
-    page_test.setUpModule()
-
-
-def tearDownModule():
-    page_test.tearDownModule()
-
-
 if __name__ == "__main__":
     ARGUMENTS = [pathlib.Path(argument).resolve() for argument in sys.argv[1:3]]
-    if not page_test.CHROMEDRIVER.exists():
-        print("lab_page_test: no chromedriver (Debian: chromium, chromium-driver)")
-        sys.exit(77)
     unittest.main(argv=sys.argv[:1], verbosity=2)

@@ -10,7 +10,7 @@ import time
 
 sys.dont_write_bytecode = True
 import lab_page_test
-import page_test
+from page_case import browser
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 FACES = [("light", (1280, 1560), False), ("dark", (1280, 860), True), ("phone", (390, 844), False)]
@@ -19,8 +19,6 @@ FACES = [("light", (1280, 1560), False), ("dark", (1280, 860), True), ("phone", 
 def main():
     folder = ROOT / "docs" / "pictures"
     folder.mkdir(exist_ok=True)
-    page_test.setUpModule()
-    browser = page_test.browser
     with tempfile.TemporaryDirectory() as temporary:
         lab = lab_page_test.Lab(pathlib.Path(sys.argv[1]).resolve(), ROOT / "experiments",
                                 temporary, "half_dark_arena", "--set", "robots[0].count=12")
@@ -38,7 +36,6 @@ def main():
                 browser.save_screenshot(str(folder / f"dashboard_{name}.png"))
         finally:
             lab.end()
-            page_test.tearDownModule()
 
 
 if __name__ == "__main__":

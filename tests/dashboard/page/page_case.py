@@ -1,0 +1,142 @@
+"""The dashboard's page in a browser, against mock_lab.py: what is the page's own doing.
+
+  python3 tests/dashboard/page/page_live_test.py      (77: no chromium or no selenium here)
+"""
+
+import atexit
+import json
+import os
+import pathlib
+import sys
+import time
+import unittest
+
+sys.dont_write_bytecode = True
+try:
+    from selenium import webdriver
+    from selenium.common.exceptions import WebDriverException
+    from selenium.webdriver.chrome.service import Service
+    from selenium.webdriver.common.by import By
+    from selenium.webdriver.common.keys import Keys
+except ImportError:
+    print("page_case: no selenium (Debian: python3-selenium)")
+    sys.exit(77)
+
+from mock_lab import MockLab, TOKEN
+
+CHROMEDRIVER = pathlib.Path("/usr/bin/chromedriver")
+REFUSED = "the server responded with a status of"
+LOST_SERVER = ("ERR_CONNECTION_REFUSED", "ERR_INCOMPLETE_CHUNKED_ENCODING", "ERR_CONNECTION_RESET",
+               "ERR_EMPTY_RESPONSE", "ERR_NETWORK_IO_SUSPENDED", "ERR_SOCKET_NOT_CONNECTED")
+
+
+def new_browser():
+    options = webdriver.ChromeOptions()
+    for argument in ["--headless=new", "--no-sandbox", "--disable-dev-shm-usage",
+                     "--disable-background-networking",
+                     "--window-size=1280,1000"]:
+        options.add_argument(argument)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    return webdriver.Chrome(service=Service(str(CHROMEDRIVER)), options=options)
+
+
+if not CHROMEDRIVER.exists():
+    print("page_case: no chromedriver (Debian: chromium, chromium-driver)")
+    sys.exit(77)
+browser = new_browser()  # one for all tests of a process
+atexit.register(browser.quit)
+
+
+def processor_time():
+    """[s] of the browser and all its processes."""
+    parents, spent = {}, {}
+    for entry in pathlib.Path("/proc").glob("[0-9]*"):
+        try:
+            fields = (entry / "stat").read_text().rsplit(")", 1)[1].split()
+        except OSError:
+            continue
+        parents[int(entry.name)] = int(fields[1])
+        spent[int(entry.name)] = (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+    def ours(process):
+        while process in parents and process != browser.service.process.pid:
+            process = parents[process]
+        return process in parents
+
+    return sum(time for process, time in spent.items() if ours(process))
+
+
+class PageTest(unittest.TestCase):
+    """Each test has a lab of its own and ends with a look at the console."""
+
+    server_goes = False  # then the browser itself writes that it is not there
+    server_refuses = False  # then it writes that too
+
+    def open(self, token=True, size=(1280, 1000), **lab):
+        self.lab = MockLab(**lab).serve()
+        self.token = token
+        self.addCleanup(self.lab.close)
+        self.addCleanup(browser.get, "about:blank")
+        self.addCleanup(self.look_at_console)
+        browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {
+            "width": size[0], "height": size[1], "deviceScaleFactor": 1, "mobile": size[0] < 600})
+        browser.get_log("browser")
+        browser.get(self.lab.address_with_token if token else self.lab.address)
+
+    def look_at_console(self):
+        log = browser.get_log("browser")
+        if self.server_goes:
+            log = [entry for entry in log
+                   if not any(word in entry["message"] for word in LOST_SERVER)]
+        if self.server_refuses:
+            log = [entry for entry in log if REFUSED not in entry["message"]]
+        self.assertEqual([], log, "the console is not empty")
+
+    def js(self, text, *arguments):
+        return browser.execute_script("return " + text, *arguments)
+
+    def until(self, text, patience=10.0):
+        """Waits until the JavaScript expression is true; returns its value."""
+        end = time.monotonic() + patience
+        while True:
+            try:
+                value = self.js(text)
+            except WebDriverException:
+                value = None  # the page is still loading
+            if value:
+                return value
+            self.assertLess(time.monotonic(), end, f"not in {patience} s: {text}")
+            time.sleep(0.05)
+
+    def live(self):
+        self.until("window.labPage && labPage.robots().length > 0"
+                   " && labPage.stream.topics.has('stop')"
+                   f" && document.body.dataset.control === '{str(self.token).lower()}'")
+
+    def text(self, identity):
+        return self.js("document.getElementById(arguments[0]).textContent", identity)
+
+    def says(self, identity, words):
+        """Waits until the element's text holds the words."""
+        self.until(f"document.getElementById('{identity}').textContent"
+                   f".includes({json.dumps(words)})")
+
+    def press(self, *keys):
+        browser.switch_to.active_element.send_keys(*keys)
+
+    def wishes(self, name):
+        return [body for _, body in self.lab.wishes if body["wish"] == name]
+
+    def comes(self, count, found):
+        """Waits until there are so many."""
+        end = time.monotonic() + 8
+        while len(found()) < count:
+            self.assertLess(time.monotonic(), end, "it did not come")
+            time.sleep(0.02)
+
+    def asked(self, path):
+        return [one for _, one in self.lab.requests if one == path]
+
+
+def main():
+    unittest.main(verbosity=2 if "-v" in sys.argv else 1)

@@ -1,0 +1,153 @@
+"""The page in a browser, against mock_lab.py: what comes and goes, recorded and past runs."""
+
+import time
+
+from page_case import Keys, PageTest, browser, main
+
+
+class Connection(PageTest):
+    server_goes = True
+
+    def test_the_server_goes_and_comes_back(self):
+        self.open(robots=5)
+        self.live()
+        browser.execute_script("window.notReloaded = true")
+        self.lab.stop_serving()
+        self.says("banner", "no word from the server since")
+        self.press(Keys.SPACE)
+        self.says("stop-missing", "STOP NOT SENT")
+        frames = self.js("labPage.view.arena.frames")
+        self.lab.serve()
+        self.until("document.getElementById('banner').hidden")
+        self.until(f"labPage.view.arena.frames > {frames + 10}")
+        self.assertTrue(self.js("window.notReloaded"))
+        self.until("labPage.controls.stopText.startsWith('stopped: all 5')")
+        self.assertEqual("", self.text("stop-missing"))
+
+    def test_a_stop_that_was_never_sent_is_still_told_after_a_reconnect(self):
+        self.open(robots=5)
+        self.live()
+        self.lab.stop_serving()
+        self.press(Keys.SPACE)
+        self.says("stop-missing", "STOP NOT SENT")
+        time.sleep(13)
+        before = len(self.asked("/api/me"))
+        self.lab.serve()
+        self.comes(before + 1, lambda: self.asked("/api/me"))
+        time.sleep(1)
+        self.assertEqual([], self.wishes("stop"), "nobody presses so late")
+        self.assertIn("STOP NOT SENT", self.text("stop-missing"))
+
+    def test_a_connection_that_only_stands_is_given_up(self):
+        self.open(robots=5)
+        self.live()
+        self.lab.mute = True
+        self.until("labPage.stream.attempts > 0", 12)
+        self.assertIn("no word from the server", self.text("banner"))
+        self.lab.mute = False
+        self.until("document.getElementById('banner').hidden")
+
+    def test_a_silent_bus_is_said_and_survived(self):
+        self.open(robots=5)
+        self.live()
+        self.lab.silent = True
+        self.says("banner", "the lab is silent for")
+        self.lab.silent = False
+        self.until("document.getElementById('banner').hidden")
+        self.assertEqual(0, self.js("labPage.stream.attempts"))
+
+    def test_a_page_that_nobody_sees_gives_its_connection_back(self):
+        self.open(robots=5)
+        self.live()
+        browser.execute_script("""labPage.stream.hiddenPatience = 100;
+            Object.defineProperty(document, 'hidden', {configurable: true, get: () => true});
+            document.dispatchEvent(new Event('visibilitychange'));""")
+        self.until("labPage.stream.attempts === 1 && !labPage.stream.connected")
+        time.sleep(2)
+        self.assertFalse(self.js("labPage.stream.connected"))
+        browser.execute_script("delete document.hidden;"
+                               "document.dispatchEvent(new Event('visibilitychange'))")
+        self.until("labPage.stream.connected")
+
+    def test_a_page_that_was_too_slow_skips_to_the_newest_state(self):
+        self.open(robots=20)
+        self.live()
+        before, ticks = self.js("labPage.view.arena.frames"), self.lab.world.ticks
+        browser.execute_script("const end = performance.now() + 3000;"
+                               "while (performance.now() < end);")
+        missed, newest = self.lab.world.ticks - ticks, self.lab.world.frame()["t_us"]
+        self.until(f"labPage.stream.topics.get('frame').t_us >= {newest}")
+        shown = self.js("labPage.view.arena.frames") - before
+        print(f"{missed} frames came while the page stood, it took {shown} of them")
+        self.assertLess(shown, missed / 2)
+
+
+class Replay(PageTest):
+    def test_a_recorded_run_is_played_and_no_robot_can_be_commanded(self):
+        self.open(robots=3, replay=True)
+        self.live()
+        self.until("!document.getElementById('player').hidden && labPage.controls.control")
+        self.assertTrue(self.js("document.getElementById('stop').disabled"))
+        self.assertIn("recorded", self.text("read-only"))
+        browser.execute_script("const s = document.getElementById('player-at'); s.value = 100;"
+                               "s.dispatchEvent(new Event('change'))")
+        self.says("player-text", "1:4")
+        self.assertEqual([{"wish": "seek", "to_s": 100}], self.wishes("seek"))
+        browser.execute_script("document.getElementById('player-go').click()")
+        self.says("player-go", "play")
+        self.press(Keys.SPACE)
+        self.says("stop-missing", "A recorded run")
+        self.assertEqual([], self.wishes("stop"))
+
+    def test_what_was_measured_elsewhere_in_the_run_is_forgotten(self):
+        self.server_refuses = True
+        self.open(robots=3, replay=True, size=(1280, 2200))
+        self.live()
+        self.until("labPage.charts.msd.pointsDrawn() === 72"
+                   " && labPage.charts.runtimes.pointsDrawn() > 0")
+        self.lab.pools = 0
+        time.sleep(1.2)
+        self.lab.wish({"wish": "seek", "to_s": 100})
+        self.until("labPage.charts.msd.pointsDrawn() === 0"
+                   " && labPage.charts.runtimes.pointsDrawn() === 0"
+                   " && labPage.stream.all('history/').length === 0")
+        self.lab.world.wish = lambda _: "refused: not now"
+        browser.execute_script("document.getElementById('player-go').click()")
+        self.says("player-say", "pause: refused: not now")
+        self.lab.world.replay = False
+        self.lab.publish("lab", dict(self.lab.world.lab(), run="live"))
+        self.until("document.getElementById('player').hidden")
+        self.until("!document.getElementById('stop').disabled")
+
+
+class PastRuns(PageTest):
+    def test_runs_are_listed_and_two_are_compared(self):
+        self.open(robots=2, size=(1280, 4000))
+        self.until("document.querySelectorAll('#runs tbody tr').length === 3")
+        link = self.js("document.querySelector('#runs a').outerHTML")
+        self.assertIn('rel="noopener"', link)
+        self.assertTrue(self.js("document.querySelectorAll('#runs img')[1].src"
+                                ".endsWith('/figures/trajectory%20abp.svg')"))
+        self.assertIn("summary.json is cut short", self.text("runs"))
+        self.assertTrue(self.js("document.getElementById('runs-compare').disabled"))
+        browser.execute_script("[...document.querySelectorAll('#runs input')].slice(0, 2)"
+                               ".forEach((box) => box.click())")
+        browser.execute_script("document.getElementById('runs-compare').click()")
+        self.until("labPage.charts.compare.pointsDrawn() === 48")
+
+    def test_an_experiment_is_checked_and_started(self):
+        self.open(robots=2, size=(1280, 4000))
+        self.live()
+        self.until("document.querySelectorAll('#start-file option').length === 2"
+                   " && !document.getElementById('start-go').disabled")
+        browser.execute_script("document.getElementById('start-set').value = 'nonsense'")
+        browser.execute_script("document.getElementById('start-go').click()")
+        self.says("start-output", "--set nonsense: expected key=value")
+        self.assertEqual([], [p for _, p in self.lab.requests if p == "/api/start"])
+        browser.execute_script("document.getElementById('start-set').value = 'duration_s=60\\n'")
+        browser.execute_script("document.getElementById('start-go').click()")
+        self.until("document.querySelector('#start-link a')?.href.includes('#token=')")
+
+
+if __name__ == "__main__":
+    main()

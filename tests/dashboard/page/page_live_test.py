@@ -1,0 +1,181 @@
+"""The page in a browser, against mock_lab.py: what is seen of a running lab."""
+
+import time
+
+from page_case import PageTest, browser, main, processor_time
+
+
+class Live(PageTest):
+    def test_twenty_robots_are_shown_and_move(self):
+        self.open(robots=20)
+        self.live()
+        before = {r["id"]: r for r in self.js("labPage.robots()")}
+        time.sleep(1.5)
+        after = {r["id"]: r for r in self.js("labPage.robots()")}
+        self.assertEqual(sorted(after), list(range(1, 21)))
+        still = [i for i in after
+                 if (after[i]["x"], after[i]["y"]) == (before[i]["x"], before[i]["y"])]
+        self.assertEqual([], still)
+
+    def test_a_picture_shows_robots_where_they_are(self):
+        self.open(robots=3)
+        self.live()
+        browser.execute_script("document.getElementById('show-trails').click()")
+        self.js("labPage.controls.stop('test')")
+        self.until("labPage.controls.stopText.startsWith('stopped')")
+        time.sleep(0.5)
+        painted = self.js("""(canvas => {
+            const [width, height] = [canvas.width, canvas.height];
+            const all = canvas.getContext('2d').getImageData(0, 0, width, height).data;
+            const scale = Math.min(width / 126, height / 96); // the arena and 3 cm around it
+            return labPage.robots().map(({x, y, angle}) => { // behind the letter, not on the nose
+                const column = Math.round(width / 2 + (x - 2.8 * Math.cos(angle) - 60) * scale);
+                const row = Math.round(height / 2 - (y - 2.8 * Math.sin(angle) - 45) * scale);
+                return [...all.slice(4 * (row * width + column), 4 * (row * width + column) + 4)];
+            });
+        })(document.getElementById('arena-over'))""")
+        self.assertEqual([[213, 94, 0, 255], [0, 158, 115, 255], [0, 114, 178, 255]], painted)
+
+    def test_a_hundred_robots_leave_room_for_30_pictures_a_second(self):
+        # In processor time of all the browser's processes, which does not ask what else the machine
+        # does: what a second costs without the arena, and a picture of the arena.
+        self.open(robots=100)
+        self.live()
+        time.sleep(3)
+        with_arena, pictures = self.three_seconds()
+        browser.execute_script("document.getElementById('runs-section').scrollIntoView()")
+        time.sleep(1)
+        without_arena, none = self.three_seconds()
+        self.assertEqual(0, none)
+        picture = max(0, with_arena - without_arena) / pictures
+        print(f"100 robots: {1e3 * picture:.1f} ms of processor time a picture, "
+              f"{1e3 * without_arena / 3:.0f} ms a "
+              f"second without the arena; {pictures / 3:.0f} pictures a second")
+        self.assertLess(30 * picture + without_arena / 3, 1)
+
+    def three_seconds(self):
+        """@return (processor time, pictures)"""
+        spent, pictures = processor_time(), self.js("labPage.view.pictures")
+        time.sleep(3)
+        return processor_time() - spent, self.js("labPage.view.pictures") - pictures
+
+    def test_the_first_analysis_is_enough_for_curves(self):
+        self.open(robots=20, size=(1280, 2200), pools=0)
+        self.live()
+        self.assertEqual(0, self.js("labPage.charts.msd.pointsDrawn()"))
+        self.lab.pools = 1
+        self.until("labPage.stream.topics.has('pool/abp')")
+        begin = time.monotonic()
+        for chart in ["msd", "angular_msd", "C_l", "runtimes"]:
+            self.until(f"labPage.charts.{chart}.pointsDrawn() > 10")
+        print(f"curves stand {time.monotonic() - begin:.2f} s after the first analysis")
+        self.until("document.querySelectorAll('#estimates tbody tr').length === 9")
+        self.assertEqual(9, self.js("document.querySelectorAll('#chart-msd > svg .hollow').length"))
+
+    def test_one_robot_alone_and_fewer_programs(self):
+        self.open(robots=6, size=(1280, 2200))
+        self.live()
+        self.until("labPage.charts.msd.pointsDrawn() === 72")
+        browser.execute_script("document.querySelector('#curves-programs input').click()")
+        self.until("labPage.charts.msd.pointsDrawn() === 48")
+        browser.execute_script("const s = document.getElementById('curves-source'); s.value = '4';"
+                               "s.dispatchEvent(new Event('change'))")
+        self.until("labPage.charts.msd.pointsDrawn() === 24")
+
+    def test_foreign_text_stays_text(self):
+        self.open(robots=2)
+        self.lab.world.life = 61.0
+        self.live()
+        self.says("script-now", "half <b>light</b>")
+        self.assertEqual(0, self.js("document.querySelectorAll('main b, main i').length"))
+
+    def test_missing_topics_and_nulls_break_nothing(self):
+        self.open(robots=2, lab=False)
+        self.until("window.labPage && document.body.classList.contains('no-lab')")
+        for topic, value in [("pool/x", {"program": "x", "curves": None, "estimates": None}),
+                             ("health", {}),
+                             ("robots", []), ("frame", {"t_us": 1, "robots": [],
+                                                        "unidentified": []}),
+                             ("script", {"phase": "preparing", "left_s": None, "step": -1,
+                                         "label": ""}),
+                             ("timeline", {"start_us": None, "steps": [], "marks": [], "faults": [],
+                                           "end": None}),
+                             ("history/x", {"program": "x", "t_s": [], "estimates": []}),
+                             ("light", {"version": 1, "columns": 0, "rows": 0, "mean": None,
+                                        "label": None}),
+                             ("stop", {"state": "free", "total": 0, "confirmed": 0,
+                                       "unconfirmed": []}),
+                             ("camera", {"state": "waiting", "picture": False}),
+                             ("nobody knows this", None),
+                             ("runtimes/x", {"program": "x", "gamma_per_s": None, "edges_s": [],
+                                             "counts": []})]:
+            self.lab.publish(topic, value)
+        self.until("labPage.stream.topics.has('runtimes/x')")
+        time.sleep(0.5)
+
+    def test_past_the_end(self):
+        self.open(robots=2)
+        self.live()
+        self.lab.wish({"wish": "end"})
+        self.says("banner", "the run has ended: ended by dashboard")
+        self.server_goes = True  # as it does after a run: that is no fault to be told
+        self.lab.stop_serving()
+        time.sleep(4)
+        self.assertIn("the run has ended", self.text("banner"))
+
+    def test_another_run_leaves_nothing_of_the_one_before(self):
+        self.open(robots=4, size=(1280, 2200))
+        self.live()
+        self.until("labPage.charts.msd.pointsDrawn() > 10")
+        self.lab.pools = 0
+        time.sleep(1.2)
+        self.lab.publish("lab", dict(self.lab.world.lab(), run="another"))
+        self.until("labPage.charts.msd.pointsDrawn() === 0")
+        self.says("run-name", "another")
+
+    def test_what_is_gone_is_forgotten(self):
+        self.open(robots=4, size=(1280, 2200))
+        self.live()
+        self.until("labPage.charts.msd.pointsDrawn() === 72")
+        self.lab.pools = 0
+        time.sleep(1.2)
+        self.lab.publish("pool/abp", None)
+        self.until("labPage.charts.msd.pointsDrawn() === 48")
+        self.lab.publish("history/abp", None)
+        self.until("!labPage.stream.topics.has('history/abp')")
+        for topic in ["stop", "light", "timeline", "delivery", "camera", "robots", "health"]:
+            self.lab.publish(topic, None)  # and told anew within a second: nothing breaks
+        time.sleep(1.5)
+        self.until("labPage.stream.topics.has('robots')")
+
+    def test_light_that_was_not_told_is_asked_for_again(self):
+        self.server_refuses = True
+        self.open(robots=2)
+        self.lab.broken.add("/api/light")
+        each = self.lab.world.each_second
+        self.lab.world.each_second = lambda pools: [one for one in each(pools) if one[0] != "light"]
+        time.sleep(1)
+        self.lab.publish("light", dict(self.lab.world.light(), version=7))  # and no more of it
+        self.lab.requests.clear()
+        self.comes(2, lambda: self.asked("/api/light"))
+        self.lab.broken.clear()
+        before = len(self.asked("/api/light"))
+        time.sleep(3)
+        self.assertEqual(before + 1, len(self.asked("/api/light")), "it was told: no more of it")
+        shade = self.js("((c) => c.getContext('2d').getImageData(c.width / 2, c.height / 2, 1, 1)"
+                        ".data[0])(document.getElementById('arena-under'))")
+        self.assertGreater(shade, 150, "the lit middle")
+
+    def test_what_is_left_out_is_counted(self):
+        self.open(robots=2, size=(1280, 6000))
+        world = self.lab.world
+        timeline, health = world.timeline, world.health
+        world.timeline = lambda: dict(timeline(), steps_before=12, marks_before=3, faults_before=4)
+        world.health = lambda: dict(health(), streams_left_out=5)
+        self.live()
+        self.says("timeline-more", "12 earlier steps, 7 earlier marks and faults")
+        self.says("streams-more", "5 more streams")
+
+
+if __name__ == "__main__":
+    main()
