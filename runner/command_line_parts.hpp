@@ -4,14 +4,30 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
+#include <string>
 
 namespace CLI {
 class App;
-}
+class Validator;
+}  // namespace CLI
 
 namespace lab::runner {
 
 using Chosen = std::function<int()>;
+
+/// A number that is one: CLI11's own ranges let nan pass.
+CLI::Validator between(double low, double high);
+
+/// A flag that may be given, denied or left out: CLI11's own takes what is left out for denied.
+void addChoice(CLI::App& command, const std::string& names, std::optional<bool>& choice,
+               const std::string& text);
+
+/// FILE: a file, or the name of a shipped experiment.
+void addExperiment(CLI::App& command, std::filesystem::path& file);
+
+/// calibrate camera, projector, light, motors.
+void addCalibrate(CLI::App& app, Chosen& chosen, const std::filesystem::path& programs);
 
 /// pause, resume, mark, end: what is wanted of a running experiment or of a log that is played.
 void addWishes(CLI::App& app, Chosen& chosen);
