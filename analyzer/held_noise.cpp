@@ -74,7 +74,8 @@ HeldNoise::HeldNoise(Noise noise, double va, double width, double amplitude, dou
 
 int HeldNoise::points() const {
   // chi makes width * epsilon / 2 pi turns in a hold, its square two.
-  return std::min(200, 18 + static_cast<int>(6 * width_ * epsilon_));
+  const double more = 6 * width_ * epsilon_;
+  return more < 182 ? 18 + static_cast<int>(more) : 200;  // nan as well
 }
 
 double HeldNoise::chi(double t) const {

@@ -129,17 +129,22 @@ class MovieReader final : public FilmReader {
   }
 
   [[nodiscard]] std::string whatWentWrong(int status) const {
-    const std::int64_t expected = std::max(length(), facts_.claimed);
+    const std::int64_t expected = std::max(length(), facts_.claimed - facts_.never_shown);
     const std::string complaint =
         decoder_.complaint().empty() ? facts_.complaint : decoder_.complaint();
     const std::string why = complaint.empty() ? "" : " (ffmpeg: " + complaint + ")";
     if (count_ < expected) {
       return source_ + ": ends early or is damaged: " + std::to_string(count_) + " of " +
-             shownNumber(expected, "frame") + " could be read" + why;
+             shownNumber(expected, "frame") + " could be read; where one is missing inside, those " +
+             "behind it have its number and time" + why;
     }
     if (status != 0 || !facts_.complaint.empty()) {
       return source_ + ": " + shownNumber(count_, "frame") + " could be read, then it broke off" +
              why;
+    }
+    if (!complaint.empty()) {
+      return source_ + ": all frames could be read, and not all of them whole: in some the caps may " +
+             "stand where they were before" + why;
     }
     return {};
   }
@@ -208,7 +213,11 @@ MovieFacts movieFacts(const std::string& source, bool packets) {
   found.pixels = pixels + " (" + codec + ")";
   found.grey = pixels.starts_with("gray");
   found.claimed = std::atoll(textOf(stream, "nb_frames").c_str());
-  if (packets) found.utimes = timesOf(facts.value("packets", json::array()));
+  if (packets) {
+    const json listed = facts.value("packets", json::array());
+    found.utimes = timesOf(listed);
+    found.never_shown = static_cast<std::int64_t>(listed.size() - found.utimes.size());
+  }
   found.complaint = probe.complaint();
   return found;
 }

@@ -185,8 +185,14 @@ class FrameTable {
   }
 
   void add(const std::vector<std::string>& cells) {
-    const auto frame = static_cast<std::int64_t>(value(cells, frame_, "frame"));
+    constexpr double kMost = 1e11;  // seconds are three thousand years, and frames more than any film
+    const double number = value(cells, frame_, "frame");
     const double time = value(cells, time_, "t_s");
+    if (number != std::floor(number)) fail("frame: found a fraction, expected a whole number");
+    if (std::abs(number) > kMost || std::abs(time) > kMost) {
+      fail("frame and t_s: allowed -1e11 to 1e11");
+    }
+    const auto frame = static_cast<std::int64_t>(number);
     if (!times_.empty() && !(frame > times_.rbegin()->first && time > times_.rbegin()->second)) {
       fail("frame and t_s must grow from row to row");
     }

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -22,6 +23,20 @@ void checkHeight(const JsonSection& file, const char* key, const CameraCalibrati
     file.fail(key, fmt::format("puts the camera {:.4g} cm above the floor, allowed {:g} to {:g} cm "
                                "(is its unit right, and is z of the arena up?)",
                                height * 100, low * 100, kHigh * 100));
+  }
+}
+
+/// A circle must be seen, and fit into the picture: what searches for it looks that far around.
+void checkScale(const JsonSection& file, const char* key, const CameraCalibration& calibration) {
+  const optics::CameraParameters& camera = calibration.camera;
+  const double away = optics::CameraModel(camera).centre()[2] - calibration.cap.height;
+  constexpr double kLow = 0.5;
+  const double high = std::min(camera.width, camera.height) / 4.0;
+  for (const double focal : {camera.fx, camera.fy}) {
+    const double radius = focal * calibration.cap.big_radius / away;
+    if (radius >= kLow && radius <= high) continue;
+    file.fail(key, fmt::format("of {:g} px makes the big circles {:.3g} px in radius, allowed {:g} "
+                               "to {:g} px (a quarter of the picture)", focal, radius, kLow, high));
   }
 }
 
@@ -75,6 +90,7 @@ CameraCalibration readOwnForm(const JsonSection& file) {
   calibration.arena_height = arena.number("height_m", 0.01, 100);
   if (file.has("residual_m")) calibration.residual = file.number("residual_m", 0, 1);
   checkHeight(file, "translation_m", calibration);
+  checkScale(file, "fx_px", calibration);
   return calibration;
 }
 
@@ -131,6 +147,7 @@ CameraCalibration readOpenCvForm(const JsonSection& file) {
     calibration.imaging = readImaging(file.section("noise"), "shot_gain", "black_level");
   }
   checkHeight(file, "t", calibration);
+  checkScale(file, "K", calibration);
   return calibration;
 }
 

@@ -3,6 +3,7 @@
 #include <cerrno>
 #include <cstdint>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 
@@ -16,6 +17,9 @@ constexpr double kRotationSlack = 1e-3;  // of R R^T: what three written digits 
 }  // namespace
 
 std::string readFileText(const std::string& name) {
+  if (std::filesystem::is_directory(name)) {
+    throw ExperimentError({name + ": is a folder, expected a file"});
+  }
   std::ifstream stream(name, std::ios::binary);
   std::string text{std::istreambuf_iterator<char>(stream), {}};
   if (!stream && !stream.eof()) {
@@ -26,12 +30,23 @@ std::string readFileText(const std::string& name) {
 
 nlohmann::json parseJson(const std::string& name, const std::string& text,
                          const std::string& expected) {
+  constexpr int kDeepest = 64;  // what reads it calls itself
+  const auto shallow = [&](int depth, nlohmann::json::parse_event_t, const nlohmann::json&) {
+    if (depth > kDeepest) {
+      throw ExperimentError({fmt::format("{}: has more than {} brackets within each other, "
+                                         "expected {}", name, kDeepest, expected)});
+    }
+    return true;
+  };
   try {
-    return nlohmann::json::parse(text);
+    return nlohmann::json::parse(text, shallow);
   } catch (const nlohmann::json::parse_error& error) {
     const auto end = text.begin() + static_cast<std::ptrdiff_t>(std::min(error.byte, text.size()));
     throw ExperimentError({fmt::format("{}:{}: is no valid JSON, expected {}", name,
                                        1 + std::count(text.begin(), end, '\n'), expected)});
+  } catch (const nlohmann::json::out_of_range&) {
+    throw ExperimentError({fmt::format("{}: holds a number beyond 1e308, expected {}", name,
+                                       expected)});
   }
 }
 

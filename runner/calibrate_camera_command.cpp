@@ -139,6 +139,9 @@ std::optional<double> findCaps(const std::string& source, const optics::CameraPa
     if (i % every == 0) gathering.take(frame.grey);
     progress.show(i + 1);
   }
+  if (const std::string problem = film->problem(); !problem.empty()) {
+    fmt::print("note      {}\n", problem);
+  }
   sights.caps = gathering.caps();
   return gathering.blur();
 }

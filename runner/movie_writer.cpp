@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <spawn.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -107,7 +108,10 @@ void MovieWriter::write(const tracker::RgbImage& image) {
 }
 
 void MovieWriter::finish() {
-  if (wait() != 0) fail();
+  // What it complains about (a full disk) does not always make it fail.
+  const int status = wait();
+  struct stat said {};
+  if (status != 0 || fstat(messages_, &said) != 0 || said.st_size > 0) fail();
 }
 
 int MovieWriter::wait() {

@@ -7,6 +7,8 @@
 #include <cstring>
 #include <fstream>
 #include <optional>
+#include <stdexcept>
+#include <string>
 #include <utility>
 
 #include "cameras/film_reader.hpp"
@@ -50,7 +52,7 @@ class Interruptible {
   Interruptible& operator=(const Interruptible&) = delete;
 
  private:
-  static constexpr std::array kSignals{SIGINT, SIGTERM};
+  static constexpr std::array kSignals{SIGINT, SIGTERM, SIGHUP};
   std::array<void (*)(int), kSignals.size()> before_{};
 };
 
@@ -82,31 +84,59 @@ class PoseWriter {
 
   void write(const std::vector<FilmRow>& rows) {
     for (const FilmRow& row : rows) file_ << tracker::filmCsvLine(row);
+    if (!file_) fail();
   }
 
   void finish() {
     file_.close();
-    if (!file_) throw std::runtime_error(path_.string() + ": cannot be written: is the disk full?");
+    if (!file_) fail();
     fs::rename(part_, path_);
   }
 
  private:
+  [[noreturn]] void fail() const {
+    throw std::runtime_error(path_.string() + ": cannot be written: is the disk full?");
+  }
+
   fs::path path_;
   fs::path part_;
   std::ofstream file_;
 };
+
+/// What is written must not take the place of what is read, nor of what else is written.
+void refuseSameFiles(const TrackOptions& options) {
+  const std::array<std::pair<const char*, fs::path>, 4> named{
+      {{"SOURCE", options.source},
+       {"--calibration", options.calibration},
+       {"--out", options.out},
+       {"--overlay", options.overlay}}};
+  const auto place = [](const fs::path& path) {
+    std::error_code error;
+    return fs::weakly_canonical(fs::absolute(path, error), error);
+  };
+  for (std::size_t written = 2; written < named.size(); ++written) {
+    const auto& [option, path] = named[written];
+    if (path.empty()) continue;
+    for (std::size_t other = 0; other < written; ++other) {
+      if (place(path) != place(named[other].second)) continue;
+      throw UserError(fmt::format("{}: is named as {} and as {}; choose another name for {}",
+                                  path.string(), named[other].first, option, option));
+    }
+  }
+}
 
 /// A calibration holds for pictures of one size only.
 void checkSize(const TrackOptions& options, const CameraCalibration& calibration, int width,
                int height) {
   const optics::CameraParameters& camera = calibration.camera;
   if (width == camera.width && height == camera.height) return;
-  const bool same_shape = width * camera.height == height * camera.width;
+  // Smaller ones made larger have blur and noise that no camera has.
+  const bool shrinks = width > camera.width && width * camera.height == height * camera.width;
   throw UserError(fmt::format(
       "{}: found pictures of {} x {} px, expected {} x {} px as in {}; calibrate the camera at the "
       "size of the film{}",
       options.source, width, height, camera.width, camera.height, options.calibration.string(),
-      same_shape ? fmt::format(", or convert the film: ffmpeg -i FILM -vf scale={}:{} ...",
+      shrinks ? fmt::format(", or convert the film: ffmpeg -i FILM -vf scale={}:{} ...",
                                camera.width, camera.height)
                  : ""));
 }
@@ -169,8 +199,8 @@ class Film {
                   calibration.imaging.value_or(optics::Imaging{})),
         caps_(trackerSettings(calibration), {}),
         tracking_(detector_, caps_, options.robots),
-        overlay_(openOverlay(options, calibration, reader.format().fps)),
-        poses_(options.out, options.force) {}
+        poses_(options.out, options.force),
+        overlay_(openOverlay(options, calibration, reader.format().fps)) {}
 
   ExitCode track() {
     const Interruptible until_interrupted;
@@ -195,15 +225,19 @@ class Film {
                                   options_.source, problem.empty() ? "" : ": ", problem));
     }
     poses_.finish();
-    if (overlay_) overlay_->finish();
+    draw([&] { overlay_->finish(); });
     tell(tracking_.summary(), calibration_, reader_.dropped(), seconds);
     fmt::print("poses    {}\n", options_.out.string());
     if (overlay_) fmt::print("overlay  {}\n", options_.overlay.string());
-    if (problem.empty()) return kDone;
-    const bool named = problem.starts_with(options_.source);
-    fmt::print("marked   {}{}; the poses up to there are kept\n",
-               named ? "" : options_.source + ": ", problem);
-    return kMarked;
+    if (!no_overlay_.empty()) {
+      fmt::print("marked   {}: there is no overlay: {}\n", options_.overlay.string(), no_overlay_);
+    }
+    if (!problem.empty()) {
+      const bool named = problem.starts_with(options_.source);
+      fmt::print("marked   {}{}; the poses of what could be read are kept\n",
+                 named ? "" : options_.source + ": ", problem);
+    }
+    return problem.empty() && no_overlay_.empty() ? kDone : kMarked;
   }
 
  private:
@@ -211,12 +245,23 @@ class Film {
     constexpr double kMicro = 1e-6;
     checkSize(options_, calibration_, frame.grey.width, frame.grey.height);
     const double time = static_cast<double>(frame.utime) * kMicro;
-    const bool draw = overlay_ && overlay_->wantsNext();
+    const bool drawn = overlay_ && overlay_->wantsNext();
     rejected_.clear();
     const std::vector<FilmRow>& rows =
-        tracking_.take(frame.number, time, frame.grey, draw ? &rejected_ : nullptr);
+        tracking_.take(frame.number, time, frame.grey, drawn ? &rejected_ : nullptr);
     poses_.write(rows);
-    if (overlay_) overlay_->add({frame.number, time, frame.grey, rows, rejected_});
+    draw([&] { overlay_->add({frame.number, time, frame.grey, rows, rejected_}); });
+  }
+
+  /// An overlay that cannot be written is no reason to lose the poses.
+  void draw(const auto& act) {
+    if (!overlay_) return;
+    try {
+      act();
+    } catch (const std::runtime_error& error) {
+      no_overlay_ = error.what();
+      overlay_.reset();
+    }
   }
 
   const TrackOptions& options_;
@@ -225,14 +270,16 @@ class Film {
   tracker::Detector detector_;
   tracker::CapTracker caps_;
   tracker::FilmTracking tracking_;
-  std::unique_ptr<FilmOverlay> overlay_;
   PoseWriter poses_;
+  std::unique_ptr<FilmOverlay> overlay_;
+  std::string no_overlay_;  ///< why there is none though one was asked for
   std::vector<tracker::Rejection> rejected_;
 };
 
 }  // namespace
 
 ExitCode track(const TrackOptions& options) {
+  refuseSameFiles(options);
   const CameraCalibration calibration = readCameraFile(options.calibration);
   const std::unique_ptr<FilmReader> reader = openFilm(options.source);
   const CameraFormat format = reader->format();

@@ -164,6 +164,17 @@ TEST_F(CameraFile, ErrorsNameFileAndKey) {
               HasSubstr("geometry.big_offset_cm: the circles overlap"));
 }
 
+TEST_F(CameraFile, LensesThatNoCameraHasAreRefused) {
+  EXPECT_THAT(refusal(with("[1250.5, 0,", "[1e12, 0,")),
+              HasSubstr("K: of 1e+12 px makes the big circles"));
+  EXPECT_THAT(refusal(with("[1250.5, 0,", "[1.5, 0,")), HasSubstr("allowed 0.5 to"));
+}
+
+TEST_F(CameraFile, WhatIsNoCalibrationAtAllIsSaidInOneLine) {
+  EXPECT_THAT(refusal(std::string(200'000, '[')), HasSubstr("brackets within each other"));
+  EXPECT_THAT(refusal(with("1280", "1e999")), HasSubstr("a number beyond 1e308"));
+}
+
 TEST_F(CameraFile, KindsOfLensThatAreNotKnownAreRefused) {
   EXPECT_THAT(refusal(with("0.01]", "0.01, 0, 0, 0]")), HasSubstr("accepted"));
   EXPECT_THAT(refusal(with("0.01]", "0.01, 0.5, 0, 0]")),

@@ -108,6 +108,28 @@ TEST_F(TrackCommand, ReplacesNothingUnasked) {
   EXPECT_EQ(linesIn(textOf(options_.out)), 16);
 }
 
+TEST_F(TrackCommand, WritesOverNothingThatItReadsOrWrites) {
+  const std::string calibration = textOf(options_.calibration);
+  options_.force = true;
+  options_.out = options_.calibration;
+  EXPECT_THAT(problem(), HasSubstr("is named as --calibration and as --out"));
+  EXPECT_EQ(textOf(options_.calibration), calibration);
+
+  options_.out = folder_ / "poses.csv";
+  options_.overlay = folder_ / "film/../poses.csv";
+  EXPECT_THAT(problem(), HasSubstr("is named as --out and as --overlay"));
+  EXPECT_FALSE(fs::exists(options_.out));
+}
+
+TEST_F(TrackCommand, KeepsThePosesWhereTheOverlayCannotBeWritten) {
+  options_.overlay = folder_ / "sheet.png";
+  fs::create_directory(folder_ / ".sheet.part.png");  // where it is written first
+
+  EXPECT_EQ(track(options_), kMarked);
+
+  EXPECT_EQ(linesIn(textOf(options_.out)), 16);
+}
+
 TEST_F(TrackCommand, NamesBothSizesWhereTheCalibrationIsOfAnother) {
   options_.calibration = folder_ / "other.json";
 
@@ -188,6 +210,21 @@ TEST_F(TrackCommand, KeepsWhatATruncatedMovieStillHad) {
   const int rows = linesIn(textOf(options_.out)) - 1;
   EXPECT_GE(rows, 3);
   EXPECT_LT(rows, 15);
+}
+
+TEST_F(TrackCommand, MarksAMovieOfWhichEveryFrameIsThereButOneIsDamaged) {
+  if (!isInstalled("ffmpeg")) GTEST_SKIP() << "ffmpeg is not installed";
+  const fs::path film = folder_ / "film.avi";
+  const std::string command = "ffmpeg -v error -framerate 30 -i '" + options_.source +
+                              "/f%04d.png' -c:v ffv1 -level 3 -slicecrc 1 '" + film.string() + "'";
+  ASSERT_EQ(std::system(command.c_str()), 0);
+  std::fstream bytes(film, std::ios::binary | std::ios::in | std::ios::out);
+  bytes.seekp(static_cast<std::streamoff>(fs::file_size(film) / 2));
+  bytes << std::string(200, 'x');
+  bytes.close();
+  options_.source = film.string();
+
+  EXPECT_EQ(track(options_), kMarked);
 }
 
 }  // namespace
