@@ -143,8 +143,8 @@ class MovieReader final : public FilmReader {
              why;
     }
     if (!complaint.empty()) {
-      return source_ + ": all frames could be read, and not all of them whole: in some the caps may " +
-             "stand where they were before" + why;
+      return source_ + ": all frames could be read, but ffmpeg found fault with some, in which caps " +
+             "may stand where they were before" + why;
     }
     return {};
   }

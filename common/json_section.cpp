@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <system_error>
 
 #include "light/image.hpp"
 
@@ -17,7 +18,8 @@ constexpr double kRotationSlack = 1e-3;  // of R R^T: what three written digits 
 }  // namespace
 
 std::string readFileText(const std::string& name) {
-  if (std::filesystem::is_directory(name)) {
+  std::error_code error;
+  if (std::filesystem::is_directory(name, error)) {
     throw ExperimentError({name + ": is a folder, expected a file"});
   }
   std::ifstream stream(name, std::ios::binary);
