@@ -61,6 +61,15 @@ class TrackCommand : public testing::Test {
     std::ofstream(folder_ / name) << text;
   }
 
+  /// The pictures as a movie whose parts have checksums.
+  [[nodiscard]] fs::path movie() const {
+    fs::path file = folder_ / "whole.avi";
+    const std::string command = "ffmpeg -v error -framerate 30 -i '" + options_.source +
+                                "/f%04d.png' -c:v ffv1 -level 3 -slicecrc 1 '" + file.string() + "'";
+    EXPECT_EQ(std::system(command.c_str()), 0);
+    return file;
+  }
+
   /// The message of the error that tracking ends with.
   [[nodiscard]] std::string problem() const {
     try {
@@ -197,10 +206,7 @@ TEST_F(TrackCommand, DrawsAMovie) {
 
 TEST_F(TrackCommand, KeepsWhatATruncatedMovieStillHad) {
   if (!isInstalled("ffmpeg")) GTEST_SKIP() << "ffmpeg is not installed";
-  const fs::path whole = folder_ / "whole.avi";
-  const std::string command = "ffmpeg -v error -framerate 30 -i '" + options_.source +
-                              "/f%04d.png' -c:v ffv1 '" + whole.string() + "'";
-  ASSERT_EQ(std::system(command.c_str()), 0);
+  const fs::path whole = movie();
   fs::copy_file(whole, folder_ / "cut.avi");
   fs::resize_file(folder_ / "cut.avi", fs::file_size(whole) * 6 / 10);
   options_.source = (folder_ / "cut.avi").string();
@@ -214,10 +220,7 @@ TEST_F(TrackCommand, KeepsWhatATruncatedMovieStillHad) {
 
 TEST_F(TrackCommand, MarksAMovieOfWhichEveryFrameIsThereButOneIsDamaged) {
   if (!isInstalled("ffmpeg")) GTEST_SKIP() << "ffmpeg is not installed";
-  const fs::path film = folder_ / "film.avi";
-  const std::string command = "ffmpeg -v error -framerate 30 -i '" + options_.source +
-                              "/f%04d.png' -c:v ffv1 -level 3 -slicecrc 1 '" + film.string() + "'";
-  ASSERT_EQ(std::system(command.c_str()), 0);
+  const fs::path film = movie();
   std::fstream bytes(film, std::ios::binary | std::ios::in | std::ios::out);
   bytes.seekp(static_cast<std::streamoff>(fs::file_size(film) / 2));
   bytes << std::string(200, 'x');
