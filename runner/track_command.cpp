@@ -103,7 +103,8 @@ class PoseWriter {
   std::ofstream file_;
 };
 
-/// What is written must not take the place of what is read, nor of what else is written.
+/// What is written must not take the place of the film or the calibration, nor of what else is
+/// written. Single pictures of a folder are not looked at.
 void refuseSameFiles(const TrackOptions& options) {
   const std::array<std::pair<const char*, fs::path>, 4> named{
       {{"SOURCE", options.source},
