@@ -27,6 +27,9 @@ constexpr float kMostMisfit = 0.025F;
 // [1] and with light on top: still darker than what is around it
 constexpr float kMostGlareRatio = 0.85F;
 constexpr float kMostGlareMisfit = 0.08F;  // [1]
+// [1] variance of the residuals over that of the sensor's noise: up to here they may be what a codec
+// (JPEG, H.264) left, or a camera that takes noise out of its pictures
+constexpr float kMostOfCodecs = 2.5F;
 constexpr double kSlope = 2.5;  // [sigma] over which a blurred outline goes from black to white
 constexpr float kLeastBelieved = 0.6F;  // [1] share of the pixels that are of the model
 constexpr double kDoubtful = 0.02;      // [radius] standard error of the centre: looked at closely
@@ -46,12 +49,14 @@ constexpr float kBlurOff = 1.3F;     // [1] blur beyond the one expected: looked
 constexpr float kEdgeDoubt = 0.05F;  // [1] of the ratio
 constexpr float kBlurStep = 0.25F;   // [px]
 
-// [1] of the white level: residuals that noise cannot explain. Noise is not shared by neighbouring
-// pixels; what is shared is another shape.
+// [1] of the white level: residuals that noise cannot explain. A sensor's noise is not shared by
+// neighbouring pixels, and a codec's is small; what is both is another shape.
 float misfitOf(const Outcome& o, const fit::Constants& constants) {
   const float expected = std::sqrt(constants.floor_variance + constants.shot_gain * 0.5F * o.white);
   const float shared = std::max(0.0F, o.correlation - fit::correlationByChance(o.pixels));
-  return std::sqrt(shared) * o.noise * expected / std::max(o.white, 1.0F);
+  const float square = o.noise * o.noise;
+  const float structure = std::max(0.0F, std::min(shared * square, square - kMostOfCodecs));
+  return std::sqrt(structure) * expected / std::max(o.white, 1.0F);
 }
 
 FitFault faultOf(const Outcome& o, bool edge, const fit::Constants& constants) {
@@ -68,14 +73,15 @@ FitFault faultOf(const Outcome& o, bool edge, const fit::Constants& constants) {
   if (std::abs(o.scale - 1) > kMostScale || o.believed < kLeastBelieved) {
     return FitFault::kNotRound;
   }
+  const float misfit = misfitOf(o, constants);
   // Another size and something left over: another shape. Where the blur is as wide as the circle,
   // a blur that is no Gaussian looks like another size, by its square's share of the radius's.
   const float blur = o.sigma / constants.radius;
   const float odd = std::max(kOddScale, kOddBlur * blur * blur);
-  if (std::abs(o.scale - 1) > odd && o.correlation > kOddCorrelation) {
+  if (std::abs(o.scale - 1) > odd && o.correlation > kOddCorrelation && misfit > kEvenMisfit) {
     return FitFault::kNotRound;
   }
-  return misfitOf(o, constants) > kMostMisfit ? FitFault::kNotRound : FitFault::kNone;
+  return misfit > kMostMisfit ? FitFault::kNotRound : FitFault::kNone;
 }
 
 // Light on top, as of something shiny, leaves less of the contrast, and a slope of its own.
@@ -102,8 +108,9 @@ bool hasAnotherSize(const Outcome& o, const fit::Constants& constants) {
 bool isOdd(const Outcome& o, const Task& task, const Window& window) {
   if (hasAnotherSize(o, task.constants)) return false;
   if (!o.good || o.believed < kOddBelieved || std::abs(o.scale - 1) > kOddScale) return true;
-  return o.correlation > kOddCorrelation &&
-         (misfitOf(o, task.constants) > kEvenMisfit || fit::unevenness(window) > kUneven);
+  const float misfit = misfitOf(o, task.constants);
+  return o.correlation > kOddCorrelation && misfit > 0 &&
+         (misfit > kEvenMisfit || fit::unevenness(window) > kUneven);
 }
 
 Outcome plainFrom(Task& task, const ShapeAt& shape_at, GridPoint start, Window& window,

@@ -7,7 +7,8 @@
 namespace lab::tracker::fit {
 namespace {
 
-constexpr double kMostCorrelation = 0.8;  // [1] smoother than that is no longer seen in a window
+constexpr double kMostCorrelation = 0.5;  // [1] smoother than that is no longer seen in a window
+constexpr double kLeastOdd = 0.25;        // [1] less of it is chance, as a codec's waves may have it
 
 /// The residuals' half that is opposite on opposite sides of the centre.
 struct Halves {
@@ -50,9 +51,10 @@ double varianceOfStructure(const Window& window, int pixels) {
   if (!halves || !(halves->odd > 0)) return 1;
   // Half of the numbers are independent: the other half is their mirror picture.
   const double chance = std::sqrt(2.0) * static_cast<double>(correlationByChance(pixels));
-  const double rho = std::clamp(halves->together / halves->odd - chance, 0.0, kMostCorrelation);
+  const double seen = halves->together / halves->odd;
+  const double rho = seen > chance ? std::min(seen, kMostCorrelation) : 0.0;
   const double patch = (1 + rho) / (1 - rho);
-  return 2 * halves->odd / halves->all * patch * patch;
+  return std::max(kLeastOdd, 2 * halves->odd / halves->all) * patch * patch;
 }
 
 }  // namespace lab::tracker::fit

@@ -5,11 +5,15 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <linux/videodev2.h>
 #include <numbers>
 #include <random>
+#include <stdexcept>
 
+#include "cameras/raw_pixels.hpp"
 #include "optics/camera_model.hpp"
 #include "optics/simulated_camera.hpp"
+#include "tracker_svc/rgb_image.hpp"
 
 namespace lab::cases {
 namespace {
@@ -243,11 +247,24 @@ bool washedOut(const Scene& scene, const light::CompiledField& field, optics::Pl
   return 2 * lost >= all;
 }
 
+// What is left of a picture that a webcam sends as JPEG.
+void passAsJpeg(optics::GreyImage& image, int quality) {
+  tracker::RgbImage rgb(image.width, image.height);
+  for (std::size_t i = 0; i < rgb.pixels.size(); ++i) rgb.pixels[i] = image.pixels[i / 3];
+  const cameras::RawLayout layout{.fourcc = V4L2_PIX_FMT_MJPEG,
+                                  .width = image.width,
+                                  .height = image.height};
+  if (!cameras::greyOfRaw(layout, tracker::jpegBytes(rgb, quality), image)) {
+    throw std::runtime_error("a JPEG of our own is not read");
+  }
+}
+
 }  // namespace
 
 Scene sceneOf(const Kind& kind, std::uint64_t seed) {
   Dice dice(kind.name, seed);
   Scene scene;
+  scene.jpeg = kind.jpeg;
   sim::PainterSettings& settings = scene.settings;
   const int columns = kind.rows == 480 ? 640 : kind.rows * 16 / 9;
   settings.camera = optics::simulatedCamera(columns, kind.rows, kWidth, kHeight);
@@ -285,6 +302,7 @@ optics::GreyImage paint(const Scene& scene) {
   painter.setLight(scene.light);
   optics::GreyImage image(scene.settings.camera.width, scene.settings.camera.height);
   painter.paint(scene.robots, static_cast<std::int64_t>(scene.settings.seed), image.pixels);
+  if (scene.jpeg > 0) passAsJpeg(image, scene.jpeg);
   return image;
 }
 

@@ -15,6 +15,7 @@ namespace lab::cases {
 
 struct Scene {
   sim::PainterSettings settings;
+  int jpeg = 0;  // as Kind::jpeg
   light::Field light;
   std::vector<sim::PaintedRobot> robots;
   std::vector<TrueRobot> truth;  // in the same order
