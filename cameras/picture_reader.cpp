@@ -13,6 +13,7 @@
 #include <map>
 #include <regex>
 #include <sstream>
+#include <string_view>
 #include <utility>
 
 #include "cameras/grey.hpp"
@@ -25,6 +26,8 @@ namespace fs = std::filesystem;
 
 constexpr double kUsualRate = 30;  // [1/s] of pictures that say nothing of their times
 constexpr std::size_t kMostDigits = 15;
+constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";  // as spreadsheets begin their tables
+constexpr const char* kBlanks = " \t\r";
 constexpr std::array<const char*, 8> kEndings = {".png", ".jpg", ".jpeg", ".bmp",
                                                  ".pgm", ".ppm", ".tga",  ".pnm"};
 
@@ -43,6 +46,19 @@ bool isPattern(const std::string& source) {
 std::string withoutPercent(const std::string& source) {
   static const std::regex kNumber("%0?[0-9]*d");
   return std::regex_replace(source, kNumber, "*");
+}
+
+/// A folder that is there is named as it is, even with signs of patterns in it.
+std::string withFolderAsItIs(const std::string& pattern) {
+  const fs::path folder = fs::path(pattern).parent_path();
+  std::error_code error;
+  if (folder.empty() || !fs::is_directory(folder, error)) return pattern;
+  std::string out;
+  for (const char letter : folder.string()) {
+    if (std::string_view("*?[]\\").find(letter) != std::string_view::npos) out += '\\';
+    out += letter;
+  }
+  return out + '/' + fs::path(pattern).filename().string();
 }
 
 /// Runs of digits compare as numbers.
@@ -82,7 +98,7 @@ std::vector<fs::path> listed(const std::string& source) {
     if (error) throw CameraError(source + ": " + error.message());
   } else if (!fs::exists(source, error) && isPattern(pattern)) {
     glob_t matches{};
-    if (glob(pattern.c_str(), 0, nullptr, &matches) == 0) {
+    if (glob(withFolderAsItIs(pattern).c_str(), 0, nullptr, &matches) == 0) {
       for (std::size_t i = 0; i < matches.gl_pathc; ++i) {
         if (isPicture(matches.gl_pathv[i])) found.emplace_back(matches.gl_pathv[i]);
       }
@@ -130,6 +146,7 @@ class FrameTable {
     std::ifstream stream(file);
     std::string line;
     if (!std::getline(stream, line)) fail("is empty, expected a line of column names");
+    if (line.starts_with(kByteOrderMark)) line.erase(0, kByteOrderMark.size());
     const std::vector<std::string> columns = split(line);
     frame_ = column(columns, "frame");
     time_ = column(columns, "t_s");
@@ -153,10 +170,9 @@ class FrameTable {
     std::vector<std::string> cells;
     std::istringstream stream(line);
     for (std::string cell; std::getline(stream, cell, ',');) {
-      while (!cell.empty() && std::isspace(static_cast<unsigned char>(cell.back()))) {
-        cell.pop_back();
-      }
-      cells.push_back(cell);
+      const std::size_t first = cell.find_first_not_of(kBlanks);
+      const std::size_t last = cell.find_last_not_of(kBlanks);
+      cells.push_back(first == std::string::npos ? "" : cell.substr(first, last - first + 1));
     }
     return cells;
   }
@@ -263,8 +279,7 @@ class PictureReader final : public FilmReader {
   PictureReader(const std::string& source, double fps) : pictures_(findPictures(source)) {
     step_us_ = addTimes(pictures_);
     assumed_us_ = 1e6 / (fps > 0 ? fps : kUsualRate);
-    Decoded first = decode(pictures_.front().path);
-    if (!first.error.empty()) throw CameraError(first.error);
+    const Decoded first = firstWhole();
     format_.width = first.image.width;
     format_.height = first.image.height;
     format_.fps = step_us_ > 0 ? 1e6 / static_cast<double>(step_us_) : std::max(fps, 0.0);
@@ -297,6 +312,18 @@ class PictureReader final : public FilmReader {
   }
 
  private:
+  /// What the others are held against.
+  /// @throws CameraError, of the first picture, where none can be read
+  [[nodiscard]] Decoded firstWhole() const {
+    std::string error;
+    for (const PictureFile& picture : pictures_) {
+      Decoded decoded = decode(picture.path);
+      if (decoded.error.empty()) return decoded;
+      if (error.empty()) error = decoded.error;
+    }
+    throw CameraError(error);
+  }
+
   [[nodiscard]] std::int64_t utime(const PictureFile& picture) const {
     if (picture.utime) return *picture.utime;
     const auto steps = static_cast<double>(picture.number - pictures_.front().number);
@@ -311,7 +338,7 @@ class PictureReader final : public FilmReader {
       error = path.string() + ": found " + std::to_string(decoded.image.width) + " x " +
               std::to_string(decoded.image.height) + " pixels, expected " +
               std::to_string(format_.width) + " x " + std::to_string(format_.height) +
-              " as in the first picture";
+              " as in the first whole picture";
     }
     if (error.empty()) return true;
     if (bad_++ == 0) problem_ = error;

@@ -100,6 +100,15 @@ TEST_F(Pictures, AreChosenByPatterns) {
   EXPECT_THAT(numbers(folder_ / "a0001.png"), ElementsAre(1));
 }
 
+TEST_F(Pictures, AreChosenInFoldersWhoseNamesLookLikePatterns) {
+  fs::create_directory(folder_ / "run[1]");
+  writePng(folder_ / "run[1]" / "f0.png", pictureOf(0));
+  writePng(folder_ / "run[1]" / "f1.png", pictureOf(1));
+
+  EXPECT_THAT(numbers(folder_ / "run[1]/f*.png"), ElementsAre(0, 1));
+  EXPECT_THAT(numbers(folder_ / "run*/f*.png"), ElementsAre(0, 1));
+}
+
 TEST_F(Pictures, WithoutNumbersAreCounted) {
   writePng(folder_ / "left.png", pictureOf(0));
   writePng(folder_ / "right.png", pictureOf(1));
@@ -122,6 +131,14 @@ TEST_F(Pictures, TakeTheirTimesFromATable) {
   EXPECT_EQ(frames[3].utime, 200'000);
   EXPECT_EQ(film_->dropped(), 1) << "the step from 7.55 to 7.65 is twice the usual";
   EXPECT_NEAR(film_->format().fps, 20, 1e-9);
+}
+
+TEST_F(Pictures, TakeTheirTimesFromATableAsSpreadsheetsWriteThem) {
+  writePng(folder_ / "f0.png", pictureOf(0));
+  writePng(folder_ / "f1.png", pictureOf(1));
+  write("frames.csv", "\xEF\xBB\xBF" "frame, t_s\r\n0, 1.5\r\n1, 1.75\r\n");
+
+  EXPECT_EQ(read(folder_ / "").at(1).utime, 250'000);
 }
 
 TEST_F(Pictures, WithoutATableHaveTheRateThatIsGiven) {
@@ -162,7 +179,17 @@ TEST_F(Pictures, OfAnotherSizeSayWhich) {
 
   EXPECT_THAT(numbers(folder_ / ""), ElementsAre(0));
   EXPECT_THAT(film_->problem(),
-              HasSubstr("f1.png: found 16 x 20 pixels, expected 32 x 24 as in the first picture"));
+              HasSubstr("f1.png: found 16 x 20 pixels, expected 32 x 24 as in the first whole"));
+}
+
+TEST_F(Pictures, ThatComeBeforeTheFirstWholeOneAreLeftOutToo) {
+  write("f0.png", "no picture");
+  writePng(folder_ / "f1.png", pictureOf(1));
+  writePng(folder_ / "f2.png", pictureOf(2));
+
+  EXPECT_THAT(numbers(folder_ / ""), ElementsAre(1, 2));
+  EXPECT_EQ(film_->format().width, 32);
+  EXPECT_THAT(film_->problem(), HasSubstr("f0.png: is no picture"));
 }
 
 TEST_F(Pictures, ThatCannotBeUsedAreRefused) {
