@@ -42,6 +42,9 @@ void checkScale(const JsonSection& file, const char* key, const CameraCalibratio
 
 void checkCap(const JsonSection& file, const char* big_key, const char* small_key,
               const optics::CapGeometry& cap) {
+  if (cap.big_offset < cap.small_offset) {
+    file.fail(big_key, "the big circle is in front: its offset is more than that of the small one");
+  }
   if (cap.spacing() < cap.big_radius + cap.small_radius) {
     file.fail(big_key, "the circles overlap: move them apart");
   }

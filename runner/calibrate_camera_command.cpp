@@ -225,7 +225,7 @@ void writeWhole(const fs::path& path, const std::string& text) {
 }
 
 ExitCode printBoard(const CalibrateCameraOptions& options) {
-  refuseExisting(options.print_board, options.force);
+  checkOutput(options.print_board, options.force);
   writeWhole(options.print_board, calibration::boardSvg(boardOf(options)));
   fmt::print("board     {}\n", options.print_board.string());
   return kDone;
@@ -233,7 +233,7 @@ ExitCode printBoard(const CalibrateCameraOptions& options) {
 
 /// Films the lab of an experiment file, and goes on as with any film.
 ExitCode calibrateFromLab(const CalibrateCameraOptions& options) {
-  refuseExisting(options.out, options.force);
+  checkOutput(options.out, options.force);
   const FilmedLab lab = filmLab(options);
   CalibrateCameraOptions film = options;
   film.source = lab.pictures;
@@ -253,7 +253,7 @@ ExitCode calibrateFromLab(const CalibrateCameraOptions& options) {
 ExitCode calibrateCamera(const CalibrateCameraOptions& options) {
   if (!options.print_board.empty()) return printBoard(options);
   if (fs::path(options.source).extension() == ".toml") return calibrateFromLab(options);
-  refuseExisting(options.out, options.force);
+  checkOutput(options.out, options.force);
   if (options.source.empty() && options.board_pictures.empty()) {
     throw UserError("calibrate camera: found neither SOURCE nor --board-pictures, expected a film of "
                     "robots, pictures of a board, or both");

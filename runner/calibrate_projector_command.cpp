@@ -165,8 +165,8 @@ ExitCode conclude(const calibration::ProjectorFit& fit, const calibration::Proje
 }  // namespace
 
 ExitCode calibrateProjector(const CalibrateProjectorOptions& options) {
-  refuseExisting(options.out, options.force);
-  refuseExisting(pictureBeside(options.out), options.force);
+  checkOutput(options.out, options.force);
+  checkOutput(pictureBeside(options.out), options.force);
   const Experiment experiment = loadExperiment(options.file, options.set);
   const fs::path directory = options.file.parent_path();
   calibration::PatternView view;

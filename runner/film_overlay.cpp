@@ -11,6 +11,7 @@
 
 #include "runner/exit_code.hpp"
 #include "runner/movie_writer.hpp"
+#include "runner/named_files.hpp"
 #include "tracker_svc/overlay.hpp"
 
 namespace lab::runner {
@@ -186,24 +187,20 @@ std::unique_ptr<FilmOverlay> FilmOverlay::open(const OverlaySettings& settings) 
   const fs::path& path = settings.path;
   const bool sheet = path.extension() == ".png";
   const bool folder = !sheet && !isMovie(path);
-  const bool there = fs::exists(path) && !(folder && fs::is_directory(path) && fs::is_empty(path));
-  if (there && !settings.force) {
-    throw UserError(
-        fmt::format("{}: is there already; choose another name, or --force to replace "
-                    "it",
-                    path.string()));
+  if (folder) {
+    if (fs::exists(path) && !fs::is_directory(path)) {
+      throw UserError(fmt::format("{}: found a file, expected a folder (or the ending .png, .mp4, "
+                                  ".mkv or .avi); choose another name",
+                                  path.string()));
+    }
+    if (fs::exists(path) && !fs::is_empty(path) && !settings.force) {
+      throw UserError(
+          fmt::format("{}: is there already; choose another name, or --force to replace it",
+                      path.string()));
+    }
+    return std::make_unique<PictureFolder>(settings);
   }
-  if (there && fs::is_directory(path) != folder) {
-    throw UserError(
-        fmt::format("{}: found a {}, expected a {}; choose another name", path.string(),
-                    folder ? "file" : "folder",
-                    folder ? "folder (or the ending .png, .mp4, .mkv or .avi)" : "file"));
-  }
-  if (folder) return std::make_unique<PictureFolder>(settings);
-  const fs::path parent = path.has_parent_path() ? path.parent_path() : fs::path(".");
-  if (!fs::is_directory(parent)) {
-    throw UserError(fmt::format("{}: there is no folder {}", path.string(), parent.string()));
-  }
+  checkOutput(path, settings.force);
   if (sheet) return std::make_unique<ContactSheet>(settings);
   if (!isInstalled("ffmpeg")) {
     throw UserError(

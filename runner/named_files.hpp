@@ -9,10 +9,13 @@
 
 namespace lab::runner {
 
-/// @throws UserError when the file is there already, unless it may be replaced.
-void refuseExisting(const std::filesystem::path& path, bool force);
+/// Whether a file can be written, before the work for it begins.
+/// @throws UserError when it is there already and may not be replaced, when it is a folder, and when
+///   its folder is not there or lets nobody write.
+void checkOutput(const std::filesystem::path& path, bool force);
 
-/// FilmReader::open(). @throws UserError when there is no such film.
+/// FilmReader::open(). @throws UserError when there is no such film, and for a network stream, which
+///   has no end.
 [[nodiscard]] std::unique_ptr<FilmReader> openFilm(const std::string& source);
 
 }  // namespace lab::runner

@@ -60,13 +60,7 @@ class Interruptible {
 class PoseWriter {
  public:
   PoseWriter(fs::path path, bool force) : path_(std::move(path)), part_(path_.string() + ".part") {
-    if (fs::exists(path_) && !force) {
-      throw UserError(path_.string() +
-                      ": is there already; choose another --out, or --force to replace it");
-    }
-    if (fs::is_directory(path_)) {
-      throw UserError(path_.string() + ": is a folder; --out names the file of poses");
-    }
+    checkOutput(path_, force);
     file_.open(part_, std::ios::binary);
     if (!file_) {
       throw UserError(

@@ -375,11 +375,11 @@ void Detector::explainTheRest(std::vector<Rejection>& rejected) const {
     if (!big.fitted && !small.fitted) {
       rejected.push_back({where, Reason::kNoPartner, 0, 0});
     }
+    // As a big circle and as a small one; said once where both have the same fault.
     for (const Circle* circle : {&big, &small}) {
-      if (circle->fit.fault != FitFault::kNone) {
-        rejected.push_back(
-            {where, Reason::kCircleFit, static_cast<float>(circle->fit.fault), 0});
-      }
+      const FitFault fault = circle->fit.fault;
+      if (fault == FitFault::kNone || (circle == &small && fault == big.fit.fault)) continue;
+      rejected.push_back({where, Reason::kCircleFit, static_cast<float>(fault), 0});
     }
   }
   for (const Refused& spot : refused_) {

@@ -8,6 +8,8 @@
 #include <map>
 #include <numbers>
 #include <optional>
+#include <set>
+#include <utility>
 
 #include "tracker_svc/canvas.hpp"
 
@@ -248,13 +250,15 @@ class Drawing {
     write({4, 4}, text, kCaption);
   }
 
-  /// How often each reason was given, in the lower left corner.
+  /// At how many places each reason was given, in the lower left corner.
   void legend() {
-    std::map<std::string_view, int> counts;
-    for (const Rejection& rejection : input_.rejected) ++counts[toText(rejection.reason)];
+    std::map<std::string_view, std::set<std::pair<double, double>>> places;
+    for (const Rejection& rejection : input_.rejected) {
+      places[toText(rejection.reason)].emplace(rejection.where.x, rejection.where.y);
+    }
     std::string text;
-    for (const auto& [reason, count] : counts) {
-      text += fmt::format("{}{} {}", text.empty() ? "refused: " : ", ", count, reason);
+    for (const auto& [reason, there] : places) {
+      text += fmt::format("{}{} {}", text.empty() ? "refused: " : ", ", there.size(), reason);
     }
     if (!text.empty()) write({4.0, image_.height - kLetterHeight - 3.0}, text, kRefused);
   }

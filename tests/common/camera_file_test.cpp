@@ -162,6 +162,8 @@ TEST_F(CameraFile, ErrorsNameFileAndKey) {
               HasSubstr("geometry.small_radius_cm: the small circle must be smaller"));
   EXPECT_THAT(refusal(with("\"big_offset_cm\": 1.7", "\"big_offset_cm\": -1.5")),
               HasSubstr("geometry.big_offset_cm: the circles overlap"));
+  EXPECT_THAT(refusal(with("\"big_offset_cm\": 1.7", "\"big_offset_cm\": -5")),
+              HasSubstr("geometry.big_offset_cm: the big circle is in front"));
 }
 
 TEST_F(CameraFile, LensesThatNoCameraHasAreRefused) {

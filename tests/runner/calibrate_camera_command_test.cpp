@@ -118,6 +118,18 @@ TEST_F(CalibrateCamera, FindsTheCameraThatTookTheFilm) {
   EXPECT_THAT(problem(), HasSubstr("is there already"));
 }
 
+TEST_F(CalibrateCamera, AsksForAPlaceToWriteBeforeItLooksAtTheFilm) {
+  options_.source = (folder_ / "there_is_none").string();
+  options_.out = folder_ / "nowhere" / "camera.json";
+  EXPECT_THAT(problem(), HasSubstr("there is no folder"));
+  options_.out = folder_ / "";
+  EXPECT_THAT(problem(), HasSubstr("is a folder"));
+  options_.out = folder_ / "camera.json";
+  EXPECT_THAT(problem(), HasSubstr("there_is_none: no such file"));
+  options_.source = "rtsp://camera.local/stream";
+  EXPECT_THAT(problem(), HasSubstr("is a network stream, expected a film"));
+}
+
 TEST_F(CalibrateCamera, MeasuresHowBlurredThePicturesAre) {
   for (const double blur : {0.75, 1.8}) {
     const std::string name = fmt::format("blurred_{}", blur);
