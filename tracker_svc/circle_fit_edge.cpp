@@ -13,7 +13,9 @@
 namespace lab::tracker::fit {
 namespace {
 
-constexpr float kHopelessRatio = 0.6F;  // no circle after the first try: not looked at further
+// No circle: not looked at further. A bit beyond what is taken for one (circle_fit.cpp).
+constexpr float kHopelessRatio = 0.35F;
+constexpr float kHopelessScale = 0.2F;
 constexpr float kHopelessBelieved = 0.35F;
 constexpr int kMostMoves = 6;
 constexpr int kPasses = 8;
@@ -266,7 +268,8 @@ std::optional<GridPoint> settleLit(const Task& task, GridPoint start, Window& wi
     rough.sigma = task.sigma;
     if (point == start && !darkInside(window, task.constants, task.sigma)) return std::nullopt;
     outcome = fitLit(task, window, rough);
-    if (!outcome.good || outcome.ratio > kHopelessRatio || outcome.believed < kHopelessBelieved) {
+    if (!outcome.good || outcome.ratio > kHopelessRatio ||
+        std::abs(outcome.scale - 1) > kHopelessScale || outcome.believed < kHopelessBelieved) {
       outcome.good = false;
       return std::nullopt;
     }
