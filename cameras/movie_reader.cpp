@@ -1,6 +1,7 @@
 #include "cameras/movie_reader.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -60,6 +61,13 @@ std::vector<std::int64_t> timesOf(const json& packets) {
   return utimes;
 }
 
+/// Of the codecs that people film with, those that lose nothing.
+bool losesNothing(const std::string& codec) {
+  constexpr std::array kWhole{"ffv1", "rawvideo", "huffyuv", "ffvhuff", "utvideo", "magicyuv",
+                              "png",  "qtrle",    "bmp",     "tiff"};
+  return std::ranges::find(kWhole, codec) != kWhole.end();
+}
+
 std::string shownNumber(std::int64_t count, const char* noun) {
   return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
 }
@@ -99,6 +107,7 @@ class MovieReader final : public FilmReader {
     format.height = facts_.height;
     format.fps = usualRate();
     format.pixels = facts_.pixels;
+    format.compressed = facts_.compressed;
     return format;
   }
   [[nodiscard]] std::int64_t dropped() const override { return 0; }
@@ -211,6 +220,7 @@ MovieFacts movieFacts(const std::string& source, bool packets) {
   if (codec == "ansi" || codec == "bintext") noMovie(source, "it is a text");
   if (found.width <= 0 || found.height <= 0) noMovie(source, "its pictures have no size");
   found.pixels = pixels + " (" + codec + ")";
+  found.compressed = !losesNothing(codec);
   found.grey = pixels.starts_with("gray");
   found.claimed = std::atoll(textOf(stream, "nb_frames").c_str());
   if (packets) {

@@ -15,6 +15,7 @@ struct MovieFacts {
   int height = 0;
   double fps = 0;                    ///< [1/s] mean rate as the file claims it, 0: not known
   std::string pixels;                ///< "gray (ffv1)"
+  bool compressed = false;           ///< as CameraFormat has it
   bool grey = false;                 ///< one channel: needs no mixing
   std::int64_t claimed = 0;          ///< frames by the file's own header, 0: it does not say
   std::int64_t never_shown = 0;      ///< of them, as in a film that was cut without decoding it

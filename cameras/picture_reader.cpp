@@ -31,11 +31,15 @@ constexpr const char* kBlanks = " \t\r";
 constexpr std::array<const char*, 8> kEndings = {".png", ".jpg", ".jpeg", ".bmp",
                                                  ".pgm", ".ppm", ".tga",  ".pnm"};
 
-bool isPicture(const fs::path& path) {
+std::string endingOf(const fs::path& path) {
   std::string ending = path.extension().string();
   std::transform(ending.begin(), ending.end(), ending.begin(),
                  [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
-  return std::find(kEndings.begin(), kEndings.end(), ending) != kEndings.end();
+  return ending;
+}
+
+bool isPicture(const fs::path& path) {
+  return std::find(kEndings.begin(), kEndings.end(), endingOf(path)) != kEndings.end();
 }
 
 bool isPattern(const std::string& source) {
@@ -246,6 +250,7 @@ std::int64_t addTimes(std::vector<PictureFile>& pictures) {
 /// A decoded picture, or why there is none.
 struct Decoded {
   optics::GreyImage image;
+  bool jpeg = false;
   int channels = 0;
   std::string error;
 };
@@ -265,6 +270,7 @@ Decoded decode(const fs::path& path) {
     result.error = name + ": cannot be decoded: " + stbi_failure_reason();
     return result;
   }
+  result.jpeg = endingOf(path).starts_with(".jp");
   result.image = optics::GreyImage(width, height);
   if (wanted == 3) {
     greyFromRgb(pixels.get(), result.image.pixels);
@@ -284,6 +290,7 @@ class PictureReader final : public FilmReader {
     format_.height = first.image.height;
     format_.fps = step_us_ > 0 ? 1e6 / static_cast<double>(step_us_) : std::max(fps, 0.0);
     format_.pixels = first.channels >= 3 ? "RGB (pictures)" : "grey (pictures)";
+    format_.compressed = first.jpeg;
   }
 
   [[nodiscard]] bool next(CameraFrame& frame) override {

@@ -37,6 +37,7 @@ StreamCommand networkCommand(const std::string& source, const CameraFormat& want
   command.format.height = facts.height;
   command.format.fps = facts.fps;
   command.format.pixels = facts.pixels;
+  command.format.compressed = facts.compressed;
   if (!facts.grey) {
     command.channels = 3;
     command.stride = 3 * facts.width;
@@ -64,6 +65,8 @@ StreamCommand pipelineCommand(const std::string& source, const CameraFormat& wan
   StreamCommand command{source, {"gst-launch-1.0", "-q"}, "gstreamer1.0-tools", wanted, 1, 0};
   for (const std::string& word : wordsOf(source, source.substr(std::string(kGst).size()))) {
     command.words.push_back(word);
+    // "jpegdec", "decodebin", "avdec_h264", "v4l2h264dec": what is decoded was compressed.
+    if (word.find("dec") != std::string::npos) command.format.compressed = true;
   }
   // Colorimetry 1:4:0:0: grey of full range, 0 to 255.
   const std::string form = "video/x-raw,format=GRAY8,width=" + std::to_string(wanted.width) +

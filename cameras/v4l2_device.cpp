@@ -232,6 +232,7 @@ void V4l2Device::setFormat(std::uint32_t fourcc, int width, int height) {
   format_.width = width;
   format_.height = height;
   format_.pixels = fourccName(fourcc);
+  format_.compressed = fourcc == V4L2_PIX_FMT_MJPEG || fourcc == V4L2_PIX_FMT_JPEG;
 }
 
 void V4l2Device::setRate(double fps) {

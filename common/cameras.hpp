@@ -30,6 +30,7 @@ struct CameraFormat {
   double gain = 0;      ///< in the camera's own units
   std::string pixels;   ///< as the source says it: "GREY", "YUYV", "gray8 (png)"
   bool locked = false;  ///< exposure, gain and rate are fixed: nothing adjusts itself
+  bool compressed = false;  ///< by a codec that loses: JPEG, H.264
 };
 
 /// One picture. The view lives only during the handler's call.

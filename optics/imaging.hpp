@@ -12,6 +12,7 @@ struct Imaging {
   double read_noise = 1.2;   ///< [DN] standard deviation in the dark
   double shot_gain = 0.026;  ///< [DN] variance for each DN of signal
   double black = 2.0;        ///< [DN] where there is no light at all
+  bool compressed = false;   ///< JPEG, H.264 ...: errors that neighbouring pixels share
 
   bool operator==(const Imaging&) const = default;
 };

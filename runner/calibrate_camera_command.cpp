@@ -87,8 +87,10 @@ void checkSize(const std::string& source, const CameraSights& sights, const Came
 }
 
 /// Pictures spread over the film, however long it is; their size goes into the sights.
-std::vector<optics::GreyImage> firstPictures(const std::string& source, CameraSights& sights) {
+std::vector<optics::GreyImage> firstPictures(const std::string& source, CameraSights& sights,
+                                             optics::Imaging& imaging) {
   const std::unique_ptr<FilmReader> film = openFilm(source);
+  imaging.compressed = film->format().compressed;
   std::vector<optics::GreyImage> pictures;
   std::int64_t every = 1;
   CameraFrame frame;
@@ -127,10 +129,10 @@ struct Calibrated {
 /// if it is known.
 /// @return the blur that they have
 std::optional<double> findCaps(const std::string& source, const optics::CameraParameters& camera,
-                               std::optional<double> blur, CameraSights& sights) {
+                               optics::Imaging imaging, std::optional<double> blur,
+                               CameraSights& sights) {
   const std::unique_ptr<FilmReader> film = openFilm(source);
   const std::int64_t every = std::max<std::int64_t>(1, film->length() / kMostFrames);
-  optics::Imaging imaging;
   imaging.blur = blur.value_or(imaging.blur);
   CapGathering gathering(camera, sights.cap, imaging);
   FilmProgress progress(film->length());
@@ -182,20 +184,22 @@ Calibrated calibrateWithBoards(const CalibrateCameraOptions& options, CameraSigh
   findBoards(options, sights);
   const CameraFit fit = calibration::fitCamera(sights);
   if (options.source.empty() || !(fit.camera.fx > 0)) return {fit, {}};
-  static_cast<void>(firstPictures(options.source, sights));
-  const std::optional<double> blur = findCaps(options.source, fit.camera, {}, sights);
+  optics::Imaging imaging;
+  static_cast<void>(firstPictures(options.source, sights, imaging));
+  const std::optional<double> blur = findCaps(options.source, fit.camera, imaging, {}, sights);
   return {calibration::fitCamera(sights, fit.camera), blur};
 }
 
 Calibrated calibrate(const CalibrateCameraOptions& options, CameraSights& sights) {
   if (!options.board_pictures.empty()) return calibrateWithBoards(options, sights);
-  const std::vector<optics::GreyImage> pictures = firstPictures(options.source, sights);
+  optics::Imaging imaging;
+  const std::vector<optics::GreyImage> pictures = firstPictures(options.source, sights, imaging);
   Calibrated out;
   CameraFit& fit = out.fit;
   fit.refusal = calibration::cornerFault(sights.corners, sights.width, sights.height,
                                          sights.arena_width, sights.arena_height);
   if (!fit.refusal.empty()) return out;
-  const std::optional<optics::CameraParameters> camera = roughCamera(sights, pictures);
+  const std::optional<optics::CameraParameters> camera = roughCamera(sights, pictures, imaging);
   if (!camera) {
     fit.refusal = "found no cap in any of the pictures looked at: are there robots in it, are the "
                   "corners right, and --arena-cm, --spacing-cm, --cap-height-cm?";
@@ -205,10 +209,10 @@ Calibrated calibrate(const CalibrateCameraOptions& options, CameraSights& sights
   // with what came out.
   calibration::CameraFitLimits anywhere;
   anywhere.caps_in_part = 0;
-  out.blur = findCaps(options.source, *camera, {}, sights);
+  out.blur = findCaps(options.source, *camera, imaging, {}, sights);
   fit = calibration::fitCamera(sights, camera, anywhere);
   if (!(fit.camera.fx > 0)) return out;
-  out.blur = findCaps(options.source, fit.camera, out.blur, sights);
+  out.blur = findCaps(options.source, fit.camera, imaging, out.blur, sights);
   fit = calibration::fitCamera(sights, fit.camera);
   return out;
 }

@@ -23,8 +23,8 @@ struct Found {
 };
 
 Found findWith(const optics::CameraParameters& camera, const optics::CapGeometry& cap,
-               const std::vector<optics::GreyImage>& pictures) {
-  tracker::Detector detector(optics::CameraModel(camera), cap);
+               const std::vector<optics::GreyImage>& pictures, const optics::Imaging& imaging) {
+  tracker::Detector detector(optics::CameraModel(camera), cap, imaging);
   Found found;
   double sum = 0;
   double squares = 0;
@@ -47,7 +47,8 @@ Found findWith(const optics::CameraParameters& camera, const optics::CapGeometry
 }  // namespace
 
 std::optional<optics::CameraParameters> roughCamera(
-    const calibration::CameraSights& sights, const std::vector<optics::GreyImage>& pictures) {
+    const calibration::CameraSights& sights, const std::vector<optics::GreyImage>& pictures,
+    const optics::Imaging& imaging) {
   std::optional<optics::CameraParameters> best;
   Found of_best;
   const double side = std::max(sights.arena_width, sights.arena_height);
@@ -57,7 +58,7 @@ std::optional<optics::CameraParameters> roughCamera(
   for (const double height : heights) {
     for (const double k1 : kDistortions) {
       const optics::CameraParameters camera = calibration::guessFromCorners(sights, height, k1);
-      const Found found = findWith(camera, sights.cap, pictures);
+      const Found found = findWith(camera, sights.cap, pictures, imaging);
       if (found.caps < of_best.caps || found.caps == 0) continue;
       if (found.caps == of_best.caps && found.spread >= of_best.spread) continue;
       best = camera;

@@ -18,7 +18,8 @@ namespace lab::runner {
 /// found, the one with which their spacings are most alike.
 /// @return empty where none finds a cap
 [[nodiscard]] std::optional<optics::CameraParameters> roughCamera(
-    const calibration::CameraSights& sights, const std::vector<optics::GreyImage>& pictures);
+    const calibration::CameraSights& sights, const std::vector<optics::GreyImage>& pictures,
+    const optics::Imaging& imaging = {});
 
 /// Collects caps, one for each place and heading: robots that stand tell nothing new, and what is
 /// wrong with their picture stays wrong in every frame.

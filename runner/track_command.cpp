@@ -198,6 +198,7 @@ class Film {
         overlay_(openOverlay(options, calibration, reader.format().fps)) {}
 
   ExitCode track() {
+    detector_.setCompressed(reader_.format().compressed);
     const Interruptible until_interrupted;
     std::string problem;
     double seconds = 0;

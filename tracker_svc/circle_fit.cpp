@@ -28,7 +28,7 @@ constexpr float kMostMisfit = 0.025F;
 constexpr float kMostGlareRatio = 0.85F;
 constexpr float kMostGlareMisfit = 0.08F;  // [1]
 // [1] variance of the residuals over that of the sensor's noise: up to here they may be what a codec
-// (JPEG, H.264) left, or a camera that takes noise out of its pictures
+// left of it
 constexpr float kMostOfCodecs = 2.5F;
 constexpr double kSlope = 2.5;  // [sigma] over which a blurred outline goes from black to white
 constexpr float kLeastBelieved = 0.6F;  // [1] share of the pixels that are of the model
@@ -38,7 +38,7 @@ constexpr float kOddCorrelation = 0.25F;
 constexpr double kUneven = 0.06;  // [1] and is not the same on both sides
 constexpr float kEvenMisfit = 0.01F;  // [1] or is much, of the white level
 constexpr float kOddBelieved = 0.87F;
-constexpr float kOddScale = 0.06F;
+constexpr float kOddScale = 0.04F;
 constexpr float kOddBlur = 0.3F;  // [1] of a blur's square that its shape may be off
 // [px] of blur, beyond which a circle of another size is no circle that a light edge cuts
 constexpr float kDefocused = 2;
@@ -49,14 +49,27 @@ constexpr float kBlurOff = 1.3F;     // [1] blur beyond the one expected: looked
 constexpr float kEdgeDoubt = 0.05F;  // [1] of the ratio
 constexpr float kBlurStep = 0.25F;   // [px]
 
-// [1] of the white level: residuals that noise cannot explain. A sensor's noise is not shared by
-// neighbouring pixels, and a codec's is small; what is both is another shape.
-float misfitOf(const Outcome& o, const fit::Constants& constants) {
-  const float expected = std::sqrt(constants.floor_variance + constants.shot_gain * 0.5F * o.white);
-  const float shared = std::max(0.0F, o.correlation - fit::correlationByChance(o.pixels));
+/// [1] of the white level, squares: residuals that noise cannot explain.
+struct Structure {
+  float codec = 0;   // what a codec may have left
+  float misfit = 0;  // more than that
+};
+
+// A sensor's noise is not shared by neighbouring pixels; what is shared is another shape, unless a
+// codec left it.
+Structure structureOf(const Outcome& o, const fit::Constants& constants) {
+  const float expected = constants.floor_variance + constants.shot_gain * 0.5F * o.white;
+  const float unit = expected / (std::max(o.white, 1.0F) * std::max(o.white, 1.0F));
   const float square = o.noise * o.noise;
-  const float structure = std::max(0.0F, std::min(shared * square, square - kMostOfCodecs));
-  return std::sqrt(structure) * expected / std::max(o.white, 1.0F);
+  const float shared =
+      square * std::max(0.0F, o.correlation - fit::correlationByChance(o.pixels));
+  if (!constants.compressed) return {.misfit = shared * unit};
+  const float misfit = std::clamp(square - kMostOfCodecs, 0.0F, shared);
+  return {(shared - misfit) * unit, misfit * unit};
+}
+
+float misfitOf(const Outcome& o, const fit::Constants& constants) {
+  return std::sqrt(structureOf(o, constants).misfit);
 }
 
 FitFault faultOf(const Outcome& o, bool edge, const fit::Constants& constants) {
@@ -78,9 +91,9 @@ FitFault faultOf(const Outcome& o, bool edge, const fit::Constants& constants) {
   // a blur that is no Gaussian looks like another size, by its square's share of the radius's.
   const float blur = o.sigma / constants.radius;
   const float odd = std::max(kOddScale, kOddBlur * blur * blur);
-  if (std::abs(o.scale - 1) > odd && o.correlation > kOddCorrelation && misfit > kEvenMisfit) {
-    return FitFault::kNotRound;
-  }
+  const bool left_over = o.correlation > kOddCorrelation &&
+                         (misfit > kEvenMisfit || !constants.compressed);
+  if (std::abs(o.scale - 1) > odd && left_over) return FitFault::kNotRound;
   return misfit > kMostMisfit ? FitFault::kNotRound : FitFault::kNone;
 }
 
@@ -108,9 +121,10 @@ bool hasAnotherSize(const Outcome& o, const fit::Constants& constants) {
 bool isOdd(const Outcome& o, const Task& task, const Window& window) {
   if (hasAnotherSize(o, task.constants)) return false;
   if (!o.good || o.believed < kOddBelieved || std::abs(o.scale - 1) > kOddScale) return true;
+  if (o.correlation <= kOddCorrelation) return false;
   const float misfit = misfitOf(o, task.constants);
-  return o.correlation > kOddCorrelation && misfit > 0 &&
-         (misfit > kEvenMisfit || fit::unevenness(window) > kUneven);
+  if (task.constants.compressed && misfit <= 0) return false;
+  return misfit > kEvenMisfit || fit::unevenness(window) > kUneven;
 }
 
 Outcome plainFrom(Task& task, const ShapeAt& shape_at, GridPoint start, Window& window,
@@ -227,13 +241,16 @@ CircleFit fitCircle(const optics::GreyView& picture, optics::Pixel start, const 
     out.covariance[1] *= size;
     out.covariance[2] = best.floor + size * (best.covariance[2] - best.floor);
   }
-  if (out.glare) {
-    // What is left over on one side of the outline moves it by its share of the outline's slope.
-    const double share = static_cast<double>(misfitOf(best, task.constants)) /
+  // What is left over on one side of the outline moves it by its share of the outline's slope. Of
+  // light on top that is all; of what a codec leaves half of the squares.
+  const Structure structure = structureOf(best, task.constants);
+  const double on_one_side =
+      static_cast<double>(0.5F * structure.codec + (out.glare ? structure.misfit : 0.0F));
+  if (on_one_side > 0) {
+    const double moved = kSlope * static_cast<double>(best.sigma) /
                          (1 - static_cast<double>(best.ratio));
-    const double moved = share * kSlope * static_cast<double>(best.sigma);
-    out.covariance[0] += moved * moved;
-    out.covariance[2] += moved * moved;
+    out.covariance[0] += on_one_side * moved * moved;
+    out.covariance[2] += on_one_side * moved * moved;
   }
   out.white = best.white;
   out.ratio = best.ratio;

@@ -57,6 +57,7 @@ struct Constants {
   float black = 0;             ///< [DN]
   float floor_variance = 1;    ///< [DN^2] read noise and rounding
   float shot_gain = 0;         ///< [DN]
+  bool compressed = false;     ///< neighbouring pixels share errors
   float texture = 0;           ///< [1] variance of the paint's and sensor's grain over signal^2
 };
 

@@ -117,6 +117,7 @@ Task::Task(const optics::GreyView& the_picture, const DiscShape& the_shape,
       static_cast<float>(imaging.read_noise * imaging.read_noise + 1.0 / 12.0);
   constants.shot_gain = static_cast<float>(imaging.shot_gain);
   constants.texture = kTexture;
+  constants.compressed = imaging.compressed;
   setShape(the_shape);
 }
 

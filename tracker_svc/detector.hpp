@@ -91,6 +91,9 @@ class Detector {
   const std::vector<Detection>& follow(const optics::GreyView& picture,
                                        std::span<const Expected> expected);
 
+  /// Whether a codec that loses was between the camera and the pictures to come.
+  void setCompressed(bool compressed) { imaging_.compressed = compressed; }
+
   [[nodiscard]] const optics::CameraModel& camera() const { return camera_; }
   [[nodiscard]] const optics::CapGeometry& cap() const { return cap_; }
 

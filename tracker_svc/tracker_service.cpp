@@ -190,6 +190,7 @@ void TrackerService::take(const CameraFrame& frame) {
   last_utime_ = utime;
   const bool begins = status_.state != tracker_status_t::RUNNING;
   status_.state = tracker_status_t::RUNNING;
+  if (begins && source_) detector_.setCompressed(source_->format().compressed);
   ++status_.frames;
   const Exposure exposure = pictures_.look(frame.grey);
   status_.brightness = exposure.brightness;

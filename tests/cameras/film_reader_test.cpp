@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <stb/stb_image_write.h>
 
 #include <vector>
 
@@ -151,6 +152,16 @@ TEST_F(Pictures, WithoutATableHaveTheRateThatIsGiven) {
   EXPECT_EQ(film_->format().fps, 0);
 }
 
+TEST_F(Pictures, ThatACameraCompressedSaySo) {
+  writePng(folder_ / "f0.png", pictureOf(0));
+  read(folder_ / "f0.png");
+  EXPECT_FALSE(film_->format().compressed);
+  const std::string jpeg = folder_ / "f0.JPG";
+  ASSERT_NE(stbi_write_jpg(jpeg.c_str(), 32, 24, 1, pictureOf(0).pixels.data(), 80), 0);
+  read(jpeg);
+  EXPECT_TRUE(film_->format().compressed);
+}
+
 TEST_F(Pictures, OfColourAreMixed) {
   write("c1.ppm", "P6\n2 1\n255\n" + std::string("\xff\x00\x00\x10\x20\x31", 6));
 
@@ -250,6 +261,7 @@ TEST_F(Movies, WithoutLossKeepEveryGreyValue) {
     EXPECT_THAT(film_->problem(), IsEmpty());
   }
   EXPECT_EQ(film_->format().pixels, "bgr0 (ffv1)");
+  EXPECT_FALSE(film_->format().compressed);
 }
 
 TEST_F(Movies, OfFullAndLimitedRangeHaveTheSameGrey) {
@@ -272,6 +284,7 @@ TEST_F(Movies, OfJpegsAreRead) {
   writeMovie(folder_ / "m.avi", 4, "-c:v mjpeg -q:v 1 -pix_fmt yuvj444p");
 
   EXPECT_EQ(framesAlike(folder_ / "m.avi", 24), 4);
+  EXPECT_TRUE(film_->format().compressed);
   EXPECT_THAT(film_->problem(), IsEmpty());
 }
 

@@ -85,6 +85,7 @@ TEST_F(Streams, FromTheNetworkAreMixedToGrey) {
   EXPECT_THAT(rows.at(1), ElementsAre('c', 'e'));
   EXPECT_EQ(source->format().fps, 25);
   EXPECT_EQ(source->format().pixels, "yuv420p (h264)");
+  EXPECT_TRUE(source->format().compressed);
   EXPECT_THAT(arguments("ffmpeg"),
               AllOf(Contains("rtsp://camera/1"), Contains("tcp"), Contains("passthrough")));
 }

@@ -84,6 +84,7 @@ class VideoDevice : public testing::Test {
 
 TEST_F(VideoDevice, TakesTheFormatThatIsLeastProcessed) {
   EXPECT_EQ(open(wanted(64, 48, 30))->format().pixels, "GREY");
+  EXPECT_FALSE(open(wanted(64, 48, 30))->format().compressed);
   EXPECT_EQ(open(wanted(128, 96, 10))->format().pixels, "YUYV");
 }
 
@@ -91,6 +92,7 @@ TEST_F(VideoDevice, TakesACompressedFormatOnlyForItsRate) {
   const auto source = open(wanted(128, 96, 30));
 
   EXPECT_EQ(source->format().pixels, "MJPG");
+  EXPECT_TRUE(source->format().compressed);
   EXPECT_EQ(source->format().fps, 30);
   EXPECT_EQ(source->format().width, 128);
 }

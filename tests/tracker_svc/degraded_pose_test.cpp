@@ -304,5 +304,32 @@ TEST(CapPose, OfOneCircleAndTheMiddleHasTheRightCovariance) {
   EXPECT_NEAR(distance / kCount, 1, 4 * std::sqrt(2.0 / kCount));
 }
 
+// A finger on one side of a circle leaves something that is nearly a smaller circle beside it.
+TEST(DegradedPose, ACircleWithASideUnderWhiteIsNotTakenForWhole) {
+  Scene scene;
+  scene.fill();
+  optics::GreyImage picture = scene.paint();
+  const optics::CameraModel camera = scene.camera();
+  const optics::CapGeometry& cap = scene.settings.cap;
+  constexpr double kWide = 0.006;  // [m] half of the strip
+  for (const sim::PaintedRobot& robot : scene.robots) {
+    const optics::Place middle = onCap(robot, 0);
+    const optics::Pixel white = camera.project(middle.x, middle.y, cap.height);
+    const double beside = 0.58 * cap.big_radius + kWide;
+    lay({onCap(robot, cap.big_offset - 0.01, beside), onCap(robot, cap.big_offset + 0.01, beside),
+         kWide,
+         static_cast<double>(picture.row(static_cast<int>(white.y))[static_cast<int>(white.x)])},
+        camera, picture);
+  }
+  Detector detector = scene.detector();
+
+  int wrong = 0;
+  for (const Detection& one : detector.search(picture.view(), nullptr, scene.expected())) {
+    if (!isDegraded(one)) ++wrong;
+  }
+
+  EXPECT_LE(wrong, static_cast<int>(scene.robots.size()) / 20) << "of " << scene.robots.size();
+}
+
 }  // namespace
 }  // namespace lab::tracker::degraded_pose_test

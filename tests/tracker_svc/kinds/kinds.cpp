@@ -12,6 +12,7 @@ constexpr Bars kAll{.recall = 1, .wrong = 0};
 constexpr Bars kAllHonest{.recall = 1, .wrong = 0, .honest = true};
 constexpr Bars kClean{.recall = 1, .wrong = 0, .position = 0.012, .heading = 0.03, .honest = true};
 constexpr Bars kDim{.recall = 1, .wrong = 0, .position = 0.03, .honest = true};
+constexpr Bars kDimJpeg{.recall = 0.995, .wrong = 0, .honest = true};
 constexpr Bars kDark{.recall = 0.99, .honest = true};
 constexpr Bars kSlope{.recall = 0.995, .position = 0.015};
 constexpr Bars kEdge{.recall = 0.995};
@@ -87,8 +88,8 @@ constexpr Kind kKinds[] = {
     {.name = "dis_nobody_jpeg", .robots = 0, .high = 0.12, .debris = 25, .decoys = 10,
      .floor_pairs = 10, .jpeg = 50, .bars = kFloor},
     {.name = "opt_jpeg", .jpeg = 75, .bars = kAll},
-    {.name = "opt_jpeg_12", .high = 0.12, .jpeg = 75, .bars = kAll},
-    {.name = "opt_jpeg_05", .high = 0.05, .jpeg = 75, .bars = kAll},
+    {.name = "opt_jpeg_12", .high = 0.12, .jpeg = 75, .bars = kAllHonest},
+    {.name = "opt_jpeg_05", .high = 0.05, .jpeg = 75, .bars = kDimJpeg},
     {.name = "opt_jpeg_half", .shown = Shown::kHalf, .low = 0.12, .jpeg = 75, .bars = kEdge},
     {.name = "opt_jpeg_worn", .high = 0.12, .jpeg = 50, .bars = kHard},
     {.name = "opt_defocus25", .blur = 2.5, .bars = kAll},

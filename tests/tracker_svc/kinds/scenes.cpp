@@ -266,6 +266,7 @@ Scene sceneOf(const Kind& kind, std::uint64_t seed) {
   Scene scene;
   scene.jpeg = kind.jpeg;
   sim::PainterSettings& settings = scene.settings;
+  settings.imaging.compressed = kind.jpeg > 0;
   const int columns = kind.rows == 480 ? 640 : kind.rows * 16 / 9;
   settings.camera = optics::simulatedCamera(columns, kind.rows, kWidth, kHeight);
   settings.imaging.blur = kind.blur;
