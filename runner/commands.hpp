@@ -82,6 +82,7 @@ struct TrackOptions {
   std::filesystem::path out;          ///< the file of poses
   std::filesystem::path overlay;      ///< picture, movie or folder with what was found; empty: none
   std::int64_t every = 1;             ///< only each so many-th frame
+  double fps = 0;                     ///< [1/s] of pictures without times, 0: 30, and it is said
   std::size_t robots = 0;             ///< how many there are at most, 0: not known
   bool force = false;                 ///< replaces files that are there
 };

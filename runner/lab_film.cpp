@@ -91,6 +91,8 @@ LabFilm::LabFilm(const ServiceContext& context, Conductor& conductor, fs::path f
       wanted_(pictures),
       done_(std::move(done)) {
   fs::create_directories(folder_);
+  times_.open(folder_ / "frames.csv");
+  times_ << "frame,t_s\n";
   const auto say = [this](const std::string& what) {
     if (!what.empty()) conductor_.fault(what);
   };
@@ -114,6 +116,9 @@ void LabFilm::take(const CameraFrame& frame) {
   if (!driving_ || kept_ >= wanted_ || frame.utime < next_utime_) return;
   next_utime_ = frame.utime + kEvery_us - kWatch_us;
   writePicture(folder_ / fmt::format("f{:04d}.pgm", kept_), frame.grey);
+  if (kept_ == 0) first_utime_ = frame.utime;
+  times_ << fmt::format("{},{:.6f}\n", kept_, units::seconds(frame.utime - first_utime_)) << std::flush;
+  if (!times_) throw std::runtime_error((folder_ / "frames.csv").string() + ": cannot be written");
   if (++kept_ == wanted_) done_();
 }
 

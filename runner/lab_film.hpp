@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <fstream>
 #include <functional>
 #include <memory>
 #include <string>
@@ -17,7 +18,7 @@ class LabFilm final : public Service {
  public:
   static constexpr std::int64_t kEvery_us = 500'000;
 
-  /// @param folder gets f0000.pgm and so on
+  /// @param folder gets f0000.pgm and so on, and frames.csv with their times
   /// @param pictures how many
   /// @param done called when all are there
   LabFilm(const ServiceContext& context, Conductor& conductor, std::filesystem::path folder,
@@ -34,7 +35,9 @@ class LabFilm final : public Service {
   std::int64_t wanted_;
   std::function<void()> done_;
   std::int64_t kept_ = 0;
+  std::int64_t first_utime_ = 0;
   std::int64_t next_utime_ = 0;
+  std::ofstream times_;
   bool driving_ = false;
   std::unique_ptr<FrameSource> source_;
 };

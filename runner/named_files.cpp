@@ -29,7 +29,7 @@ void checkOutput(const fs::path& path, bool force) {
   }
 }
 
-std::unique_ptr<FilmReader> openFilm(const std::string& source) {
+std::unique_ptr<FilmReader> openFilm(const std::string& source, double fps) {
   if (source.find("://") != std::string::npos) {
     throw UserError(fmt::format(
         "{}: is a network stream, expected a film or pictures; record it first (ffmpeg -i {} "
@@ -37,7 +37,7 @@ std::unique_ptr<FilmReader> openFilm(const std::string& source) {
         source, source));
   }
   try {
-    return FilmReader::open(source);
+    return FilmReader::open(source, fps);
   } catch (const CameraError& error) {
     throw UserError(error.what());
   }

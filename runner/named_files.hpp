@@ -14,8 +14,8 @@ namespace lab::runner {
 ///   its folder is not there or lets nobody write.
 void checkOutput(const std::filesystem::path& path, bool force);
 
-/// FilmReader::open(). @throws UserError when there is no such film, and for a network stream, which
+/// FilmReader::open(). @param fps [1/s] of pictures without times, 0: 30. @throws UserError when there is no such film, and for a network stream, which
 ///   has no end.
-[[nodiscard]] std::unique_ptr<FilmReader> openFilm(const std::string& source);
+[[nodiscard]] std::unique_ptr<FilmReader> openFilm(const std::string& source, double fps = 0);
 
 }  // namespace lab::runner

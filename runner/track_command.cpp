@@ -31,7 +31,7 @@ namespace fs = std::filesystem;
 using tracker::FilmRow;
 using tracker::FilmSummary;
 
-constexpr double kDefaultFps = 30;           // of an overlay movie of pictures without a rate
+constexpr double kDefaultFps = 30;           // of pictures without a rate, as FilmReader has it
 constexpr double kSpacingTolerance = 0.005;  // share by which circles may be off before it is said
 
 volatile std::sig_atomic_t tracking_interrupted = 0;
@@ -223,6 +223,11 @@ class Film {
     poses_.finish();
     draw([&] { overlay_->finish(); });
     tell(tracking_.summary(), calibration_, reader_.dropped(), seconds);
+    if (!(reader_.format().fps > 0) && tracking_.summary().frames > 1) {
+      fmt::print("note     the pictures do not say their times, and were taken for {:.0f} a second: "
+                 "--fps, or frames.csv beside them (docs/cameras.md)\n",
+                 kDefaultFps);
+    }
     fmt::print("poses    {}\n", options_.out.string());
     if (overlay_) fmt::print("overlay  {}\n", options_.overlay.string());
     if (!no_overlay_.empty()) {
@@ -277,7 +282,7 @@ class Film {
 ExitCode track(const TrackOptions& options) {
   refuseSameFiles(options);
   const CameraCalibration calibration = readCameraFile(options.calibration);
-  const std::unique_ptr<FilmReader> reader = openFilm(options.source);
+  const std::unique_ptr<FilmReader> reader = openFilm(options.source, options.fps);
   const CameraFormat format = reader->format();
   if (format.width > 0) checkSize(options, calibration, format.width, format.height);
   return Film(options, calibration, *reader).track();

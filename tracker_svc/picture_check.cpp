@@ -1,5 +1,7 @@
 #include "tracker_svc/picture_check.hpp"
 
+#include <fmt/format.h>
+
 namespace lab::tracker {
 namespace {
 
@@ -7,6 +9,8 @@ constexpr int kStep = 16;               // [px] every 16th pixel of every 16th r
 constexpr double kFullScale = 255;      // [DN]
 constexpr double kLeastSignal = 1.5;    // [DN] mean above black; a cap needs a few DN of contrast
 constexpr double kSaturatedShare = 0.4; // caps and floor at full scale: circles are still black
+constexpr double kBlind = 10;           // [s] black light in a script is shorter
+constexpr double kLeastCircle = 2;      // [px] smaller ones are hardly told from dirt
 
 }  // namespace
 
@@ -31,6 +35,36 @@ Exposure PictureCheck::look(const optics::GreyView& picture) {
   if (exposure.dark) ++dark_;
   if (exposure.saturated) ++saturated_;
   return exposure;
+}
+
+void BlindCheck::add(double time, const Exposure& exposure, bool any_cap) {
+  if (any_cap || pictures_ == 0) {
+    since_ = time;
+    pictures_ = dark_ = saturated_ = 0;
+  }
+  last_ = time;
+  if (any_cap) return;
+  ++pictures_;
+  if (exposure.dark) ++dark_;
+  if (exposure.saturated) ++saturated_;
+}
+
+std::string BlindCheck::text() const {
+  if (pictures_ == 0 || last_ - since_ < kBlind) return {};
+  const std::string seen =
+      fmt::format("no cap was seen in {} pictures, {:.0f} s: ", pictures_, last_ - since_);
+  if (2 * dark_ > pictures_) {
+    return seen + fmt::format("{} of them are too dark; more light, exposure or gain?", dark_);
+  }
+  if (2 * saturated_ > pictures_) {
+    return seen + fmt::format("{} of them are too bright; less exposure or gain?", saturated_);
+  }
+  if (circle_ < kLeastCircle) {
+    return seen + fmt::format("the small circles have a radius of {:.1f} px, needed {:.0f}; more "
+                              "pixels?",
+                              circle_, kLeastCircle);
+  }
+  return seen + "are robots under the camera, is it in focus, is the calibration its own?";
 }
 
 }  // namespace lab::tracker

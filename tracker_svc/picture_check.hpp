@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 
 #include "optics/image.hpp"
 
@@ -26,6 +27,28 @@ class PictureCheck {
 
  private:
   double black_;
+  std::int64_t dark_ = 0;
+  std::int64_t saturated_ = 0;
+};
+
+/// Whether the camera sees anything: a lens cap, an exposure that is far off or too few pixels leave
+/// a run without a single pose.
+class BlindCheck {
+ public:
+  /// @param circle [px] smallest radius of a small circle
+  explicit BlindCheck(double circle) : circle_(circle) {}
+
+  /// @param time [s] of the picture
+  void add(double time, const Exposure& exposure, bool any_cap);
+
+  /// Why no cap may have been seen for ten seconds; empty: one was.
+  [[nodiscard]] std::string text() const;
+
+ private:
+  double circle_;
+  double since_ = 0;  ///< [s] the first picture without a cap
+  double last_ = 0;   ///< [s] the last one
+  std::int64_t pictures_ = 0;
   std::int64_t dark_ = 0;
   std::int64_t saturated_ = 0;
 };

@@ -12,6 +12,7 @@
 #include "common/channels.hpp"
 #include "common/units.hpp"
 #include "optics/simulated_camera.hpp"
+#include "tracker_svc/scale_map.hpp"
 
 namespace lab::tracker {
 namespace {
@@ -110,6 +111,8 @@ TrackerService::TrackerService(const ServiceContext& context)
       tracker_(trackerSettings(context.experiment), robotsInView(context.experiment)),
       spacing_(spacingSettings(calibration_)),
       pictures_(calibration_.imaging.value_or(optics::Imaging{}).black),
+      blind_(static_cast<double>(ScaleMap(detector_.camera(), calibration_.cap).smallest()) *
+             calibration_.cap.small_radius),
       robots_(robotsInView(context.experiment).size()),
       origin_(originOf(experiment_.camera)),
       origin_utime_(context.loop.now()),
@@ -194,7 +197,7 @@ void TrackerService::take(const CameraFrame& frame) {
   ++status_.frames;
   const Exposure exposure = pictures_.look(frame.grey);
   status_.brightness = exposure.brightness;
-  const std::vector<Track>& tracks = track(frame.grey, seconds(utime));
+  const std::vector<Track>& tracks = track(frame.grey, seconds(utime), exposure);
   if (loop_.now() >= other_until_) {
     if (std::exchange(silent_, false)) trouble("");
     publish(frame, utime, tracks);
@@ -204,7 +207,8 @@ void TrackerService::take(const CameraFrame& frame) {
   if (begins) report();
 }
 
-const std::vector<Track>& TrackerService::track(const optics::GreyView& picture, double time) {
+const std::vector<Track>& TrackerService::track(const optics::GreyView& picture, double time,
+                                                const Exposure& exposure) {
   const std::vector<Expected>& expected = tracker_.expect(time);
   const bool draw = debug_ && debug_->wanted();
   const std::int64_t now = loop_.now();
@@ -230,6 +234,7 @@ const std::vector<Track>& TrackerService::track(const optics::GreyView& picture,
     spacing_.add(time, one.pose.x, one.pose.y, one.pose.spacing, sigma);
   }
   all_seen_ = seen >= robots_ && seen == tracks.size();
+  blind_.add(time, exposure, seen > 0 || robots_ == 0);
   if (draw) {
     debug_->show(picture, tracks, rejected,
                  std::to_string(seen) + " caps of " + std::to_string(robots_));
@@ -329,9 +334,10 @@ void TrackerService::report() {
   const calibration::SpacingReport spacing = spacing_.report(seconds(loop_.now()));
   status_.spacing_error = spacing.mean_error;
   status_.spacing_sigma = spacing.sigma;
-  if (!spacing.text.empty() && status_.warning.empty()) node_.noteError(spacing.text);
+  const std::string warning = spacing.text.empty() ? blind_.text() : spacing.text;
+  if (!warning.empty() && status_.warning.empty()) node_.noteError(warning);
   status_.moved = spacing.moved || !spacing.fits ? 1 : 0;
-  status_.warning = spacing.text;
+  status_.warning = warning;
   status_.latency_p50 = latency_.percentile(0.50);
   status_.latency_p95 = latency_.percentile(0.95);
   status_.latency_p99 = latency_.percentile(0.99);

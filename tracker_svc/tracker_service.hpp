@@ -42,7 +42,8 @@ class TrackerService final : public Service {
   void readSync(const CameraFrame& frame, std::int64_t utime);
   void trouble(const std::string& what);
   void ended(const std::string& problem);
-  const std::vector<Track>& track(const optics::GreyView& picture, double time);
+  const std::vector<Track>& track(const optics::GreyView& picture, double time,
+                                  const Exposure& exposure);
   void publish(const CameraFrame& frame, std::int64_t utime, const std::vector<Track>& tracks);
   void report();
   void complain(const std::string& what);
@@ -57,6 +58,7 @@ class TrackerService final : public Service {
   CapTracker tracker_;
   calibration::SpacingCheck spacing_;
   PictureCheck pictures_;
+  BlindCheck blind_;
   std::optional<SyncReader> sync_;  ///< where the projector shows a sync patch
   Latency latency_;
   std::unique_ptr<DebugPort> debug_;

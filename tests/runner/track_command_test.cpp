@@ -106,6 +106,20 @@ TEST_F(TrackCommand, TakesEverySecondPictureWhenToldTo) {
   EXPECT_THAT(poses, testing::Not(HasSubstr("\n1,")));
 }
 
+TEST_F(TrackCommand, SaysWhereTimesComeFromIfNobodyKnowsThem) {
+  testing::internal::CaptureStdout();
+  EXPECT_EQ(track(options_), kDone);
+  EXPECT_THAT(testing::internal::GetCapturedStdout(), HasSubstr("taken for 30 a second: --fps"));
+  EXPECT_THAT(textOf(options_.out), HasSubstr(",0.133333\n"));
+
+  options_.fps = 2;
+  options_.force = true;
+  testing::internal::CaptureStdout();
+  EXPECT_EQ(track(options_), kDone);
+  EXPECT_THAT(testing::internal::GetCapturedStdout(), testing::Not(HasSubstr("--fps")));
+  EXPECT_THAT(textOf(options_.out), HasSubstr(",2.000000\n"));
+}
+
 TEST_F(TrackCommand, ReplacesNothingUnasked) {
   write("poses.csv", "precious");
 

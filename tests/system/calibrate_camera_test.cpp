@@ -49,8 +49,9 @@ class CalibrateCamera : public testing::Test {
 
   Finished calibrate(const std::string& more) {
     return run("lab calibrate camera " + file().string() + " --out " + out().string() +
-               " --runs " + (folder_.path() / "runs").string() + " " + more);
+               " --runs " + runs().string() + " " + more);
   }
+  [[nodiscard]] fs::path runs() const { return folder_.path() / "runs"; }
 
  private:
   TemporaryFolder folder_;
@@ -80,6 +81,11 @@ TEST_F(CalibrateCamera, FindsTheCameraOfALabThatItStarts) {
   RecordProperty("claimed_um", std::to_string(1e6 * *found.residual));
   EXPECT_LT(rms, 2 * *found.residual);
   EXPECT_EQ(found.camera.width, 1280);
+
+  // The film that is left can be tracked: it has its times.
+  const Finished film = run("sh -c 'cat " + runs().string() + "/*/calibration/film/frames.csv'");
+  EXPECT_THAT(film.output, HasSubstr("frame,t_s\n0,0.000000\n1,0.5"));
+  EXPECT_THAT(film.output, HasSubstr("\n59,29.5"));
 
   const Finished again = calibrate("--virtual-time");
   EXPECT_EQ(again.exit_code, 2);

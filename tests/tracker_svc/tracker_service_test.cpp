@@ -274,6 +274,26 @@ TEST_F(TrackerServiceTest, CountsBlackAndWhitePicturesAndSeesNothingInThem) {
   EXPECT_THAT(frames.back().unidentified, SizeIs(3));
 }
 
+TEST_F(TrackerServiceTest, SaysWhenTheCameraIsBlindAndWhy) {
+  start(kThree);
+  film(3);
+  const auto blindFor = [this](int pictures, std::uint8_t grey) {
+    for (int i = 0; i < pictures; ++i) {
+      loop.runUntil(loop.now() + kFrame_us);
+      show(optics::GreyImage(640, 480, grey));
+    }
+  };
+  blindFor(9 * 20, 2);
+  EXPECT_THAT(statuses.back().warning, IsEmpty()) << "a script may be black for a while";
+  blindFor(3 * 20, 2);
+  EXPECT_THAT(statuses.back().warning, AllOf(HasSubstr("no cap was seen"), HasSubstr("too dark")));
+  EXPECT_THAT(heartbeats.back().last_error, HasSubstr("too dark"));
+  film(25);
+  EXPECT_THAT(statuses.back().warning, IsEmpty());
+  blindFor(12 * 20, 255);
+  EXPECT_THAT(statuses.back().warning, HasSubstr("too bright"));
+}
+
 TEST_F(TrackerServiceTest, RefusesPicturesOfAnotherSizeAndGoesOnWhenTheyFit) {
   start(kThree);
   loop.runUntil(loop.now() + kFrame_us);
