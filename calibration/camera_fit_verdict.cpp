@@ -5,9 +5,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <vector>
 
 namespace lab::calibration {
 namespace {
+
+constexpr double kUnsure = 0.06;  // [px] of a circle's centre: usual are 0.005 to 0.03
 
 /// In words, which ninth of the arena.
 std::string partName(int column, int row) {
@@ -15,6 +18,22 @@ std::string partName(int column, int row) {
   std::string name = row == 0 ? "low y" : row == 2 ? "high y" : "";
   if (column != 1) name += std::string(name.empty() ? "" : ", ") + (column == 0 ? "low x" : "high x");
   return (column == 1 || row == 1 ? "the side of " : "the corner of ") + name;
+}
+
+/// What makes circles' spacing miss.
+std::string spacingAdvice(const CameraSights& sights) {
+  std::vector<double> sigmas;
+  for (const CapSight& cap : sights.caps) sigmas.push_back(cap.sigma);
+  if (!sigmas.empty()) {
+    const auto middle = sigmas.begin() + static_cast<std::ptrdiff_t>(sigmas.size() / 2);
+    std::ranges::nth_element(sigmas, middle);
+    if (*middle > kUnsure) {
+      return fmt::format("circles are found to {:.2f} px only: more light, a sharper picture, a film "
+                         "without loss (docs/track.md)",
+                         *middle);
+    }
+  }
+  return "is that their spacing, is the picture sharp, are all caps made alike?";
 }
 
 }  // namespace
@@ -78,10 +97,10 @@ std::string refusalOf(const CameraSights& sights, const CameraFit& fit,
                        fit.corner_residual, limits.corner_residual * sights.corner_sigma);
   }
   if (fit.spacing_residual > limits.spacing_residual) {
-    return fmt::format("the circles' spacing misses {:.1f} mm by {:.2f} mm (rms), allowed {:.2f}: is "
-                       "that their spacing, is the picture sharp, are all caps made alike?",
+    return fmt::format("the circles' spacing misses {:.1f} mm by {:.2f} mm (rms), allowed {:.2f}: {}",
                        1e3 * sights.cap.spacing(), 1e3 * fit.spacing_residual,
-                       1e3 * limits.spacing_residual);
+                       1e3 * limits.spacing_residual,
+                       spacingAdvice(sights));
   }
   if (fit.board_residual > limits.board_residual) {
     return fmt::format("the board's discs miss by {:.2f} px (rms), allowed {:.2f}: is the board flat, "

@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <asio.hpp>
 #include <atomic>
+#include <cctype>
 #include <chrono>
 #include <mutex>
 #include <set>
@@ -53,6 +55,20 @@ std::string pathOf(std::string_view request) {
   if (!request.starts_with(kGet)) return {};
   request.remove_prefix(kGet.size());
   return std::string(request.substr(0, request.find_first_of(" ?\r\n")));
+}
+
+/// Whether the request names this machine. A page from elsewhere whose name leads here names that.
+bool isForUs(std::string_view request) {
+  constexpr std::string_view kName = "\r\nhost:";
+  const auto found = std::ranges::search(request, kName, [](char letter, char wanted) {
+    return std::tolower(static_cast<unsigned char>(letter)) == wanted;
+  });
+  if (found.empty()) return true;  // HTTP/1.0: no browser
+  std::string_view host = request.substr(static_cast<std::size_t>(found.end() - request.begin()));
+  host = host.substr(0, host.find("\r\n"));
+  host.remove_prefix(std::min(host.find_first_not_of(' '), host.size()));
+  host = host.substr(0, host.find_first_of(": "));  // a tunnel may have another port
+  return host == "127.0.0.1" || host == "localhost";
 }
 
 /// One connection.
@@ -164,6 +180,8 @@ void DebugView::Server::answer(const Handle& viewer) {
   const std::string path = pathOf(viewer->request);
   if (path.empty()) {
     say(viewer, "405 Method Not Allowed", "text/plain", "only GET\n");
+  } else if (!isForUs(viewer->request)) {
+    say(viewer, "403 Forbidden", "text/plain", "ask for localhost or 127.0.0.1\n");
   } else if (path == "/") {
     say(viewer, "200 OK", "text/html; charset=utf-8", kPage);
   } else if (path == "/frame.png" || path == "/frame.jpg") {

@@ -45,7 +45,9 @@ class Browser {
   std::string text_;
 };
 
-std::string get(const std::string& path) { return "GET " + path + " HTTP/1.1\r\nHost: x\r\n\r\n"; }
+std::string get(const std::string& path, const std::string& host = "localhost:8080") {
+  return "GET " + path + " HTTP/1.1\r\nHost: " + host + "\r\n\r\n";
+}
 
 /// Whether the view comes to want a picture. (A minute is for machines that stand still.)
 bool becomesWanted(const DebugView& view) {
@@ -161,6 +163,15 @@ TEST(DebugView, RefusesWhatItDoesNotHave) {
 
   EXPECT_NE(Browser(view.port(), get("/etc/passwd")).all().find("404"), std::string::npos);
   EXPECT_NE(Browser(view.port(), "POST / HTTP/1.1\r\n\r\n").all().find("405"), std::string::npos);
+  for (const char* ours : {"127.0.0.1", "localhost", "localhost:9000"}) {
+    EXPECT_NE(Browser(view.port(), get("/", ours)).all().find("200 OK"), std::string::npos);
+  }
+  EXPECT_NE(Browser(view.port(), "GET / HTTP/1.0\r\n\r\n").all().find("200 OK"), std::string::npos);
+  // A name that somebody else's name server leads here.
+  for (const char* foreign : {"evil.example", "localhost.evil.example", "evil.example:8080"}) {
+    EXPECT_NE(Browser(view.port(), get("/frame.png", foreign)).all().find("403"),
+              std::string::npos);
+  }
 }
 
 TEST(DebugView, SaysThatItsPortIsTaken) {
