@@ -28,9 +28,10 @@ std::string spacingAdvice(const CameraSights& sights) {
     const auto middle = sigmas.begin() + static_cast<std::ptrdiff_t>(sigmas.size() / 2);
     std::ranges::nth_element(sigmas, middle);
     if (*middle > kUnsure) {
-      return fmt::format("circles are found to {:.2f} px only: more light, a sharper picture, a film "
-                         "without loss (docs/track.md)",
-                         *middle);
+      return fmt::format(
+          "circles are found to {:.2f} px only: more light, a sharper picture, a film "
+          "without loss (docs/track.md)",
+          *middle);
     }
   }
   return "is that their spacing, is the picture sharp, are all caps made alike?";
@@ -97,10 +98,10 @@ std::string refusalOf(const CameraSights& sights, const CameraFit& fit,
                        fit.corner_residual, limits.corner_residual * sights.corner_sigma);
   }
   if (fit.spacing_residual > limits.spacing_residual) {
-    return fmt::format("the circles' spacing misses {:.1f} mm by {:.2f} mm (rms), allowed {:.2f}: {}",
-                       1e3 * sights.cap.spacing(), 1e3 * fit.spacing_residual,
-                       1e3 * limits.spacing_residual,
-                       spacingAdvice(sights));
+    return fmt::format(
+        "the circles' spacing misses {:.1f} mm by {:.2f} mm (rms), allowed {:.2f}: {}",
+        1e3 * sights.cap.spacing(), 1e3 * fit.spacing_residual, 1e3 * limits.spacing_residual,
+        spacingAdvice(sights));
   }
   if (fit.board_residual > limits.board_residual) {
     return fmt::format("the board's discs miss by {:.2f} px (rms), allowed {:.2f}: is the board flat, "

@@ -63,8 +63,8 @@ std::vector<std::int64_t> timesOf(const json& packets) {
 
 /// Of the codecs that people film with, those that lose nothing.
 bool losesNothing(const std::string& codec) {
-  constexpr std::array kWhole{"ffv1", "rawvideo", "huffyuv", "ffvhuff", "utvideo", "magicyuv",
-                              "png",  "qtrle",    "bmp",     "tiff"};
+  constexpr std::array kWhole{"ffv1",     "rawvideo", "huffyuv", "ffvhuff", "utvideo",
+                              "magicyuv", "png",      "qtrle",   "bmp",     "tiff"};
   return std::ranges::find(kWhole, codec) != kWhole.end();
 }
 

@@ -46,9 +46,9 @@ Found findWith(const optics::CameraParameters& camera, const optics::CapGeometry
 
 }  // namespace
 
-std::optional<optics::CameraParameters> roughCamera(
-    const calibration::CameraSights& sights, const std::vector<optics::GreyImage>& pictures,
-    const optics::Imaging& imaging) {
+std::optional<optics::CameraParameters> roughCamera(const calibration::CameraSights& sights,
+                                                    const std::vector<optics::GreyImage>& pictures,
+                                                    const optics::Imaging& imaging) {
   std::optional<optics::CameraParameters> best;
   Found of_best;
   const double side = std::max(sights.arena_width, sights.arena_height);

@@ -133,7 +133,8 @@ void addTrack(CLI::App& app, Chosen& chosen) {
   command->add_option("--every", options->every, "Only each so many-th frame")
       ->check(CLI::Range(1, 1'000'000))
       ->capture_default_str();
-  command->add_option("--fps", options->fps, "Pictures a second, where nothing else says their times")
+  command
+      ->add_option("--fps", options->fps, "Pictures a second, where nothing else says their times")
       ->check(between(0.001, 100'000));
   command->add_option("--robots", options->robots, "How many there are: the best so many are taken")
       ->check(CLI::Range(1, 100'000));

@@ -189,14 +189,14 @@ std::unique_ptr<FilmOverlay> FilmOverlay::open(const OverlaySettings& settings) 
   const bool folder = !sheet && !isMovie(path);
   if (folder) {
     if (fs::exists(path) && !fs::is_directory(path)) {
-      throw UserError(fmt::format("{}: found a file, expected a folder (or the ending .png, .mp4, "
-                                  ".mkv or .avi); choose another name",
-                                  path.string()));
+      throw UserError(
+          fmt::format("{}: found a file, expected a folder (or the ending .png, .mp4, "
+                      ".mkv or .avi); choose another name",
+                      path.string()));
     }
     if (fs::exists(path) && !fs::is_empty(path) && !settings.force) {
-      throw UserError(
-          fmt::format("{}: is there already; choose another name, or --force to replace it",
-                      path.string()));
+      throw UserError(fmt::format(
+          "{}: is there already; choose another name, or --force to replace it", path.string()));
     }
     return std::make_unique<PictureFolder>(settings);
   }

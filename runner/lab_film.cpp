@@ -117,7 +117,8 @@ void LabFilm::take(const CameraFrame& frame) {
   next_utime_ = frame.utime + kEvery_us - kWatch_us;
   writePicture(folder_ / fmt::format("f{:04d}.pgm", kept_), frame.grey);
   if (kept_ == 0) first_utime_ = frame.utime;
-  times_ << fmt::format("{},{:.6f}\n", kept_, units::seconds(frame.utime - first_utime_)) << std::flush;
+  const double time = units::seconds(frame.utime - first_utime_);
+  times_ << fmt::format("{},{:.6f}\n", kept_, time) << std::flush;
   if (!times_) throw std::runtime_error((folder_ / "frames.csv").string() + ": cannot be written");
   if (++kept_ == wanted_) done_();
 }

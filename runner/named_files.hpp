@@ -10,12 +10,13 @@
 namespace lab::runner {
 
 /// Whether a file can be written, before the work for it begins.
-/// @throws UserError when it is there already and may not be replaced, when it is a folder, and when
-///   its folder is not there or lets nobody write.
+/// @throws UserError when it is there already and may not be replaced, is a folder, or when its
+///   folder is not there or lets nobody write.
 void checkOutput(const std::filesystem::path& path, bool force);
 
-/// FilmReader::open(). @param fps [1/s] of pictures without times, 0: 30. @throws UserError when there is no such film, and for a network stream, which
-///   has no end.
+/// FilmReader::open().
+/// @param fps [1/s] of pictures without times, 0: 30
+/// @throws UserError when there is no such film, and for a network stream, which has no end.
 [[nodiscard]] std::unique_ptr<FilmReader> openFilm(const std::string& source, double fps = 0);
 
 }  // namespace lab::runner

@@ -224,9 +224,10 @@ class Film {
     draw([&] { overlay_->finish(); });
     tell(tracking_.summary(), calibration_, reader_.dropped(), seconds);
     if (!(reader_.format().fps > 0) && tracking_.summary().frames > 1) {
-      fmt::print("note     the pictures do not say their times, and were taken for {:.0f} a second: "
-                 "--fps, or frames.csv beside them (docs/cameras.md)\n",
-                 kDefaultFps);
+      fmt::print(
+          "note     the pictures do not say their times, and were taken for {:.0f} a second: "
+          "--fps, or frames.csv beside them (docs/cameras.md)\n",
+          kDefaultFps);
     }
     fmt::print("poses    {}\n", options_.out.string());
     if (overlay_) fmt::print("overlay  {}\n", options_.overlay.string());

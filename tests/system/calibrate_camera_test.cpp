@@ -48,8 +48,8 @@ class CalibrateCamera : public testing::Test {
   [[nodiscard]] fs::path out() const { return folder_.path() / "camera.json"; }
 
   Finished calibrate(const std::string& more) {
-    return run("lab calibrate camera " + file().string() + " --out " + out().string() +
-               " --runs " + runs().string() + " " + more);
+    return run("lab calibrate camera " + file().string() + " --out " + out().string() + " --runs " +
+               runs().string() + " " + more);
   }
   [[nodiscard]] fs::path runs() const { return folder_.path() / "runs"; }
 
