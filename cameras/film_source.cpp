@@ -13,6 +13,8 @@ namespace {
 
 using Kind = FrameFeed::Item::Kind;
 
+constexpr std::int64_t kMostLate_us = 1'000'000;
+
 /// Decodes until the end or until the feed is closed.
 void decodeAll(FilmReader& film, FrameFeed& feed) {
   CameraFrame frame;
@@ -82,12 +84,12 @@ class Player : public std::enable_shared_from_this<Player> {
     });
   }
 
-  /// [us] from now. A film that is late goes on from now, at its pace.
+  /// [us] from now. A film that is a bit late catches up; a very late one goes on from now.
   std::int64_t dueAfter(const FrameFeed::Item& item) {
     if (pace_ <= 0 || item.kind != Kind::kFrame) return 0;
     const auto offset = std::llround(static_cast<double>(item.utime) * pace_);
     const std::int64_t now = loop_.now();
-    if (!started_ || now > start_ + offset) start_ = now - offset;
+    if (!started_ || now > start_ + offset + kMostLate_us) start_ = now - offset;
     started_ = true;
     return start_ + offset - now;
   }

@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <thread>
 #include <vector>
 
 #include "cameras/camera_devices.hpp"
@@ -92,6 +94,26 @@ TEST_F(Player, PlaysAtItsOwnRate) {
 
   EXPECT_THAT(utimes, ElementsAre(0, 20'000, 40'000));
   EXPECT_GE(came[2] - came[0], 39'999);
+}
+
+TEST_F(Player, CatchesUpAfterAHiccup) {
+  record(12);
+  CameraHandlers all = handlers();
+  all.frame = [this](const CameraFrame& frame) {
+    if (frame.number == 1) std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    utimes.push_back(frame.utime);
+    came.push_back(loop.now());
+  };
+  CameraFormat wanted;
+  wanted.fps = 25;
+  const auto source = dut.open(folder / "f*.png", wanted, all);
+
+  ASSERT_TRUE(toTheEnd());
+
+  ASSERT_EQ(came.size(), 12U);
+  const auto lateBy = [this](std::size_t i) { return (came[i] - came[0]) - utimes[i]; };
+  EXPECT_GT(lateBy(2), 100'000);
+  EXPECT_LT(lateBy(11), 100'000);
 }
 
 TEST_F(Player, TellsWhatWasWrong) {
