@@ -97,7 +97,9 @@ TEST_F(LabStarterTest, StartsOneRunAndFollowsIt) {
   const std::string order = R"({"file":"mine.toml","set":[],"virtual_time":false})";
   EXPECT_EQ(starter_.start(order).status, 202);
   json told;
-  while (told["address"].is_null()) told = json::parse(starter_.started(true));
+  while (told["address"].is_null() || told["run"].is_null()) {
+    told = json::parse(starter_.started(true));
+  }
   EXPECT_EQ(told["state"], "running");
   EXPECT_EQ(told["address"], "http://127.0.0.1:1/#token=secret");
   EXPECT_EQ(told["run"], "mine-1");
