@@ -9,6 +9,8 @@
 
 namespace lab {
 
+inline constexpr double kAssumedFps = 30;  ///< [1/s] of pictures that say nothing of their times
+
 /// A recording that is read from its beginning to its end, waiting where it must.
 class FilmReader {
  public:
@@ -19,7 +21,7 @@ class FilmReader {
 
   /// Opens a folder of pictures, a pattern of pictures ("dir/f*.png"), one picture, or a movie
   /// (docs/cameras.md). Movies need the programs ffmpeg and ffprobe.
-  /// @param fps [1/s] of pictures that have no times of their own, 0: 30
+  /// @param fps [1/s] of pictures that have no times of their own, 0: kAssumedFps
   /// @throws CameraError, one line: not there, nothing in it, no movie, ffmpeg is missing.
   [[nodiscard]] static std::unique_ptr<FilmReader> open(const std::string& source, double fps = 0);
 

@@ -24,7 +24,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kUsualRate = 30;  // [1/s] of pictures that say nothing of their times
 constexpr std::size_t kMostDigits = 15;
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";  // as spreadsheets begin their tables
 constexpr const char* kBlanks = " \t\r";
@@ -284,7 +283,7 @@ class PictureReader final : public FilmReader {
  public:
   PictureReader(const std::string& source, double fps) : pictures_(findPictures(source)) {
     step_us_ = addTimes(pictures_);
-    assumed_us_ = 1e6 / (fps > 0 ? fps : kUsualRate);
+    assumed_us_ = 1e6 / (fps > 0 ? fps : kAssumedFps);
     const Decoded first = firstWhole();
     format_.width = first.image.width;
     format_.height = first.image.height;

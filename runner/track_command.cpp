@@ -31,7 +31,6 @@ namespace fs = std::filesystem;
 using tracker::FilmRow;
 using tracker::FilmSummary;
 
-constexpr double kDefaultFps = 30;           // of pictures without a rate, as FilmReader has it
 constexpr double kSpacingTolerance = 0.005;  // share by which circles may be off before it is said
 
 volatile std::sig_atomic_t tracking_interrupted = 0;
@@ -150,7 +149,7 @@ std::unique_ptr<FilmOverlay> openOverlay(const TrackOptions& options,
   return FilmOverlay::open(
       {.path = options.overlay,
        .force = options.force,
-       .fps = (fps > 0 ? fps : kDefaultFps) / static_cast<double>(options.every),
+       .fps = (fps > 0 ? fps : kAssumedFps) / static_cast<double>(options.every),
        .camera = optics::CameraModel(calibration.camera),
        .cap = calibration.cap});
 }
@@ -227,7 +226,7 @@ class Film {
       fmt::print(
           "note     the pictures do not say their times, and were taken for {:.0f} a second: "
           "--fps, or frames.csv beside them (docs/cameras.md)\n",
-          kDefaultFps);
+          kAssumedFps);
     }
     fmt::print("poses    {}\n", options_.out.string());
     if (overlay_) fmt::print("overlay  {}\n", options_.overlay.string());
