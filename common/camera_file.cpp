@@ -71,14 +71,15 @@ optics::CapGeometry readCap(const JsonSection& file, const std::string& unit_nam
   return cap;
 }
 
-optics::Imaging readImaging(const JsonSection& file, const char* shot_key, const char* black_key) {
+void readImaging(const JsonSection& file, const char* shot_key, const char* black_key,
+                 CameraCalibration& calibration) {
+  if (file.has("gamma")) calibration.gamma = file.number("gamma", 0.2, 5);
   const optics::Imaging usual;
-  optics::Imaging imaging;
+  optics::Imaging& imaging = calibration.imaging.emplace();
   imaging.blur = file.number("blur_px", 0, 20, 1, usual.blur);
   imaging.read_noise = file.number("read_noise_dn", 0, 100, 1, usual.read_noise);
   imaging.shot_gain = file.number(shot_key, 0, 10, 1, usual.shot_gain);
   imaging.black = file.number(black_key, 0, 100, 1, usual.black);
-  return imaging;
 }
 
 CameraCalibration readOwnForm(const JsonSection& file) {
@@ -86,7 +87,7 @@ CameraCalibration readOwnForm(const JsonSection& file) {
   calibration.camera = readLens(file, false);
   calibration.cap = readCap(file.section("cap"), "_m", 1, "height");
   if (file.has("imaging")) {
-    calibration.imaging = readImaging(file.section("imaging"), "shot_gain_dn", "black_dn");
+    readImaging(file.section("imaging"), "shot_gain_dn", "black_dn", calibration);
   }
   const JsonSection arena = file.section("arena");
   calibration.arena_width = arena.number("width_m", 0.01, 100);
@@ -147,7 +148,7 @@ CameraCalibration readOpenCvForm(const JsonSection& file) {
         geometry.number("arena_h_cm", 1, 10'000, kCentimetre, calibration.arena_height);
   }
   if (file.has("noise")) {
-    calibration.imaging = readImaging(file.section("noise"), "shot_gain", "black_level");
+    readImaging(file.section("noise"), "shot_gain", "black_level", calibration);
   }
   checkHeight(file, "t", calibration);
   checkScale(file, "K", calibration);
@@ -194,6 +195,7 @@ std::string cameraFileText(const CameraCalibration& calibration) {
                        {"shot_gain_dn", calibration.imaging->shot_gain},
                        {"black_dn", calibration.imaging->black}};
   }
+  if (calibration.gamma) file["imaging"]["gamma"] = *calibration.gamma;
   if (calibration.residual) file["residual_m"] = *calibration.residual;
   return file.dump(2) + "\n";
 }

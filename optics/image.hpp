@@ -1,4 +1,5 @@
-/// Pictures in memory: 8 bits a pixel, linear in light, the top row first.
+/// Pictures in memory: 8 bits a pixel, the top row first; linear in light, unless Imaging::gamma says
+/// otherwise.
 #pragma once
 
 #include <cstddef>

@@ -6,13 +6,16 @@ namespace lab::optics {
 /// [px^2] variance of the blur by the pixel itself, which sees a square.
 inline constexpr double kPixelBox = 1.0 / 12;
 
-/// Noise and blur of an 8-bit camera with a linear response. [DN] are its grey steps, 0..255.
+/// Noise and blur of an 8-bit camera. [DN] are its grey steps, 0..255, once they are linear in light.
 struct Imaging {
   double blur = 0.75;        ///< [px] standard deviation of the point spread, pixel box excluded
   double read_noise = 1.2;   ///< [DN] standard deviation in the dark
   double shot_gain = 0.026;  ///< [DN] variance for each DN of signal
   double black = 2.0;        ///< [DN] where there is no light at all
   bool compressed = false;   ///< JPEG, H.264 ...: errors that neighbouring pixels share
+  /// [1] light is a grey step's power (optics/response.hpp). 1: linear. 2.2: encoded for the eye, as
+  /// by webcams, phones and in most films.
+  double gamma = 1;
 
   bool operator==(const Imaging&) const = default;
 };

@@ -8,6 +8,7 @@
 #include <queue>
 #include <vector>
 
+#include "optics/response.hpp"
 #include "tracker_svc/circle_fit.hpp"
 
 namespace lab::runner {
@@ -222,10 +223,8 @@ bool fills(std::vector<Cell>& cells, const calibration::BoardSpec& board) {
          (columns == board.rows && rows == board.columns);
 }
 
-}  // namespace
-
-std::optional<calibration::BoardView> findBoard(const optics::GreyView& picture,
-                                                const calibration::BoardSpec& board) {
+std::optional<calibration::BoardView> boardIn(const optics::GreyView& picture,
+                                              const calibration::BoardSpec& board) {
   const std::vector<Disc> discs = discsIn(picture);
   std::vector<bool> tried(discs.size(), false);
   for (std::size_t first = 0; first < discs.size(); ++first) {
@@ -243,6 +242,15 @@ std::optional<calibration::BoardView> findBoard(const optics::GreyView& picture,
     return view;
   }
   return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<calibration::BoardView> findBoard(const optics::GreyView& picture,
+                                                const calibration::BoardSpec& board) {
+  if (auto view = boardIn(picture, board)) return view;
+  optics::Response encoded(optics::kVideoGamma);
+  return boardIn(encoded.linear(picture), board);
 }
 
 }  // namespace lab::runner

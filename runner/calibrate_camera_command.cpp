@@ -21,6 +21,7 @@
 #include "runner/film_progress.hpp"
 #include "runner/lab_film.hpp"
 #include "runner/named_files.hpp"
+#include "tracker_svc/response_finder.hpp"
 
 namespace lab::runner {
 namespace {
@@ -122,8 +123,40 @@ std::vector<optics::GreyImage> firstPictures(const std::string& source, CameraSi
 /// What a calibration is made of.
 struct Calibrated {
   CameraFit fit;
-  std::optional<double> blur;  // [px]
+  std::optional<double> blur;   // [px]
+  std::optional<double> gamma;  // optics::Imaging::gamma
 };
+
+/// How the camera's grey steps follow the light, told from the caps in these pictures.
+std::optional<double> gammaOf(const std::vector<optics::GreyImage>& pictures,
+                              const optics::CameraParameters& camera, const CameraSights& sights,
+                              const optics::Imaging& imaging) {
+  tracker::ResponseFinder finder(optics::CameraModel(camera), sights.cap, imaging);
+  for (const optics::GreyImage& picture : pictures) finder.take(picture.view());
+  if (finder.gamma()) {
+    fmt::print("response  gamma {:g}: black paint shows as {:.2f} of the white\n", *finder.gamma(),
+               finder.ratio());
+  }
+  return finder.gamma();
+}
+
+/// A first idea of the camera, and how its grey steps follow the light: its caps may only be found
+/// once that is undone.
+std::optional<optics::CameraParameters> roughCameraOf(const CameraSights& sights,
+                                                      const std::vector<optics::GreyImage>& pictures,
+                                                      optics::Imaging& imaging,
+                                                      std::optional<double>& gamma) {
+  for (const double tried : {1.0, optics::kVideoGamma}) {
+    imaging.gamma = tried;
+    const auto camera = roughCamera(sights, pictures, imaging);
+    if (!camera) continue;
+    gamma = gammaOf(pictures, *camera, sights, imaging);
+    if (gamma.value_or(tried) == tried) return camera;
+    imaging.gamma = *gamma;
+    return roughCamera(sights, pictures, imaging);
+  }
+  return std::nullopt;
+}
 
 /// The caps of the whole film go into the sights, as they are found with this camera, of this blur
 /// if it is known.
@@ -183,11 +216,13 @@ void findBoards(const CalibrateCameraOptions& options, CameraSights& sights) {
 Calibrated calibrateWithBoards(const CalibrateCameraOptions& options, CameraSights& sights) {
   findBoards(options, sights);
   const CameraFit fit = calibration::fitCamera(sights);
-  if (options.source.empty() || !(fit.camera.fx > 0)) return {fit, {}};
+  if (options.source.empty() || !(fit.camera.fx > 0)) return {fit, {}, {}};
   optics::Imaging imaging;
-  static_cast<void>(firstPictures(options.source, sights, imaging));
+  const std::vector<optics::GreyImage> pictures = firstPictures(options.source, sights, imaging);
+  const std::optional<double> gamma = gammaOf(pictures, fit.camera, sights, imaging);
+  imaging.gamma = gamma.value_or(1);
   const std::optional<double> blur = findCaps(options.source, fit.camera, imaging, {}, sights);
-  return {calibration::fitCamera(sights, fit.camera), blur};
+  return {calibration::fitCamera(sights, fit.camera), blur, gamma};
 }
 
 Calibrated calibrate(const CalibrateCameraOptions& options, CameraSights& sights) {
@@ -199,7 +234,8 @@ Calibrated calibrate(const CalibrateCameraOptions& options, CameraSights& sights
   fit.refusal = calibration::cornerFault(sights.corners, sights.width, sights.height,
                                          sights.arena_width, sights.arena_height);
   if (!fit.refusal.empty()) return out;
-  const std::optional<optics::CameraParameters> camera = roughCamera(sights, pictures, imaging);
+  const std::optional<optics::CameraParameters> camera =
+      roughCameraOf(sights, pictures, imaging, out.gamma);
   if (!camera) {
     fit.refusal = "found no cap in any of the pictures looked at: are there robots in it, are the "
                   "corners right, and --arena-cm, --spacing-cm, --cap-height-cm?";
@@ -279,6 +315,7 @@ ExitCode calibrateCamera(const CalibrateCameraOptions& options) {
   calibration.arena_height = sights.arena_height;
   calibration.residual = fit.map.rms;
   if (found.blur) calibration.imaging = optics::Imaging{.blur = *found.blur};
+  calibration.gamma = found.gamma;
   writeWhole(options.out, cameraFileText(calibration));
   fmt::print("camera    {}\n", options.out.string());
   return kDone;

@@ -78,9 +78,11 @@ std::optional<std::vector<calibration::ToneSight>> filmStaircase(
   const bool simulated = filmed.camera.source == kSimulatedCamera;
   // What users are asked to lay: robots would be seen as places that lack light.
   if (simulated) filmed.projector.sheet = optics::kSensorHeight;
-  calibration::TonePictures pictures(
-      cameraOf(experiment, options.file.parent_path()).calibration.camera, experiment.arena_width,
-      experiment.arena_height, simulated ? filmed.projector.sheet : 0, levels.size());
+  const CameraCalibration camera = cameraOf(experiment, options.file.parent_path()).calibration;
+  const optics::Imaging imaging = camera.usualImaging();
+  optics::Response response(imaging.gamma, imaging.black);
+  calibration::TonePictures pictures(camera.camera, experiment.arena_width, experiment.arena_height,
+                                     simulated ? filmed.projector.sheet : 0, levels.size());
   std::string problem = "the lab ended before the lights did";
   const Launched launched = launch(
       {.file = options.file,
@@ -92,7 +94,9 @@ std::optional<std::vector<calibration::ToneSight>> filmStaircase(
       [&](const ServiceContext& context, Conductor& conductor, std::function<void()> done) {
         return std::make_unique<ProjectorCalibrator>(
             context, conductor, lights, kFrames,
-            [&](std::size_t light, const optics::GreyView& grey) { pictures.take(light, grey); },
+            [&](std::size_t light, const optics::GreyView& grey) {
+              pictures.take(light, response.linear(grey));
+            },
             [&problem, done](const std::string& what) {
               problem = what;
               done();
@@ -124,7 +128,7 @@ void printCamera(const std::vector<calibration::ToneSight>& sights,
   if (apart > kSurelyApart * sigma && apart > kNoticeable * fit.gamma) {
     fmt::print(
         "         that is not the robots' {:.3f}, which counts: is the camera's own curve "
-        "linear (gamma 1, no automatic exposure)?\n",
+        "as its calibration says (imaging.gamma, no automatic exposure)?\n",
         fit.gamma);
   } else {
     fmt::print("         agrees with the robots' {:.3f}\n", fit.gamma);

@@ -20,6 +20,7 @@
 #include "runner/film_progress.hpp"
 #include "runner/named_files.hpp"
 #include "tracker_svc/film_tracking.hpp"
+#include "tracker_svc/response_finder.hpp"
 
 namespace lab::runner {
 namespace {
@@ -190,7 +191,8 @@ class Film {
         calibration_(calibration),
         reader_(reader),
         detector_(optics::CameraModel(calibration.camera), calibration.cap,
-                  calibration.imaging.value_or(optics::Imaging{})),
+                  calibration.usualImaging()),
+        response_(detector_.camera(), calibration.cap, calibration.usualImaging()),
         caps_(trackerSettings(calibration), {}),
         tracking_(detector_, caps_, options.robots),
         poses_(options.out, options.force),
@@ -198,6 +200,7 @@ class Film {
 
   ExitCode track() {
     detector_.setCompressed(reader_.format().compressed);
+    response_.setCompressed(reader_.format().compressed);
     const Interruptible until_interrupted;
     std::string problem;
     double seconds = 0;
@@ -228,6 +231,12 @@ class Film {
           "--fps, or frames.csv beside them (docs/cameras.md)\n",
           kAssumedFps);
     }
+    if (const double gamma = response_.gamma().value_or(1); gamma != 1) {
+      fmt::print(
+          "note     black paint shows as {:.2f} of the white: the camera's grey steps are not linear "
+          "in light, and were read with a gamma of {:g} (docs/cameras.md, imaging.gamma)\n",
+          response_.ratio(), gamma);
+    }
     fmt::print("poses    {}\n", options_.out.string());
     if (overlay_) fmt::print("overlay  {}\n", options_.overlay.string());
     if (!no_overlay_.empty()) {
@@ -245,6 +254,10 @@ class Film {
   void take(const CameraFrame& frame) {
     constexpr double kMicro = 1e-6;
     checkSize(options_, calibration_, frame.grey.width, frame.grey.height);
+    if (!calibration_.gamma) {
+      response_.take(frame.grey);
+      detector_.setGamma(response_.gamma().value_or(1));
+    }
     const double time = static_cast<double>(frame.utime) * kMicro;
     const bool drawn = overlay_ && overlay_->wantsNext();
     rejected_.clear();
@@ -269,6 +282,7 @@ class Film {
   const CameraCalibration& calibration_;
   FilmReader& reader_;
   tracker::Detector detector_;
+  tracker::ResponseFinder response_;
   tracker::CapTracker caps_;
   tracker::FilmTracking tracking_;
   PoseWriter poses_;

@@ -1,6 +1,7 @@
 #include "sim_svc/camera_painter_noise.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "common/random.hpp"
@@ -18,6 +19,8 @@ namespace {
 
 constexpr std::size_t kTable = 1U << 16U;
 constexpr int kPiece = 256;  // [px] read in one go
+constexpr int kFullScale = 255;  // [DN]
+constexpr int kFine = 64;        // [1/DN] steps of light that is encoded: finer than its noise
 
 struct Law {
   float floor;
@@ -25,22 +28,37 @@ struct Law {
   float black;
 };
 
-LAB_PAINTER_CLONES
-void finishPiece(const float* __restrict mean, const float* __restrict normal, Law law,
-                 std::uint8_t* __restrict out, int count) {
+// Light with its noise, in steps of which `fine` are one DN.
+template <typename Step>
+[[gnu::always_inline]] inline void finishPiece(const float* __restrict mean,
+                                               const float* __restrict normal, Law law, float fine,
+                                               Step* __restrict out, int count) {
+  const float most = fine * static_cast<float>(kFullScale);
   for (int i = 0; i < count; ++i) {
     const float signal = mean[i] - law.black;
     const float variance = law.floor + law.slope * (signal > 0.0F ? signal : 0.0F);
-    float grey = mean[i] + __builtin_sqrtf(variance) * normal[i] + 0.5F;
-    grey = grey > 0.0F ? grey : 0.0F;
-    grey = grey < 255.0F ? grey : 255.0F;
-    out[i] = static_cast<std::uint8_t>(static_cast<std::int32_t>(grey));
+    float light = fine * (mean[i] + __builtin_sqrtf(variance) * normal[i]) + 0.5F;
+    light = light > 0.0F ? light : 0.0F;
+    light = light < most ? light : most;
+    out[i] = static_cast<Step>(static_cast<std::int32_t>(light));
   }
+}
+
+LAB_PAINTER_CLONES
+void finishBytes(const float* __restrict mean, const float* __restrict normal, Law law,
+                 std::uint8_t* __restrict out, int count) {
+  finishPiece(mean, normal, law, 1.0F, out, count);
+}
+
+LAB_PAINTER_CLONES
+void finishFinely(const float* __restrict mean, const float* __restrict normal, Law law,
+                  std::uint16_t* __restrict out, int count) {
+  finishPiece(mean, normal, law, static_cast<float>(kFine), out, count);
 }
 
 }  // namespace
 
-Grain::Grain(std::uint64_t seed)
+Grain::Grain(std::uint64_t seed, const optics::Response& response)
     : seed_(deriveSeed(seed, 0, "pixel noise")), table_(kTable + kPiece) {
   Random random(seed_);
   double sum = 0;
@@ -58,6 +76,11 @@ Grain::Grain(std::uint64_t seed)
     const double normal = (normals[i % kTable] - mean) / deviation;
     table_[i] = static_cast<float>(std::round(normal * 4096) / 4096);
   }
+  if (response.isLinear()) return;
+  for (int light = 0; light <= kFullScale * kFine; ++light) {
+    const double grey = response.grey(static_cast<double>(light) / kFine);
+    steps_.push_back(static_cast<std::uint8_t>(std::lround(grey)));
+  }
 }
 
 void Grain::finish(std::span<const float> mean, int width, const PixelNoise& noise, double black,
@@ -66,11 +89,19 @@ void Grain::finish(std::span<const float> mean, int width, const PixelNoise& noi
                 static_cast<float>(black)};
   Random places(seed_, static_cast<std::uint64_t>(frame) + 1);
   const auto columns = static_cast<std::size_t>(width);
+  std::array<std::uint16_t, kPiece> fine;
   for (std::size_t row = 0; row < mean.size(); row += columns) {
     for (std::size_t x = 0; x < columns; x += kPiece) {
       const std::size_t count = std::min<std::size_t>(kPiece, columns - x);
-      finishPiece(mean.data() + row + x, table_.data() + (places.next() % kTable), law,
-                  out.data() + row + x, static_cast<int>(count));
+      const float* light = mean.data() + row + x;
+      const float* normal = table_.data() + (places.next() % kTable);
+      std::uint8_t* bytes = out.data() + row + x;
+      if (steps_.empty()) {
+        finishBytes(light, normal, law, bytes, static_cast<int>(count));
+        continue;
+      }
+      finishFinely(light, normal, law, fine.data(), static_cast<int>(count));
+      for (std::size_t i = 0; i < count; ++i) bytes[i] = steps_[fine[i]];
     }
   }
 }

@@ -1,10 +1,11 @@
-/// From expected grey values to a camera's bytes.
+/// From expected light to a camera's bytes.
 #pragma once
 
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include "optics/response.hpp"
 #include "sim_svc/camera_painter.hpp"
 
 namespace lab::sim::painter {
@@ -12,15 +13,17 @@ namespace lab::sim::painter {
 /// Normal noise from a table, read from another random place for every piece of every row.
 class Grain {
  public:
-  explicit Grain(std::uint64_t seed);
+  /// @param response how the bytes follow the light
+  Grain(std::uint64_t seed, const optics::Response& response);
 
-  /// @param mean [DN] expected values, rows of `width`
+  /// @param mean [DN] expected values, linear in light, rows of `width`
   void finish(std::span<const float> mean, int width, const PixelNoise& noise, double black,
               std::int64_t frame, std::span<std::uint8_t> out) const;
 
  private:
   std::uint64_t seed_;
   std::vector<float> table_;
+  std::vector<std::uint8_t> steps_;  // of a light in units of 1 / kFine DN; empty: linear
 };
 
 }  // namespace lab::sim::painter

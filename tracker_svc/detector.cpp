@@ -40,15 +40,23 @@ Detector::Detector(const optics::CameraModel& camera, const optics::CapGeometry&
     : camera_(camera),
       cap_(cap),
       imaging_(imaging),
+      response_(imaging.gamma, imaging.black),
       scale_(camera, cap),
       search_(scale_, cap, imaging, camera.parameters().width, camera.parameters().height) {}
 
-const std::vector<Detection>& Detector::search(const optics::GreyView& picture,
+void Detector::setGamma(double gamma) {
+  if (gamma == imaging_.gamma) return;
+  imaging_.gamma = gamma;
+  response_ = optics::Response(gamma, imaging_.black);
+}
+
+const std::vector<Detection>& Detector::search(const optics::GreyView& seen,
                                                std::vector<Rejection>* rejected,
                                                std::span<const Expected> expected) {
   if (rejected != nullptr) rejected->clear();
   found_.clear();
-  if (!canRead(picture)) return found_;
+  if (!canRead(seen)) return found_;
+  const optics::GreyView picture = response_.linear(seen);
   const Region all{0, 0, picture.width - 1, picture.height - 1};
   seen_.clear();
   look(picture, {&all, 1}, rejected);
@@ -354,6 +362,7 @@ Detection Detector::poseOf(const Couple& couple, float rim) const {
   out.spacing = static_cast<float>(
       std::hypot(big.place.x - small.place.x, big.place.y - small.place.y));
   out.white = (big.fit.white + small.fit.white) / 2;
+  out.ratio = (big.fit.ratio + small.fit.ratio) / 2;
   const float blur = (big.fit.blur + small.fit.blur) / 2;
   out.blur = std::sqrt(std::max(0.0F, blur * blur - static_cast<float>(optics::kPixelBox)));
   out.big = {big.fit.x, big.fit.y};

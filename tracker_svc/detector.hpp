@@ -12,6 +12,7 @@
 #include "optics/cap.hpp"
 #include "optics/image.hpp"
 #include "optics/imaging.hpp"
+#include "optics/response.hpp"
 #include "tracker_svc/cap_pose.hpp"
 #include "tracker_svc/circle_fit.hpp"
 #include "tracker_svc/circle_search.hpp"
@@ -37,6 +38,7 @@ struct Detection {
   std::uint8_t used = 0;
   float spacing = 0;   ///< [m] measured between the two circles, 0: not both were seen
   float white = 0;     ///< [DN] of the cap, black level taken off
+  float ratio = 0;     ///< [1] of the circles' paint over the cap's white
   float blur = 0;      ///< [px] standard deviation of the point spread; 0: not both were seen
   optics::Pixel big;   ///< centres in the picture, as far as seen
   optics::Pixel small;
@@ -93,6 +95,9 @@ class Detector {
 
   /// Whether a codec that loses was between the camera and the pictures to come.
   void setCompressed(bool compressed) { imaging_.compressed = compressed; }
+
+  /// How the grey steps of the pictures to come follow the light: Imaging::gamma.
+  void setGamma(double gamma);
 
   [[nodiscard]] const optics::CameraModel& camera() const { return camera_; }
   [[nodiscard]] const optics::CapGeometry& cap() const { return cap_; }
@@ -183,6 +188,7 @@ class Detector {
   optics::CameraModel camera_;
   optics::CapGeometry cap_;
   optics::Imaging imaging_;
+  optics::Response response_;
   ScaleMap scale_;
   CircleSearch search_;
   std::vector<Spot> spots_;

@@ -30,10 +30,11 @@ bool isThere(const Detection& seen, const Expected& expected, double& square) {
 
 }  // namespace
 
-const std::vector<Detection>& Detector::follow(const optics::GreyView& picture,
+const std::vector<Detection>& Detector::follow(const optics::GreyView& seen,
                                                std::span<const Expected> expected) {
   found_.assign(expected.size(), Detection{});
-  if (!canRead(picture)) return found_;
+  if (!canRead(seen)) return found_;
+  const optics::GreyView picture = response_.linear(seen);
   regions_.clear();
   seen_.clear();
   search_.aimAt(picture);

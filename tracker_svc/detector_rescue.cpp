@@ -101,6 +101,7 @@ Detection Detector::poseFromOne(const optics::GreyView& picture, const Expected&
   out.theta = pose.theta;
   out.covariance = pose.covariance;
   out.white = circle.fit.white;
+  out.ratio = circle.fit.ratio;
   (big ? out.big : out.small) = {circle.fit.x, circle.fit.y};
   out.middle = camera_.project(out.x, out.y, cap_.height);
   out.used = static_cast<std::uint8_t>(kUsedRim | (big ? kUsedBig : kUsedSmall));

@@ -1,5 +1,7 @@
 #include "tracker_svc/tracker_service.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <lab/cap_detail_t.hpp>
@@ -34,6 +36,7 @@ CameraCalibration calibrationInForce(const ServiceContext& context) {
   calibration.arena_width = experiment.arena_width;
   calibration.arena_height = experiment.arena_height;
   calibration.id = "simulated";
+  calibration.gamma = 1;
   return calibration;
 }
 
@@ -107,10 +110,11 @@ TrackerService::TrackerService(const ServiceContext& context)
       experiment_(context.experiment),
       calibration_(calibrationInForce(context)),
       detector_(optics::CameraModel(calibration_.camera), calibration_.cap,
-                calibration_.imaging.value_or(optics::Imaging{})),
+                calibration_.usualImaging()),
+      gamma_(calibration_.usualImaging().gamma),
       tracker_(trackerSettings(context.experiment), robotsInView(context.experiment)),
       spacing_(spacingSettings(calibration_)),
-      pictures_(calibration_.imaging.value_or(optics::Imaging{}).black),
+      pictures_(calibration_.usualImaging().black),
       blind_(static_cast<double>(ScaleMap(detector_.camera(), calibration_.cap).smallest()) *
              calibration_.cap.small_radius),
       robots_(robotsInView(context.experiment).size()),
@@ -123,6 +127,9 @@ TrackerService::TrackerService(const ServiceContext& context)
                            calibration_.cap);
   } catch (const std::runtime_error& error) {  // tracking goes on without a view of it
     node_.noteError(std::string(error.what()) + ": no debug view");
+  }
+  if (!calibration_.gamma) {
+    response_.emplace(detector_.camera(), calibration_.cap, calibration_.usualImaging());
   }
   status_.camera = experiment_.camera.source;
   status_.state = tracker_status_t::WAITING;
@@ -193,10 +200,14 @@ void TrackerService::take(const CameraFrame& frame) {
   last_utime_ = utime;
   const bool begins = status_.state != tracker_status_t::RUNNING;
   status_.state = tracker_status_t::RUNNING;
-  if (begins && source_) detector_.setCompressed(source_->format().compressed);
+  if (begins && source_) {
+    detector_.setCompressed(source_->format().compressed);
+    if (response_) response_->setCompressed(source_->format().compressed);
+  }
   ++status_.frames;
   const Exposure exposure = pictures_.look(frame.grey);
   status_.brightness = exposure.brightness;
+  findResponse(frame.grey);
   const std::vector<Track>& tracks = track(frame.grey, seconds(utime), exposure);
   if (loop_.now() >= other_until_) {
     if (std::exchange(silent_, false)) trouble("");
@@ -205,6 +216,14 @@ void TrackerService::take(const CameraFrame& frame) {
   }
   latency_.add(units::seconds(loop_.now() - arrived));
   if (begins) report();
+}
+
+void TrackerService::findResponse(const optics::GreyView& picture) {
+  if (!response_) return;
+  response_->take(picture);
+  const double gamma = response_->gamma().value_or(gamma_);
+  if (std::exchange(gamma_, gamma) != gamma) detector_.setGamma(gamma);
+  if (response_->isSettled()) response_.reset();
 }
 
 const std::vector<Track>& TrackerService::track(const optics::GreyView& picture, double time,
@@ -321,7 +340,7 @@ void TrackerService::report() {
   status_.fps = format.fps;
   status_.exposure = format.exposure;
   status_.gain = format.gain;
-  status_.pixels = format.pixels;
+  status_.pixels = gamma_ == 1 ? format.pixels : fmt::format("{}, gamma {:g}", format.pixels, gamma_);
   status_.locked = format.locked ? 1 : 0;
   status_.dropped = source_ ? source_->dropped() : 0;
   status_.dark = pictures_.dark();

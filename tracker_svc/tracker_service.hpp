@@ -18,6 +18,7 @@
 #include "tracker_svc/detector.hpp"
 #include "tracker_svc/latency.hpp"
 #include "tracker_svc/picture_check.hpp"
+#include "tracker_svc/response_finder.hpp"
 #include "tracker_svc/sync_reader.hpp"
 
 namespace lab::tracker {
@@ -39,6 +40,7 @@ class TrackerService final : public Service {
  private:
   void take(const robot_status_t& status);
   void take(const CameraFrame& frame);
+  void findResponse(const optics::GreyView& picture);
   void readSync(const CameraFrame& frame, std::int64_t utime);
   void trouble(const std::string& what);
   void ended(const std::string& problem);
@@ -55,6 +57,8 @@ class TrackerService final : public Service {
   const Experiment& experiment_;
   CameraCalibration calibration_;
   Detector detector_;
+  std::optional<ResponseFinder> response_;  ///< while the camera's response is not known
+  double gamma_;                            ///< that is believed meanwhile
   CapTracker tracker_;
   calibration::SpacingCheck spacing_;
   PictureCheck pictures_;
