@@ -61,6 +61,7 @@ class CameraFile : public testing::Test {
     calibration.imaging = optics::Imaging{0.7, 1.1, 0.02, 1.9};
     calibration.arena_width = 1.1;
     calibration.residual = 0.00042;
+    calibration.gamma = 2.2;
     return calibration;
   }
 
@@ -78,17 +79,22 @@ TEST_F(CameraFile, OwnFormKeepsEveryNumberToTheLastBit) {
   EXPECT_EQ(after.arena_width, before.arena_width);
   EXPECT_EQ(after.arena_height, before.arena_height);
   EXPECT_EQ(after.residual, before.residual);
+  EXPECT_EQ(after.gamma, before.gamma);
+  EXPECT_EQ(after.usualImaging().gamma, 2.2);
 }
 
 TEST_F(CameraFile, WhatWasNotMeasuredStaysAway) {
   CameraCalibration before = sample();
   before.imaging.reset();
   before.residual.reset();
+  before.gamma.reset();
 
   const CameraCalibration after = read(cameraFileText(before));
 
   EXPECT_FALSE(after.imaging);
   EXPECT_FALSE(after.residual);
+  EXPECT_FALSE(after.gamma);
+  EXPECT_EQ(after.usualImaging(), optics::Imaging{});
 }
 
 TEST_F(CameraFile, OpenCvFormIsInCentimetres) {
@@ -158,6 +164,8 @@ TEST_F(CameraFile, ErrorsNameFileAndKey) {
   EXPECT_THAT(refusal(with("[1250.5, 0,", "[1250.5, 2,")), HasSubstr("K: expected [[fx, 0, cx]"));
   EXPECT_THAT(refusal(with("\"big_radius_cm\": 0.8", "\"big_radius_cm\": -1")),
               HasSubstr("geometry.big_radius_cm: found -1, allowed"));
+  EXPECT_THAT(refusal(with("\"blur_px\"", "\"gamma\": 0, \"blur_px\"")),
+              HasSubstr("noise.gamma: found 0, allowed 0.2 to 5"));
   EXPECT_THAT(refusal(with("\"small_radius_cm\": 0.5", "\"small_radius_cm\": 0.9")),
               HasSubstr("geometry.small_radius_cm: the small circle must be smaller"));
   EXPECT_THAT(refusal(with("\"big_offset_cm\": 1.7", "\"big_offset_cm\": -1.5")),

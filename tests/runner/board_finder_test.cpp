@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "common/random.hpp"
+#include "optics/response.hpp"
 #include "optics/simulated_camera.hpp"
 
 namespace lab::runner::board_finder_test {
@@ -121,6 +122,26 @@ TEST(BoardFinder, FindsEveryDiscOfATiltedBoard) {
   }
   // The ellipse's centre is not quite the disc's: some hundredths of a pixel.
   EXPECT_LT(best, 0.1);
+}
+
+TEST(BoardFinder, ReadsPicturesThatAreEncodedForTheEye) {
+  Random random(3);
+  const optics::CameraParameters camera = optics::simulatedCamera(kWidth, kHeight, 1.2, 0.9);
+  const optics::CameraParameters from_board = seenFromBoard(camera, 0.4, 0.4, 0.1, 0.4, 0.3);
+  optics::GreyImage picture = paintBoard(from_board, kBoard, random);
+  const auto linear = findBoard(picture.view(), kBoard);
+  const optics::Response webcam(optics::kVideoGamma);
+  for (std::uint8_t& grey : picture.pixels) {
+    grey = static_cast<std::uint8_t>(std::lround(webcam.grey(grey)));
+  }
+  const auto encoded = findBoard(picture.view(), kBoard);
+  ASSERT_TRUE(linear && encoded);
+  ASSERT_EQ(encoded->points.size(), 54U);
+  for (std::size_t i = 0; i < 54; ++i) {
+    const optics::Pixel& one = linear->points[i].pixel;
+    const optics::Pixel& other = encoded->points[i].pixel;
+    EXPECT_LT(std::hypot(one.x - other.x, one.y - other.y), 0.02) << i;
+  }
 }
 
 TEST(BoardFinder, WantsTheWholeBoard) {

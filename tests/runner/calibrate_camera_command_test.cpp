@@ -59,11 +59,11 @@ class CalibrateCamera : public testing::Test {
     options_.corner_px = 0.1;
   }
 
-  void film(const std::string& name, double widest, double blur = optics::Imaging{}.blur) {
+  void film(const std::string& name, double widest, const optics::Imaging& imaging = {}) {
     fs::create_directory(folder_ / name);
     sim::PainterSettings settings;
     settings.camera = truth_;
-    settings.imaging.blur = blur;
+    settings.imaging = imaging;
     sim::CameraPainter painter(settings);
     light::Layer dim;
     dim.intensity = 0.6;
@@ -75,6 +75,23 @@ class CalibrateCamera : public testing::Test {
       ASSERT_FALSE(light::writeFile(folder_ / fmt::format("{}/f{:04}.png", name, k),
                                     light::encodePng(kWidth, kHeight, picture.pixels)));
     }
+  }
+
+  /// [m] by how much places on the caps' plane are off, root mean square over the arena.
+  [[nodiscard]] double errorOf(const optics::CameraParameters& found) const {
+    const optics::CameraModel model(found);
+    const optics::CameraModel truth(truth_);
+    double squares = 0;
+    int places = 0;
+    for (int i = 0; i <= 12; ++i) {
+      for (int j = 0; j <= 9; ++j) {
+        const auto seen = model.toPlane(truth.project(0.1 * i, 0.1 * j, 0.05), 0.05);
+        if (!seen) return INFINITY;
+        squares += std::pow(seen->x - 0.1 * i, 2) + std::pow(seen->y - 0.1 * j, 2);
+        ++places;
+      }
+    }
+    return std::sqrt(squares / places);
   }
 
   [[nodiscard]] std::string problem() const {
@@ -95,27 +112,27 @@ TEST_F(CalibrateCamera, FindsTheCameraThatTookTheFilm) {
   ASSERT_EQ(calibrateCamera(options_), kDone);
   const CameraCalibration found = readCameraFile(options_.out);
   ASSERT_TRUE(found.residual);
-  const optics::CameraModel model(found.camera);
-  const optics::CameraModel truth(truth_);
-  double squares = 0;
-  int places = 0;
-  for (int i = 0; i <= 12; ++i) {
-    for (int j = 0; j <= 9; ++j) {
-      const auto seen = model.toPlane(truth.project(0.1 * i, 0.1 * j, 0.05), 0.05);
-      ASSERT_TRUE(seen);
-      squares += std::pow(seen->x - 0.1 * i, 2) + std::pow(seen->y - 0.1 * j, 2);
-      ++places;
-    }
-  }
-  const double rms = std::sqrt(squares / places);
+  const double rms = errorOf(found.camera);
   RecordProperty("rms_um", std::to_string(1e6 * rms));
   RecordProperty("claimed_um", std::to_string(1e6 * *found.residual));
   EXPECT_LT(rms, 2 * *found.residual);
   EXPECT_LT(*found.residual, 0.6e-3);
+  EXPECT_EQ(found.gamma, 1);
   EXPECT_EQ(found.camera.width, kWidth);
   EXPECT_EQ(found.camera.height, kHeight);
 
   EXPECT_THAT(problem(), HasSubstr("is there already"));
+}
+
+TEST_F(CalibrateCamera, FindsACameraThatEncodesForTheEye) {
+  film("webcam", 1.2, {.gamma = 2.2});
+  options_.source = (folder_ / "webcam").string();
+  ASSERT_EQ(calibrateCamera(options_), kDone);
+  const CameraCalibration found = readCameraFile(options_.out);
+  EXPECT_EQ(found.gamma, 2.2);
+  ASSERT_TRUE(found.residual);
+  EXPECT_LT(errorOf(found.camera), 2 * *found.residual);
+  EXPECT_LT(*found.residual, 0.6e-3);
 }
 
 TEST_F(CalibrateCamera, AsksForAPlaceToWriteBeforeItLooksAtTheFilm) {
@@ -133,7 +150,7 @@ TEST_F(CalibrateCamera, AsksForAPlaceToWriteBeforeItLooksAtTheFilm) {
 TEST_F(CalibrateCamera, MeasuresHowBlurredThePicturesAre) {
   for (const double blur : {0.75, 1.8}) {
     const std::string name = fmt::format("blurred_{}", blur);
-    film(name, 1.2, blur);
+    film(name, 1.2, {.blur = blur});
     options_.source = (folder_ / name).string();
     options_.out = folder_ / (name + ".json");
     ASSERT_EQ(calibrateCamera(options_), kDone) << blur;

@@ -42,11 +42,7 @@ void writePng(const fs::path& path, const optics::GreyImage& image) {
 class TrackCommand : public testing::Test {
  protected:
   TrackCommand() {
-    fs::create_directory(folder_ / "film");
-    PaintedFilm film;
-    for (int k = 0; k < 5; ++k) {
-      writePng(folder_ / ("film/f000" + std::to_string(k) + ".png"), film.frame(k));
-    }
+    film("film", 1);
     CameraCalibration calibration;
     calibration.camera = PaintedFilm::settings().camera;
     write("camera.json", cameraFileText(calibration));
@@ -55,6 +51,14 @@ class TrackCommand : public testing::Test {
     options_.source = (folder_ / "film").string();
     options_.calibration = folder_ / "camera.json";
     options_.out = folder_ / "poses.csv";
+  }
+
+  void film(const std::string& name, double gamma) const {
+    fs::create_directory(folder_ / name);
+    PaintedFilm film(gamma);
+    for (int k = 0; k < 5; ++k) {
+      writePng(folder_ / (name + "/f000" + std::to_string(k) + ".png"), film.frame(k));
+    }
   }
 
   void write(const std::string& name, const std::string& text) const {
@@ -94,6 +98,27 @@ TEST_F(TrackCommand, WritesARowForEveryRobotInEveryPicture) {
   EXPECT_EQ(linesIn(poses), 1 + 5 * 3);
   EXPECT_THAT(poses, HasSubstr("\n4,3,"));
   EXPECT_FALSE(fs::exists(options_.out.string() + ".part"));
+}
+
+TEST_F(TrackCommand, ReadsAFilmThatWasEncodedForTheEye) {
+  film("webcam", 2.2);
+  options_.source = (folder_ / "webcam").string();
+  testing::internal::CaptureStdout();
+  EXPECT_EQ(track(options_), kDone);
+  EXPECT_THAT(testing::internal::GetCapturedStdout(),
+              AllOf(HasSubstr("black paint shows as 0.3"), HasSubstr("with a gamma of 2.2")));
+  EXPECT_EQ(linesIn(textOf(options_.out)), 1 + 5 * 3);
+}
+
+TEST_F(TrackCommand, BelievesTheCalibrationOverThePictures) {
+  CameraCalibration calibration;
+  calibration.camera = PaintedFilm::settings().camera;
+  calibration.gamma = 5;  // in which no cap is round
+  write("wrong.json", cameraFileText(calibration));
+  options_.calibration = folder_ / "wrong.json";
+  testing::internal::CaptureStdout();
+  EXPECT_EQ(track(options_), kDone);
+  EXPECT_THAT(testing::internal::GetCapturedStdout(), HasSubstr("no robot was found"));
 }
 
 TEST_F(TrackCommand, TakesEverySecondPictureWhenToldTo) {

@@ -37,6 +37,8 @@ INSTANTIATE_TEST_SUITE_P(Kinds, FewPictures,
                                          Few{"light_half_100_12", 1}, Few{"light_checker", 1},
                                          Few{"dis_nobody_checker", 1}, Few{"opt_noise", 1},
                                          Few{"opt_jpeg_05", 1}, Few{"dis_nobody_jpeg", 1},
+                                         Few{"opt_gamma_05", 1}, Few{"opt_webcam", 1},
+                                         Few{"dis_nobody_webcam", 1},
                                          Few{"opt_defocus25", 1}, Few{"worst_720", 1}),
                          [](const auto& each) { return std::string(each.param.kind); });
 

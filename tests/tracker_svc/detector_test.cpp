@@ -207,6 +207,23 @@ TEST(Detector, FollowsToTheSameBitsFromAnyPlaceNearby) {
   }
 }
 
+TEST(Detector, FollowsToTheSameBitsWhereGreyStepsAreEncoded) {
+  Scene scene(20, 9);
+  scene.settings.imaging.gamma = 2.2;
+  const optics::GreyImage image = scene.paint();
+  Detector detector = scene.detector();
+  const std::vector<Detection> all = detector.search(image.view());
+  ASSERT_EQ(all.size(), 20U);
+  std::vector<Expected> expected;
+  for (const Detection& one : all) expected.push_back({one.x, one.y, one.theta, 0.01, 0.5});
+  const std::vector<Detection>& followed = detector.follow(image.view(), expected);
+  for (std::size_t i = 0; i < all.size(); ++i) EXPECT_TRUE(sameBits(all[i], followed[i])) << i;
+  // The paint as it is, and not as the picture shows it.
+  for (const Detection& one : all) EXPECT_NEAR(one.ratio, 0.08, 0.01);
+  detector.setGamma(1);
+  EXPECT_LT(detector.search(image.view()).size(), 10U);
+}
+
 TEST(Detector, FollowTakesNoCapThatIsTurnedTooFar) {
   const Scene scene(1, 6);
   Detector detector = scene.detector();

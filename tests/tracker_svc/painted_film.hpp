@@ -17,14 +17,16 @@ class PaintedFilm {
   static constexpr int kHeight = 480;
   static constexpr double kFps = 30;
 
-  PaintedFilm() : painter_(settings()) {
+  /// @param gamma of the grey steps, as optics::Imaging has it
+  explicit PaintedFilm(double gamma = 1) : painter_(settings(gamma)) {
     light::Layer light;
     light.intensity = 0.8;
     painter_.setLight({{light}, {}, 1});
   }
 
-  static sim::PainterSettings settings() {
+  static sim::PainterSettings settings(double gamma = 1) {
     sim::PainterSettings settings;
+    settings.imaging.gamma = gamma;
     settings.camera = optics::simulatedCamera(kWidth, kHeight, 1.2, 0.9);
     return settings;
   }

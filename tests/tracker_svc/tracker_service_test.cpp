@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <fstream>
 #include <lab/service_status_t.hpp>
 #include <numbers>
 
@@ -11,6 +12,7 @@
 #include "common/virtual_loop.hpp"
 #include "optics/simulated_camera.hpp"
 #include "sim_svc/camera_painter.hpp"
+#include "tests/common/temporary_folder.hpp"
 #include "tests/tracker_svc/covered_cap.hpp"
 
 namespace lab::tracker {
@@ -92,6 +94,7 @@ class TrackerServiceTest : public testing::Test {
     sim::PainterSettings settings;
     settings.camera =
         optics::simulatedCamera(experiment.camera.width, experiment.camera.height, 1.2, 0.9);
+    settings.imaging.gamma = gamma;
     painter = std::make_unique<sim::CameraPainter>(settings);
     light(1);
     ServiceContext context{node, loop, experiment, testing::TempDir()};
@@ -166,6 +169,7 @@ class TrackerServiceTest : public testing::Test {
   std::unique_ptr<TrackerService> dut;
   std::vector<sim::PaintedRobot> robots;
   std::vector<Cover> covers;  ///< that lie over them
+  double gamma = 1;           ///< of the camera's grey steps
   std::int64_t number = 0;
   std::vector<tracked_frame_t> frames;
   std::vector<tracked_details_t> details;
@@ -253,6 +257,22 @@ TEST_F(TrackerServiceTest, SaysWhatTheCameraDoes) {
   EXPECT_GT(status.spacings, 50);
   EXPECT_EQ(status.moved, 0) << status.warning;
   EXPECT_EQ(status.latency_p99, 0);  // virtual time
+}
+
+TEST_F(TrackerServiceTest, ReadsACameraThatEncodesForTheEyeAndSaysSo) {
+  const TemporaryFolder folder;
+  CameraCalibration calibration;
+  calibration.camera =
+      optics::simulatedCamera(experiment.camera.width, experiment.camera.height, 1.2, 0.9);
+  std::ofstream(folder / "camera.json") << cameraFileText(calibration);
+  experiment.camera.calibration = (folder / "camera.json").string();
+  gamma = 2.2;
+  start(kThree);
+  cameras.format.pixels = "YUYV";
+  film(25);
+  EXPECT_THAT(frames.front().unidentified, SizeIs(3));
+  EXPECT_THAT(frames.back().unidentified, SizeIs(3));
+  EXPECT_EQ(statuses.back().pixels, "YUYV, gamma 2.2");
 }
 
 TEST_F(TrackerServiceTest, CountsBlackAndWhitePicturesAndSeesNothingInThem) {

@@ -43,6 +43,8 @@ struct Kind {
   int decoys = 0;            // pairs of discs on the floor of another size or distance than a cap's
   int floor_pairs = 0;       // pairs on the floor that look as a cap's do
   int glares = 0;
+  double gamma = 1;     // of the grey steps, as Imaging::gamma
+  double sharpened = 0; // [1] of what a blur of a pixel takes off, added, as webcams do
   int jpeg = 0;  // quality of the pictures' JPEG, as webcams send them: 1 to 100, 0 for no JPEG
   Bars bars = {};
 };

@@ -247,6 +247,22 @@ bool washedOut(const Scene& scene, const light::CompiledField& field, optics::Pl
   return 2 * lost >= all;
 }
 
+// An outline in a webcam's picture: brighter beside the dark, darker beside the bright.
+void sharpen(optics::GreyImage& image, double amount) {
+  const optics::GreyImage from = image;
+  const auto blurred = [](int before, int here, int after) { return before + 2 * here + after; };
+  for (int y = 1; y + 1 < image.height; ++y) {
+    const std::uint8_t* rows[] = {from.view().row(y - 1), from.view().row(y), from.view().row(y + 1)};
+    for (int x = 1; x + 1 < image.width; ++x) {
+      int sums[3];
+      for (int i = 0; i < 3; ++i) sums[i] = blurred(rows[i][x - 1], rows[i][x], rows[i][x + 1]);
+      const double off = rows[1][x] - blurred(sums[0], sums[1], sums[2]) / 16.0;
+      image.row(y)[x] = static_cast<std::uint8_t>(
+          std::clamp(std::lround(rows[1][x] + amount * off), 0L, 255L));
+    }
+  }
+}
+
 // What is left of a picture that a webcam sends as JPEG.
 void passAsJpeg(optics::GreyImage& image, int quality) {
   tracker::RgbImage rgb(image.width, image.height);
@@ -264,9 +280,11 @@ void passAsJpeg(optics::GreyImage& image, int quality) {
 Scene sceneOf(const Kind& kind, std::uint64_t seed) {
   Dice dice(kind.name, seed);
   Scene scene;
+  scene.sharpened = kind.sharpened;
   scene.jpeg = kind.jpeg;
   sim::PainterSettings& settings = scene.settings;
   settings.imaging.compressed = kind.jpeg > 0;
+  settings.imaging.gamma = kind.gamma;
   const int columns = kind.rows == 480 ? 640 : kind.rows * 16 / 9;
   settings.camera = optics::simulatedCamera(columns, kind.rows, kWidth, kHeight);
   settings.imaging.blur = kind.blur;
@@ -303,6 +321,7 @@ optics::GreyImage paint(const Scene& scene) {
   painter.setLight(scene.light);
   optics::GreyImage image(scene.settings.camera.width, scene.settings.camera.height);
   painter.paint(scene.robots, static_cast<std::int64_t>(scene.settings.seed), image.pixels);
+  if (scene.sharpened > 0) sharpen(image, scene.sharpened);
   if (scene.jpeg > 0) passAsJpeg(image, scene.jpeg);
   return image;
 }

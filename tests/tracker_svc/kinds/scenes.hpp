@@ -15,7 +15,8 @@ namespace lab::cases {
 
 struct Scene {
   sim::PainterSettings settings;
-  int jpeg = 0;  // as Kind::jpeg
+  double sharpened = 0;  // as Kind::sharpened
+  int jpeg = 0;          // as Kind::jpeg
   light::Field light;
   std::vector<sim::PaintedRobot> robots;
   std::vector<TrueRobot> truth;  // in the same order
