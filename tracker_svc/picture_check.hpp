@@ -10,6 +10,7 @@ namespace lab::tracker {
 
 struct Exposure {
   double brightness = 0;  ///< [1] mean, of full scale
+  double darkest = 0;     ///< [DN]
   bool dark = false;      ///< no cap could be told from the noise
   bool saturated = false; ///< so much is at full scale that the exposure is too long
 };
@@ -36,7 +37,8 @@ class PictureCheck {
 class BlindCheck {
  public:
   /// @param circle [px] smallest radius of a small circle
-  explicit BlindCheck(double circle) : circle_(circle) {}
+  /// @param black [DN] of no light at all, as the calibration has it
+  BlindCheck(double circle, double black) : circle_(circle), black_(black) {}
 
   /// @param time [s] of the picture
   void add(double time, const Exposure& exposure, bool any_cap);
@@ -46,11 +48,14 @@ class BlindCheck {
 
  private:
   double circle_;
+  double black_;
   double since_ = 0;  ///< [s] the first picture without a cap
   double last_ = 0;   ///< [s] the last one
   std::int64_t pictures_ = 0;
   std::int64_t dark_ = 0;
   std::int64_t saturated_ = 0;
+  double darkest_ = 0;    ///< [DN] of all pictures
+  double brightness_ = 0; ///< [1] of the last one
 };
 
 }  // namespace lab::tracker

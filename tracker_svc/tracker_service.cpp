@@ -116,7 +116,8 @@ TrackerService::TrackerService(const ServiceContext& context)
       spacing_(spacingSettings(calibration_)),
       pictures_(calibration_.usualImaging().black),
       blind_(static_cast<double>(ScaleMap(detector_.camera(), calibration_.cap).smallest()) *
-             calibration_.cap.small_radius),
+                 calibration_.cap.small_radius,
+             calibration_.usualImaging().black),
       robots_(robotsInView(context.experiment).size()),
       origin_(originOf(experiment_.camera)),
       origin_utime_(context.loop.now()),

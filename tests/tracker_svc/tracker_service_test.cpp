@@ -312,6 +312,10 @@ TEST_F(TrackerServiceTest, SaysWhenTheCameraIsBlindAndWhy) {
   EXPECT_THAT(statuses.back().warning, IsEmpty());
   blindFor(12 * 20, 255);
   EXPECT_THAT(statuses.back().warning, HasSubstr("too bright"));
+  film(25);
+  blindFor(12 * 20, 30);
+  EXPECT_THAT(statuses.back().warning, AllOf(HasSubstr("no pixel is below 30 grey steps"),
+                                             HasSubstr("and not at 2 (imaging.black_dn")));
 }
 
 TEST_F(TrackerServiceTest, RefusesPicturesOfAnotherSizeAndGoesOnWhenTheyFit) {
