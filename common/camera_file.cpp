@@ -40,19 +40,6 @@ void checkScale(const JsonSection& file, const char* key, const CameraCalibratio
   }
 }
 
-void checkCap(const JsonSection& file, const char* big_key, const char* small_key,
-              const optics::CapGeometry& cap) {
-  if (cap.big_offset < cap.small_offset) {
-    file.fail(big_key, "the big circle is in front: its offset is more than that of the small one");
-  }
-  if (cap.spacing() < cap.big_radius + cap.small_radius) {
-    file.fail(big_key, "the circles overlap: move them apart");
-  }
-  if (cap.small_radius >= cap.big_radius) {
-    file.fail(small_key, "the small circle must be smaller than the big one");
-  }
-}
-
 optics::CapGeometry readCap(const JsonSection& file, const std::string& unit_name, double unit,
                             const char* height_key) {
   const optics::CapGeometry usual;
@@ -67,7 +54,9 @@ optics::CapGeometry readCap(const JsonSection& file, const std::string& unit_nam
   cap.small_radius = length("small_radius", 0.0005, 0.5, usual.small_radius);
   cap.big_offset = length("big_offset", -0.5, 0.5, usual.big_offset);
   cap.small_offset = length("small_offset", -0.5, 0.5, usual.small_offset);
-  checkCap(file, ("big_offset" + unit_name).c_str(), ("small_radius" + unit_name).c_str(), cap);
+  if (const auto fault = optics::capFault(cap)) {
+    file.fail((fault->size + unit_name).c_str(), fault->what);
+  }
   return cap;
 }
 

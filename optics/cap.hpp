@@ -2,6 +2,8 @@
 /// and a small one behind, 5 cm above the floor.
 #pragma once
 
+#include <optional>
+
 namespace lab::optics {
 
 /// Sizes [m], in the robot's frame: x forward, the robot's axis at 0. The defaults are assumptions
@@ -20,5 +22,28 @@ struct CapGeometry {
 
   bool operator==(const CapGeometry&) const = default;
 };
+
+/// Sizes that no cap has.
+struct CapFault {
+  const char* size;  ///< which one, by its name above
+  const char* what;
+};
+
+[[nodiscard]] constexpr std::optional<CapFault> capFault(const CapGeometry& cap) {
+  if (cap.big_offset < cap.small_offset) {
+    return {{"big_offset", "the big circle is in front: its offset is more than that of the small one"}};
+  }
+  if (cap.spacing() < cap.big_radius + cap.small_radius) {
+    return {{"big_offset", "the circles overlap: move them apart"}};
+  }
+  if (cap.small_radius >= cap.big_radius) {
+    return {{"small_radius", "the small circle must be smaller than the big one"}};
+  }
+  if (cap.big_offset + cap.big_radius > cap.cap_radius ||
+      cap.small_radius - cap.small_offset > cap.cap_radius) {
+    return {{"cap_radius", "a circle reaches beyond the cap's rim"}};
+  }
+  return std::nullopt;
+}
 
 }  // namespace lab::optics

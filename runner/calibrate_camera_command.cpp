@@ -10,6 +10,7 @@
 
 #include "calibration/board.hpp"
 #include "calibration/camera_fit.hpp"
+#include "calibration/cap_sheet.hpp"
 #include "calibration/camera_report.hpp"
 #include "cameras/film_reader.hpp"
 #include "common/camera_file.hpp"
@@ -52,6 +53,23 @@ std::vector<double> numbersIn(const std::string& text, const std::string& separa
   return out;
 }
 
+optics::CapGeometry capOf(const CalibrateCameraOptions& options) {
+  optics::CapGeometry cap;
+  cap.robot_radius = kCenti * options.robot_radius_cm;
+  cap.cap_radius = kCenti * options.cap_radius_cm;
+  cap.height = kCenti * options.cap_height_cm;
+  cap.big_radius = kCenti * options.big_radius_cm;
+  cap.small_radius = kCenti * options.small_radius_cm;
+  cap.big_offset = kCenti * options.big_offset_cm.value_or(options.spacing_cm / 2);
+  cap.small_offset = cap.big_offset - kCenti * options.spacing_cm;
+  if (const auto fault = optics::capFault(cap)) {
+    std::string option = fault->size;
+    std::ranges::replace(option, '_', '-');
+    throw UserError(fmt::format("--{}-cm: {}", option, fault->what));
+  }
+  return cap;
+}
+
 CameraSights sightsFor(const CalibrateCameraOptions& options) {
   CameraSights sights;
   const std::vector<double> corners = numbersIn(options.corners, ",;");
@@ -72,9 +90,7 @@ CameraSights sightsFor(const CalibrateCameraOptions& options) {
   sights.arena_width = kCenti * arena[0];
   sights.arena_height = kCenti * arena[1];
   sights.corner_sigma = options.corner_px;
-  sights.cap.height = kCenti * options.cap_height_cm;
-  sights.cap.big_offset = kCenti * options.spacing_cm / 2;
-  sights.cap.small_offset = -sights.cap.big_offset;
+  sights.cap = capOf(options);
   if (options.camera_height_cm) sights.camera_height = kCenti * *options.camera_height_cm;
   sights.with_k3 = options.k3;
   return sights;
@@ -264,10 +280,10 @@ void writeWhole(const fs::path& path, const std::string& text) {
   fs::rename(part, path);
 }
 
-ExitCode printBoard(const CalibrateCameraOptions& options) {
-  checkOutput(options.print_board, options.force);
-  writeWhole(options.print_board, calibration::boardSvg(boardOf(options)));
-  fmt::print("board     {}\n", options.print_board.string());
+ExitCode printDrawing(const fs::path& file, const std::string& svg, bool force) {
+  checkOutput(file, force);
+  writeWhole(file, svg);
+  fmt::print("drawing   {}\n", file.string());
   return kDone;
 }
 
@@ -291,7 +307,12 @@ ExitCode calibrateFromLab(const CalibrateCameraOptions& options) {
 }  // namespace
 
 ExitCode calibrateCamera(const CalibrateCameraOptions& options) {
-  if (!options.print_board.empty()) return printBoard(options);
+  if (!options.print_board.empty()) {
+    return printDrawing(options.print_board, calibration::boardSvg(boardOf(options)), options.force);
+  }
+  if (!options.print_caps.empty()) {
+    return printDrawing(options.print_caps, calibration::capSheetSvg(capOf(options)), options.force);
+  }
   if (fs::path(options.source).extension() == ".toml") return calibrateFromLab(options);
   checkOutput(options.out, options.force);
   if (options.source.empty() && options.board_pictures.empty()) {

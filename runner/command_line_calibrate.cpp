@@ -27,12 +27,20 @@ void addCalibrateCamera(CLI::App& calibrate, Chosen& chosen, const fs::path& pro
   command->add_option("--print-board", options->print_board, "Only draw the board: NAME.svg");
   command->add_option("--out", options->out, "The calibration")->capture_default_str();
   command->add_option("--arena-cm", options->arena_cm, "Width x height")->capture_default_str();
-  command->add_option("--cap-height-cm", options->cap_height_cm, "Above the floor")
-      ->check(between(0, 100))
-      ->capture_default_str();
-  command->add_option("--spacing-cm", options->spacing_cm, "Between the two circles of a cap")
-      ->check(between(0.5, 50))
-      ->capture_default_str();
+  const auto addLength = [&](const char* name, double& value, const char* what, double low) {
+    command->add_option(name, value, what)->check(between(low, 100))->capture_default_str();
+  };
+  addLength("--cap-height-cm", options->cap_height_cm, "Of a robot's cap above the floor", 0);
+  addLength("--cap-radius-cm", options->cap_radius_cm, "Of the white cap", 0.5);
+  addLength("--robot-radius-cm", options->robot_radius_cm, "Of the body", 0.5);
+  addLength("--big-radius-cm", options->big_radius_cm, "Of the big circle", 0.05);
+  addLength("--small-radius-cm", options->small_radius_cm, "Of the small circle", 0.05);
+  addLength("--spacing-cm", options->spacing_cm, "Between the centres of both circles", 0.5);
+  command
+      ->add_option("--big-offset-cm", options->big_offset_cm,
+                   "Of the big circle's centre in front of the axis (default: half the spacing)")
+      ->check(between(-50, 50));
+  command->add_option("--print-caps", options->print_caps, "Only draw a sheet of caps: NAME.svg");
   command
       ->add_option("--camera-height-cm", options->camera_height_cm,
                    "Above the floor, measured to 1 cm: makes it more certain")

@@ -107,8 +107,15 @@ struct CalibrateCameraOptions {
   std::filesystem::path print_board;          ///< only draws the board, empty: no
   std::filesystem::path out = "camera.json";
   std::string arena_cm = "120x90";
+  // The robots' caps, optics::CapGeometry:
+  double robot_radius_cm = 3.75;
+  double cap_radius_cm = 3.6;
   double cap_height_cm = 5;
-  double spacing_cm = 3.6;  ///< between the circles of a cap
+  double big_radius_cm = 0.9;
+  double small_radius_cm = 0.55;
+  double spacing_cm = 3.6;              ///< between the circles of a cap
+  std::optional<double> big_offset_cm;  ///< from the axis, empty: half the spacing
+  std::filesystem::path print_caps;     ///< only draws the caps, empty: no
   double corner_px = 0.5;   ///< how well the corners are marked, along each axis
   std::optional<double> camera_height_cm;  ///< above the floor, known to 1 cm
   bool k3 = false;

@@ -16,8 +16,9 @@ constexpr double kAsBright = 0.7;   // [1] of the brightest white: they decide
 constexpr double kBrighter = 1.2;   // [1] than before: the light has changed at that place
 // [1] black paint over white: 0.05 to 0.15 in light, 0.22 to 0.42 once that is encoded
 constexpr double kMostLinear = 0.2;
-constexpr std::int64_t kAllOf = 30;  // pictures; of later ones one in kOneIn
-constexpr std::int64_t kOneIn = 10;
+// pictures of which all are looked at; later ones ever more seldom, at least one in kOneIn
+constexpr std::int64_t kAllOf = 30;
+constexpr std::int64_t kOneIn = 100;
 
 optics::Imaging with(optics::Imaging imaging, double gamma) {
   imaging.gamma = gamma;
@@ -44,7 +45,7 @@ void ResponseFinder::setCompressed(bool compressed) {
 void ResponseFinder::take(const optics::GreyView& picture) {
   if (settled_) return;
   const std::int64_t number = pictures_++;
-  if (number >= kAllOf && number % kOneIn != 0) return;
+  if (number % std::clamp<std::int64_t>(number / kAllOf, 1, kOneIn) != 0) return;
   const std::vector<Detection>& caps = linear_.search(picture);
   for (const Detection& cap : caps) add(paintOf(cap, optics::Response()));
   const optics::Response video(optics::kVideoGamma, black_);

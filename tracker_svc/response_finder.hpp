@@ -29,8 +29,8 @@ class ResponseFinder {
 
   void setCompressed(bool compressed);
 
-  /// Looks at a picture, while there is something to be found out. Where many have not said enough,
-  /// at one in ten.
+  /// Looks at a picture, while there is something to be found out; ever more seldom where many have
+  /// not said enough, since each look is two searches.
   void take(const optics::GreyView& picture);
 
   /// Imaging::gamma, 1 or optics::kVideoGamma, as far as can be told from the caps so far; empty:

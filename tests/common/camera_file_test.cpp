@@ -58,6 +58,8 @@ class CameraFile : public testing::Test {
     calibration.cap.small_radius = 0.1 / 3;
     calibration.cap.big_radius = 0.11 / 3;
     calibration.cap.big_offset = 0.1;
+    calibration.cap.cap_radius = 0.5 / 3;
+    calibration.cap.robot_radius = 0.52 / 3;
     calibration.imaging = optics::Imaging{0.7, 1.1, 0.02, 1.9};
     calibration.arena_width = 1.1;
     calibration.residual = 0.00042;
@@ -170,6 +172,8 @@ TEST_F(CameraFile, ErrorsNameFileAndKey) {
               HasSubstr("geometry.small_radius_cm: the small circle must be smaller"));
   EXPECT_THAT(refusal(with("\"big_offset_cm\": 1.7", "\"big_offset_cm\": -1.5")),
               HasSubstr("geometry.big_offset_cm: the circles overlap"));
+  EXPECT_THAT(refusal(with("\"big_offset_cm\": 1.7", "\"big_offset_cm\": 2.8")),
+              HasSubstr("geometry.cap_radius_cm: a circle reaches beyond the cap's rim"));
   EXPECT_THAT(refusal(with("\"big_offset_cm\": 1.7", "\"big_offset_cm\": -5")),
               HasSubstr("geometry.big_offset_cm: the big circle is in front"));
 }

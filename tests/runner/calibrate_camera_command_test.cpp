@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <numbers>
 
 #include "common/camera_file.hpp"
@@ -59,11 +61,13 @@ class CalibrateCamera : public testing::Test {
     options_.corner_px = 0.1;
   }
 
-  void film(const std::string& name, double widest, const optics::Imaging& imaging = {}) {
+  void film(const std::string& name, double widest, const optics::Imaging& imaging = {},
+            const optics::CapGeometry& cap = {}) {
     fs::create_directory(folder_ / name);
     sim::PainterSettings settings;
     settings.camera = truth_;
     settings.imaging = imaging;
+    settings.cap = cap;
     sim::CameraPainter painter(settings);
     light::Layer dim;
     dim.intensity = 0.6;
@@ -78,14 +82,15 @@ class CalibrateCamera : public testing::Test {
   }
 
   /// [m] by how much places on the caps' plane are off, root mean square over the arena.
-  [[nodiscard]] double errorOf(const optics::CameraParameters& found) const {
+  [[nodiscard]] double errorOf(const optics::CameraParameters& found,
+                               double height = optics::CapGeometry{}.height) const {
     const optics::CameraModel model(found);
     const optics::CameraModel truth(truth_);
     double squares = 0;
     int places = 0;
     for (int i = 0; i <= 12; ++i) {
       for (int j = 0; j <= 9; ++j) {
-        const auto seen = model.toPlane(truth.project(0.1 * i, 0.1 * j, 0.05), 0.05);
+        const auto seen = model.toPlane(truth.project(0.1 * i, 0.1 * j, height), height);
         if (!seen) return INFINITY;
         squares += std::pow(seen->x - 0.1 * i, 2) + std::pow(seen->y - 0.1 * j, 2);
         ++places;
@@ -133,6 +138,62 @@ TEST_F(CalibrateCamera, FindsACameraThatEncodesForTheEye) {
   ASSERT_TRUE(found.residual);
   EXPECT_LT(errorOf(found.camera), 2 * *found.residual);
   EXPECT_LT(*found.residual, 0.6e-3);
+}
+
+TEST_F(CalibrateCamera, IsToldTheSizesOfOtherCaps) {
+  const optics::CapGeometry other{.robot_radius = 0.033,
+                                  .cap_radius = 0.031,
+                                  .height = 0.04,
+                                  .big_radius = 0.0075,
+                                  .small_radius = 0.0045,
+                                  .big_offset = 0.017,
+                                  .small_offset = -0.013};
+  film("other", 1.2, {}, other);
+  options_.source = (folder_ / "other").string();
+  options_.robot_radius_cm = 3.3;
+  options_.cap_radius_cm = 3.1;
+  options_.cap_height_cm = 4;
+  options_.big_radius_cm = 0.75;
+  options_.small_radius_cm = 0.45;
+  options_.spacing_cm = 3;
+  options_.big_offset_cm = 1.7;
+  ASSERT_EQ(calibrateCamera(options_), kDone);
+  const CameraCalibration found = readCameraFile(options_.out);
+  EXPECT_NEAR(found.cap.small_offset, other.small_offset, 1e-12);
+  EXPECT_NEAR(found.cap.robot_radius, other.robot_radius, 1e-12);
+  ASSERT_TRUE(found.residual);
+  EXPECT_LT(errorOf(found.camera, other.height), 2 * *found.residual);
+  EXPECT_LT(*found.residual, 0.6e-3);
+}
+
+TEST_F(CalibrateCamera, DrawsCapsToPrint) {
+  options_.print_caps = folder_ / "caps.svg";
+  ASSERT_EQ(calibrateCamera(options_), kDone);
+  std::ifstream stream(options_.print_caps);
+  const std::string svg{std::istreambuf_iterator<char>(stream), {}};
+  const auto count = [&](const std::string& what) {
+    int found = 0;
+    for (auto at = svg.find(what); at != std::string::npos; at = svg.find(what, at + 1)) ++found;
+    return found;
+  };
+  EXPECT_EQ(count("r=\"36\""), 6);
+  EXPECT_EQ(count("r=\"9\"/>"), 6);
+  EXPECT_EQ(count("r=\"5.5\"/>"), 6);
+  EXPECT_THAT(svg, HasSubstr("width=\"210mm\" height=\"297mm\""));
+  EXPECT_THAT(problem(), HasSubstr("is there already"));
+
+  options_.cap_radius_cm = 20;  // larger than the paper: one, on a larger drawing
+  options_.force = true;
+  ASSERT_EQ(calibrateCamera(options_), kDone);
+}
+
+TEST_F(CalibrateCamera, SaysWhichSizeNoCapHas) {
+  options_.big_radius_cm = 2;
+  EXPECT_THAT(problem(), HasSubstr("--cap-radius-cm: a circle reaches beyond the cap's rim"));
+  options_.big_radius_cm = 0.5;
+  EXPECT_THAT(problem(), HasSubstr("--small-radius-cm: the small circle must be smaller"));
+  options_.spacing_cm = 1;
+  EXPECT_THAT(problem(), HasSubstr("--big-offset-cm: the circles overlap"));
 }
 
 TEST_F(CalibrateCamera, AsksForAPlaceToWriteBeforeItLooksAtTheFilm) {
