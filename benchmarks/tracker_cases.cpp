@@ -1,9 +1,14 @@
-// tracker_cases CASES_DIR [--out DIR] [--only TEXT]
+// tracker_cases CASES_DIR [--out DIR] [--only TEXT] [--encode GAMMA]
 // Runs the detector, and the plain OpenCV trackers where OpenCV is at hand, over every folder of
-// pictures with truth, and prints how they do. With --out, <case>.csv of our poses is left there.
+// pictures with truth, and prints how they do. With --out, <case>.csv of our poses is left there. With
+// --encode, light is encoded as by a camera with that gamma, which the detector is not told.
 #include <algorithm>
+#include <array>
 #include <chrono>
+#include <cmath>
+#include <cstdint>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -13,11 +18,13 @@
 #include <vector>
 
 #include "common/camera_file.hpp"
+#include "optics/response.hpp"
 #include "tests/tracker_svc/kinds/score.hpp"
 #ifdef LAB_HAS_OPENCV
 #include "tracker_cases_opencv.hpp"
 #endif
 #include "tracker_svc/detector.hpp"
+#include "tracker_svc/response_finder.hpp"
 
 namespace {
 
@@ -72,10 +79,22 @@ std::vector<Method> methodsFor(const lab::CameraCalibration& calibration,
   return methods;
 }
 
-void runCase(const fs::path& folder, const std::optional<fs::path>& out) {
+void encode(GreyImage& image, double gamma, double black) {
+  const lab::optics::Response camera(gamma, black);
+  std::array<std::uint8_t, 256> steps;
+  for (std::size_t light = 0; light < steps.size(); ++light) {
+    steps[light] = static_cast<std::uint8_t>(std::lround(camera.grey(static_cast<double>(light))));
+  }
+  for (std::uint8_t& pixel : image.pixels) pixel = steps[pixel];
+}
+
+void runCase(const fs::path& folder, const std::optional<fs::path>& out,
+             std::optional<double> gamma) {
   const lab::CameraCalibration calibration = lab::readCameraFile(folder / "calib.json");
+  const lab::optics::Imaging imaging = calibration.imaging.value_or(lab::optics::Imaging{});
   lab::tracker::Detector detector(lab::optics::CameraModel(calibration.camera), calibration.cap,
-                                  calibration.imaging.value_or(lab::optics::Imaging{}));
+                                  imaging);
+  lab::tracker::ResponseFinder response(detector.camera(), calibration.cap, imaging);
   auto truth = lab::cases::readTruth(folder / "truth.csv");
   std::vector<Method> methods = methodsFor(calibration, detector);
   std::ofstream csv;
@@ -87,8 +106,13 @@ void runCase(const fs::path& folder, const std::optional<fs::path>& out) {
   for (int frame = 0;; ++frame) {
     char name[16];
     std::snprintf(name, sizeof name, "f%04d.png", frame);
-    const std::optional<GreyImage> read = readPicture(folder / name);
+    std::optional<GreyImage> read = readPicture(folder / name);
     if (!read) break;
+    if (gamma) {
+      encode(*read, *gamma, imaging.black);
+      response.take(read->view());
+      detector.setGamma(response.gamma().value_or(1));
+    }
     const GreyView picture{read->pixels.data(), read->width, read->height, read->width};
     for (Method& method : methods) {
       double fastest = 1e9;
@@ -116,9 +140,11 @@ void runCase(const fs::path& folder, const std::optional<fs::path>& out) {
 int run(int argc, char** argv) {
   std::optional<fs::path> out;
   std::string only;
+  std::optional<double> gamma;
   for (int i = 2; i + 1 < argc; i += 2) {
     if (std::string(argv[i]) == "--out") out = argv[i + 1];
     if (std::string(argv[i]) == "--only") only = argv[i + 1];
+    if (std::string(argv[i]) == "--encode") gamma = std::atof(argv[i + 1]);
   }
   if (out) fs::create_directories(*out);
   std::vector<fs::path> folders;
@@ -128,7 +154,7 @@ int run(int argc, char** argv) {
   }
   std::sort(folders.begin(), folders.end());
   std::printf("%-22s %-9s %s\n", "case", "method", lab::cases::Score::header().c_str());
-  for (const fs::path& folder : folders) runCase(folder, out);
+  for (const fs::path& folder : folders) runCase(folder, out, gamma);
   return folders.empty() ? 1 : 0;
 }
 
@@ -136,7 +162,7 @@ int run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   if (argc < 2 || !fs::is_directory(argv[1])) {
-    std::fprintf(stderr, "usage: tracker_cases CASES_DIR [--out DIR] [--only TEXT]\n");
+    std::fprintf(stderr, "usage: tracker_cases CASES_DIR [--out DIR] [--only TEXT] [--encode GAMMA]\n");
     return 2;
   }
   try {

@@ -60,15 +60,15 @@ optics::CapGeometry readCap(const JsonSection& file, const std::string& unit_nam
   return cap;
 }
 
-void readImaging(const JsonSection& file, const char* shot_key, const char* black_key,
-                 CameraCalibration& calibration) {
-  if (file.has("gamma")) calibration.gamma = file.number("gamma", 0.2, 5);
+optics::Imaging readImaging(const JsonSection& file, const char* shot_key, const char* black_key) {
   const optics::Imaging usual;
-  optics::Imaging& imaging = calibration.imaging.emplace();
+  optics::Imaging imaging;
   imaging.blur = file.number("blur_px", 0, 20, 1, usual.blur);
   imaging.read_noise = file.number("read_noise_dn", 0, 100, 1, usual.read_noise);
   imaging.shot_gain = file.number(shot_key, 0, 10, 1, usual.shot_gain);
   imaging.black = file.number(black_key, 0, 100, 1, usual.black);
+  if (file.has("gamma")) imaging.gamma = file.number("gamma", 0.2, 5);
+  return imaging;
 }
 
 CameraCalibration readOwnForm(const JsonSection& file) {
@@ -76,7 +76,7 @@ CameraCalibration readOwnForm(const JsonSection& file) {
   calibration.camera = readLens(file, false);
   calibration.cap = readCap(file.section("cap"), "_m", 1, "height");
   if (file.has("imaging")) {
-    readImaging(file.section("imaging"), "shot_gain_dn", "black_dn", calibration);
+    calibration.imaging = readImaging(file.section("imaging"), "shot_gain_dn", "black_dn");
   }
   const JsonSection arena = file.section("arena");
   calibration.arena_width = arena.number("width_m", 0.01, 100);
@@ -137,7 +137,7 @@ CameraCalibration readOpenCvForm(const JsonSection& file) {
         geometry.number("arena_h_cm", 1, 10'000, kCentimetre, calibration.arena_height);
   }
   if (file.has("noise")) {
-    readImaging(file.section("noise"), "shot_gain", "black_level", calibration);
+    calibration.imaging = readImaging(file.section("noise"), "shot_gain", "black_level");
   }
   checkHeight(file, "t", calibration);
   checkScale(file, "K", calibration);
@@ -183,8 +183,8 @@ std::string cameraFileText(const CameraCalibration& calibration) {
                        {"read_noise_dn", calibration.imaging->read_noise},
                        {"shot_gain_dn", calibration.imaging->shot_gain},
                        {"black_dn", calibration.imaging->black}};
+    if (calibration.imaging->gamma) file["imaging"]["gamma"] = *calibration.imaging->gamma;
   }
-  if (calibration.gamma) file["imaging"]["gamma"] = *calibration.gamma;
   if (calibration.residual) file["residual_m"] = *calibration.residual;
   return file.dump(2) + "\n";
 }

@@ -15,19 +15,11 @@ namespace lab {
 struct CameraCalibration {
   optics::CameraParameters camera;
   optics::CapGeometry cap;
-  std::optional<optics::Imaging> imaging;  ///< empty: nothing of it measured; its gamma is below
-  std::optional<double> gamma;  ///< Imaging::gamma, empty: to be told from the pictures
+  std::optional<optics::Imaging> imaging;  ///< empty: nothing of it measured
   double arena_width = 1.20;   ///< [m]
   double arena_height = 0.90;  ///< [m]
   std::optional<double> residual;  ///< [m] root mean square over the arena, at cap height
   std::string id;  ///< first 12 digits of the file's SHA-256
-
-  /// What is known of the pictures, and the usual for the rest.
-  [[nodiscard]] optics::Imaging usualImaging() const {
-    optics::Imaging usual = imaging.value_or(optics::Imaging{});
-    usual.gamma = gamma.value_or(usual.gamma);
-    return usual;
-  }
 };
 
 /// Reads either form: this lab's own, in SI units ("form": "active-lab camera 1"), or K, dist, R, t

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "optics/image.hpp"
+#include "optics/imaging.hpp"
 
 namespace lab::optics {
 
@@ -22,6 +23,8 @@ class Response {
   /// @param gamma above 0, 1: linear
   /// @param black [DN] of no light, 0 to 254
   explicit Response(double gamma, double black = 0);
+  explicit Response(const Imaging& imaging)
+      : Response(imaging.gamma.value_or(1), imaging.black) {}
 
   [[nodiscard]] bool isLinear() const { return gamma_ == 1; }
 

@@ -140,38 +140,34 @@ std::vector<optics::GreyImage> firstPictures(const std::string& source, CameraSi
 struct Calibrated {
   CameraFit fit;
   std::optional<double> blur;   // [px]
-  std::optional<double> gamma;  // optics::Imaging::gamma
+  std::optional<double> gamma;  // Imaging::gamma
 };
 
 /// How the camera's grey steps follow the light, told from the caps in these pictures.
-std::optional<double> gammaOf(const std::vector<optics::GreyImage>& pictures,
-                              const optics::CameraParameters& camera, const CameraSights& sights,
-                              const optics::Imaging& imaging) {
+void findResponse(const std::vector<optics::GreyImage>& pictures,
+                  const optics::CameraParameters& camera, const CameraSights& sights,
+                  optics::Imaging& imaging) {
   tracker::ResponseFinder finder(optics::CameraModel(camera), sights.cap, imaging);
   for (const optics::GreyImage& picture : pictures) finder.take(picture.view());
-  if (finder.gamma()) {
-    fmt::print("response  gamma {:g}: black paint shows as {:.2f} of the white\n", *finder.gamma(),
-               finder.ratio());
-  }
-  return finder.gamma();
+  imaging.gamma = finder.gamma();
+  if (!imaging.gamma) return;
+  fmt::print("response  gamma {:g}: {}\n", *imaging.gamma, finder.reason());
 }
 
-/// A first idea of the camera, and how its grey steps follow the light: its caps may only be found
-/// once that is undone.
+/// A first idea of the camera, and how its grey steps follow the light: most caps may only show once
+/// that is undone.
 std::optional<optics::CameraParameters> roughCameraOf(const CameraSights& sights,
                                                       const std::vector<optics::GreyImage>& pictures,
-                                                      optics::Imaging& imaging,
-                                                      std::optional<double>& gamma) {
-  for (const double tried : {1.0, optics::kVideoGamma}) {
-    imaging.gamma = tried;
-    const auto camera = roughCamera(sights, pictures, imaging);
-    if (!camera) continue;
-    gamma = gammaOf(pictures, *camera, sights, imaging);
-    if (gamma.value_or(tried) == tried) return camera;
-    imaging.gamma = *gamma;
-    return roughCamera(sights, pictures, imaging);
+                                                      optics::Imaging& imaging) {
+  RoughCamera best;
+  for (const double gamma : {1.0, optics::kVideoGamma}) {
+    imaging.gamma = gamma;
+    const RoughCamera found = roughCamera(sights, pictures, imaging);
+    if (found.caps > best.caps) best = found;
   }
-  return std::nullopt;
+  if (best.caps == 0) return std::nullopt;
+  findResponse(pictures, best.camera, sights, imaging);
+  return best.camera;
 }
 
 /// The caps of the whole film go into the sights, as they are found with this camera, of this blur
@@ -235,10 +231,9 @@ Calibrated calibrateWithBoards(const CalibrateCameraOptions& options, CameraSigh
   if (options.source.empty() || !(fit.camera.fx > 0)) return {fit, {}, {}};
   optics::Imaging imaging;
   const std::vector<optics::GreyImage> pictures = firstPictures(options.source, sights, imaging);
-  const std::optional<double> gamma = gammaOf(pictures, fit.camera, sights, imaging);
-  imaging.gamma = gamma.value_or(1);
+  findResponse(pictures, fit.camera, sights, imaging);
   const std::optional<double> blur = findCaps(options.source, fit.camera, imaging, {}, sights);
-  return {calibration::fitCamera(sights, fit.camera), blur, gamma};
+  return {calibration::fitCamera(sights, fit.camera), blur, imaging.gamma};
 }
 
 Calibrated calibrate(const CalibrateCameraOptions& options, CameraSights& sights) {
@@ -251,12 +246,13 @@ Calibrated calibrate(const CalibrateCameraOptions& options, CameraSights& sights
                                          sights.arena_width, sights.arena_height);
   if (!fit.refusal.empty()) return out;
   const std::optional<optics::CameraParameters> camera =
-      roughCameraOf(sights, pictures, imaging, out.gamma);
+      roughCameraOf(sights, pictures, imaging);
   if (!camera) {
     fit.refusal = "found no cap in any of the pictures looked at: are there robots in it, are the "
                   "corners right, and --arena-cm, --spacing-cm, --cap-height-cm?";
     return out;
   }
+  out.gamma = imaging.gamma;
   // Once with the first idea, with which caps may be missed where the lens bends most, and once more
   // with what came out.
   calibration::CameraFitLimits anywhere;
@@ -335,8 +331,10 @@ ExitCode calibrateCamera(const CalibrateCameraOptions& options) {
   calibration.arena_width = sights.arena_width;
   calibration.arena_height = sights.arena_height;
   calibration.residual = fit.map.rms;
-  if (found.blur) calibration.imaging = optics::Imaging{.blur = *found.blur};
-  calibration.gamma = found.gamma;
+  if (found.blur || found.gamma) {
+    calibration.imaging =
+        optics::Imaging{.blur = found.blur.value_or(optics::Imaging{}.blur), .gamma = found.gamma};
+  }
   writeWhole(options.out, cameraFileText(calibration));
   fmt::print("camera    {}\n", options.out.string());
   return kDone;

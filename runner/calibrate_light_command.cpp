@@ -11,6 +11,7 @@
 #include "common/experiment_file.hpp"
 #include "common/light_file.hpp"
 #include "common/units.hpp"
+#include "optics/response.hpp"
 #include "optics/simulated_projector.hpp"
 #include "runner/calibration_lab.hpp"
 #include "runner/commands.hpp"
@@ -79,8 +80,7 @@ std::optional<std::vector<calibration::ToneSight>> filmStaircase(
   // What users are asked to lay: robots would be seen as places that lack light.
   if (simulated) filmed.projector.sheet = optics::kSensorHeight;
   const CameraCalibration camera = cameraOf(experiment, options.file.parent_path()).calibration;
-  const optics::Imaging imaging = camera.usualImaging();
-  optics::Response response(imaging.gamma, imaging.black);
+  optics::Response response(camera.imaging.value_or(optics::Imaging{}));
   calibration::TonePictures pictures(camera.camera, experiment.arena_width, experiment.arena_height,
                                      simulated ? filmed.projector.sheet : 0, levels.size());
   std::string problem = "the lab ended before the lights did";

@@ -46,10 +46,10 @@ Found findWith(const optics::CameraParameters& camera, const optics::CapGeometry
 
 }  // namespace
 
-std::optional<optics::CameraParameters> roughCamera(const calibration::CameraSights& sights,
-                                                    const std::vector<optics::GreyImage>& pictures,
-                                                    const optics::Imaging& imaging) {
-  std::optional<optics::CameraParameters> best;
+RoughCamera roughCamera(const calibration::CameraSights& sights,
+                        const std::vector<optics::GreyImage>& pictures,
+                        const optics::Imaging& imaging) {
+  RoughCamera best;
   Found of_best;
   const double side = std::max(sights.arena_width, sights.arena_height);
   std::vector<double> heights;
@@ -61,7 +61,7 @@ std::optional<optics::CameraParameters> roughCamera(const calibration::CameraSig
       const Found found = findWith(camera, sights.cap, pictures, imaging);
       if (found.caps < of_best.caps || found.caps == 0) continue;
       if (found.caps == of_best.caps && found.spread >= of_best.spread) continue;
-      best = camera;
+      best = {camera, found.caps};
       of_best = found;
     }
   }

@@ -13,13 +13,19 @@
 
 namespace lab::runner {
 
+/// A first idea of a camera.
+struct RoughCamera {
+  optics::CameraParameters camera;
+  std::size_t caps = 0;  ///< found with it
+};
+
 /// The camera from which most caps are found in these pictures, of cameras at several heights with
 /// several distortions that all fit to the corners: a first idea of the true one. Where as many are
 /// found, the one with which their spacings are most alike.
-/// @return empty where none finds a cap
-[[nodiscard]] std::optional<optics::CameraParameters> roughCamera(
-    const calibration::CameraSights& sights, const std::vector<optics::GreyImage>& pictures,
-    const optics::Imaging& imaging = {});
+/// @return without a cap where none finds one
+[[nodiscard]] RoughCamera roughCamera(const calibration::CameraSights& sights,
+                                      const std::vector<optics::GreyImage>& pictures,
+                                      const optics::Imaging& imaging = {});
 
 /// Collects caps, one for each place and heading: robots that stand tell nothing new, and what is
 /// wrong with their picture stays wrong in every frame.

@@ -191,8 +191,10 @@ class Film {
         calibration_(calibration),
         reader_(reader),
         detector_(optics::CameraModel(calibration.camera), calibration.cap,
-                  calibration.usualImaging()),
-        response_(detector_.camera(), calibration.cap, calibration.usualImaging()),
+                  calibration.imaging.value_or(optics::Imaging{})),
+        response_(detector_.camera(), calibration.cap,
+                  calibration.imaging.value_or(optics::Imaging{})),
+        finds_response_(!calibration.imaging || !calibration.imaging->gamma),
         caps_(trackerSettings(calibration), {}),
         tracking_(detector_, caps_, options.robots),
         poses_(options.out, options.force),
@@ -231,12 +233,7 @@ class Film {
           "--fps, or frames.csv beside them (docs/cameras.md)\n",
           kAssumedFps);
     }
-    if (const double gamma = response_.gamma().value_or(1); gamma != 1) {
-      fmt::print(
-          "note     black paint shows as {:.2f} of the white: the camera's grey steps are not linear "
-          "in light, and were read with a gamma of {:g} (docs/cameras.md, imaging.gamma)\n",
-          response_.ratio(), gamma);
-    }
+    if (finds_response_) tellResponse();
     fmt::print("poses    {}\n", options_.out.string());
     if (overlay_) fmt::print("overlay  {}\n", options_.overlay.string());
     if (!no_overlay_.empty()) {
@@ -251,13 +248,34 @@ class Film {
   }
 
  private:
+  /// How the camera's grey steps follow the light, where the calibration does not say it.
+  void findResponse(const optics::GreyView& picture) {
+    if (!finds_response_) return;
+    response_.take(picture);
+    const double gamma = response_.gamma().value_or(1);
+    if (gamma != gamma_) otherwise_ = tracking_.summary().frames;
+    gamma_ = gamma;
+    detector_.setGamma(gamma);
+  }
+
+  void tellResponse() const {
+    if (gamma_ != 1) {
+      fmt::print("note     grey steps were read with a gamma of {:g}, as cameras have them that encode "
+                 "light for the eye: {}\n", gamma_, response_.reason());
+    } else if (!response_.gamma() && tracking_.summary().rows > 0) {
+      fmt::print("note     grey steps were taken for linear in light: {}\n", response_.reason());
+    }
+    if (otherwise_ > 0) {
+      fmt::print("note     that was told from frame {} on, those before were read {}; with imaging.gamma in "
+                 "the calibration (docs/cameras.md) all are read alike\n", otherwise_,
+                 gamma_ == 1 ? "with that gamma" : "as linear");
+    }
+  }
+
   void take(const CameraFrame& frame) {
     constexpr double kMicro = 1e-6;
     checkSize(options_, calibration_, frame.grey.width, frame.grey.height);
-    if (!calibration_.gamma) {
-      response_.take(frame.grey);
-      detector_.setGamma(response_.gamma().value_or(1));
-    }
+    findResponse(frame.grey);
     const double time = static_cast<double>(frame.utime) * kMicro;
     const bool drawn = overlay_ && overlay_->wantsNext();
     rejected_.clear();
@@ -283,6 +301,9 @@ class Film {
   FilmReader& reader_;
   tracker::Detector detector_;
   tracker::ResponseFinder response_;
+  bool finds_response_;
+  double gamma_ = 1;             ///< that is believed
+  std::int64_t otherwise_ = 0;   ///< frames that were read before, with another one
   tracker::CapTracker caps_;
   tracker::FilmTracking tracking_;
   PoseWriter poses_;

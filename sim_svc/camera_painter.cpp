@@ -94,7 +94,7 @@ class CameraPainter::Parts {
 
 CameraPainter::Parts::Parts(PainterSettings the_settings)
     : settings(std::move(the_settings)),
-      grain(settings.seed, optics::Response(settings.imaging.gamma, settings.imaging.black)),
+      grain(settings.seed, optics::Response(settings.imaging)),
       model_(settings.camera),
       spread_(settings.imaging.blur),
       lattice_{settings.camera.width, settings.camera.height, spread_.reach() + 1},

@@ -40,14 +40,14 @@ Detector::Detector(const optics::CameraModel& camera, const optics::CapGeometry&
     : camera_(camera),
       cap_(cap),
       imaging_(imaging),
-      response_(imaging.gamma, imaging.black),
+      response_(imaging),
       scale_(camera, cap),
       search_(scale_, cap, imaging, camera.parameters().width, camera.parameters().height) {}
 
 void Detector::setGamma(double gamma) {
   if (gamma == imaging_.gamma) return;
   imaging_.gamma = gamma;
-  response_ = optics::Response(gamma, imaging_.black);
+  response_ = optics::Response(imaging_);
 }
 
 const std::vector<Detection>& Detector::search(const optics::GreyView& seen,

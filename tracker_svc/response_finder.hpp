@@ -1,15 +1,17 @@
 /// Whether a camera's grey steps are linear in light, told from the caps in its pictures. Pictures in,
 /// a number out.
 ///
-/// Black paint on white sends back less than a sixth of what the white does. A camera that encodes for
-/// the eye shows that as a quarter to a half, and many of its caps are only found once that is undone.
-/// So pictures are looked at both ways, and the caps in the brightest light decide: in little light a
-/// black level that is off looks like grey paint, and some encodings are linear there.
+/// A camera that encodes light for the eye brightens what is dark: black paint on white, a twelfth in
+/// light, shows as a third, and outlines are blurred unevenly. Pictures are looked at both ways. Where
+/// one way finds more caps, it is the right one; where both find them all, the paint decides, which is
+/// no more than a guess: haze brightens black paint too. The caps in the brightest light count, as some
+/// encodings are linear in little light.
 #pragma once
 
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "optics/camera_model.hpp"
@@ -33,33 +35,39 @@ class ResponseFinder {
   /// not said enough, since each look is two searches.
   void take(const optics::GreyView& picture);
 
-  /// Imaging::gamma, 1 or optics::kVideoGamma, as far as can be told from the caps so far; empty:
-  /// none was bright enough.
+  /// Imaging::gamma, 1 or optics::kVideoGamma, as far as can be told from the caps so far; empty: it
+  /// cannot.
   [[nodiscard]] std::optional<double> gamma() const;
+
+  /// What gamma() is told from, for people: "black paint shows as 0.32 of the white".
+  [[nodiscard]] std::string reason() const;
 
   /// Whether caps have been seen in enough light at enough places, as one robot may begin under a
   /// reflection: nothing more will change it.
   [[nodiscard]] bool isSettled() const { return settled_; }
 
-  /// [1] Black paint over white in the pictures as they are: the median; 0 where gamma() is empty.
-  [[nodiscard]] double ratio() const;
-
  private:
+  enum class By { kBoth, kLinear, kEncoded };
   struct Paint {
     double x = 0;  // [m] where it was seen
     double y = 0;
-    double white = 0;      // [DN] in the picture as it is
-    double ratio = 0;      // [1] black over white, likewise
-    bool encoded = false;  // it looks so
+    double white = 0;  // [DN] in the picture as it is
+    double ratio = 0;  // [1] black over white, likewise
+    By by = By::kBoth;
   };
 
-  [[nodiscard]] Paint paintOf(const Detection& cap, const optics::Response& read) const;
+  [[nodiscard]] Paint paintOf(const Detection& cap, const optics::Response& read, By by) const;
   void add(const Paint& paint);
-  void settle();
+  /// Those that count.
   [[nodiscard]] std::span<const Paint> brightest() const;
+  /// What one way finds and the other does not, where that is no chance: positive for encoded.
+  [[nodiscard]] std::int64_t lead() const;
+  /// [1] the median
+  [[nodiscard]] double ratio() const;
 
   Detector linear_;
   Detector encoded_;
+  optics::Response video_;
   double black_;
   bool settled_ = false;
   std::int64_t pictures_ = 0;

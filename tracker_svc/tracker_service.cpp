@@ -36,8 +36,12 @@ CameraCalibration calibrationInForce(const ServiceContext& context) {
   calibration.arena_width = experiment.arena_width;
   calibration.arena_height = experiment.arena_height;
   calibration.id = "simulated";
-  calibration.gamma = 1;
+  calibration.imaging = optics::Imaging{.gamma = 1};
   return calibration;
+}
+
+optics::Imaging imagingOf(const CameraCalibration& calibration) {
+  return calibration.imaging.value_or(optics::Imaging{});
 }
 
 /// Which robots stand under the camera: a real one sees real robots.
@@ -110,14 +114,14 @@ TrackerService::TrackerService(const ServiceContext& context)
       experiment_(context.experiment),
       calibration_(calibrationInForce(context)),
       detector_(optics::CameraModel(calibration_.camera), calibration_.cap,
-                calibration_.usualImaging()),
-      gamma_(calibration_.usualImaging().gamma),
+                imagingOf(calibration_)),
+      gamma_(imagingOf(calibration_).gamma.value_or(1)),
       tracker_(trackerSettings(context.experiment), robotsInView(context.experiment)),
       spacing_(spacingSettings(calibration_)),
-      pictures_(calibration_.usualImaging().black),
+      pictures_(imagingOf(calibration_).black),
       blind_(static_cast<double>(ScaleMap(detector_.camera(), calibration_.cap).smallest()) *
                  calibration_.cap.small_radius,
-             calibration_.usualImaging().black),
+             imagingOf(calibration_).black),
       robots_(robotsInView(context.experiment).size()),
       origin_(originOf(experiment_.camera)),
       origin_utime_(context.loop.now()),
@@ -129,8 +133,8 @@ TrackerService::TrackerService(const ServiceContext& context)
   } catch (const std::runtime_error& error) {  // tracking goes on without a view of it
     node_.noteError(std::string(error.what()) + ": no debug view");
   }
-  if (!calibration_.gamma) {
-    response_.emplace(detector_.camera(), calibration_.cap, calibration_.usualImaging());
+  if (!imagingOf(calibration_).gamma) {
+    response_.emplace(detector_.camera(), calibration_.cap, imagingOf(calibration_));
   }
   status_.camera = experiment_.camera.source;
   status_.state = tracker_status_t::WAITING;

@@ -63,7 +63,7 @@ class CameraFile : public testing::Test {
     calibration.imaging = optics::Imaging{0.7, 1.1, 0.02, 1.9};
     calibration.arena_width = 1.1;
     calibration.residual = 0.00042;
-    calibration.gamma = 2.2;
+    calibration.imaging->gamma = 2.2;
     return calibration;
   }
 
@@ -81,22 +81,21 @@ TEST_F(CameraFile, OwnFormKeepsEveryNumberToTheLastBit) {
   EXPECT_EQ(after.arena_width, before.arena_width);
   EXPECT_EQ(after.arena_height, before.arena_height);
   EXPECT_EQ(after.residual, before.residual);
-  EXPECT_EQ(after.gamma, before.gamma);
-  EXPECT_EQ(after.usualImaging().gamma, 2.2);
+  EXPECT_EQ(after.imaging->gamma, 2.2);
 }
 
 TEST_F(CameraFile, WhatWasNotMeasuredStaysAway) {
   CameraCalibration before = sample();
   before.imaging.reset();
   before.residual.reset();
-  before.gamma.reset();
 
   const CameraCalibration after = read(cameraFileText(before));
 
   EXPECT_FALSE(after.imaging);
   EXPECT_FALSE(after.residual);
-  EXPECT_FALSE(after.gamma);
-  EXPECT_EQ(after.usualImaging(), optics::Imaging{});
+
+  before.imaging = optics::Imaging{.blur = 1.1};
+  EXPECT_FALSE(read(cameraFileText(before)).imaging->gamma);
 }
 
 TEST_F(CameraFile, OpenCvFormIsInCentimetres) {

@@ -122,7 +122,8 @@ TEST_F(CalibrateCamera, FindsTheCameraThatTookTheFilm) {
   RecordProperty("claimed_um", std::to_string(1e6 * *found.residual));
   EXPECT_LT(rms, 2 * *found.residual);
   EXPECT_LT(*found.residual, 0.6e-3);
-  EXPECT_EQ(found.gamma, 1);
+  ASSERT_TRUE(found.imaging);
+  EXPECT_EQ(found.imaging->gamma, 1);
   EXPECT_EQ(found.camera.width, kWidth);
   EXPECT_EQ(found.camera.height, kHeight);
 
@@ -134,7 +135,8 @@ TEST_F(CalibrateCamera, FindsACameraThatEncodesForTheEye) {
   options_.source = (folder_ / "webcam").string();
   ASSERT_EQ(calibrateCamera(options_), kDone);
   const CameraCalibration found = readCameraFile(options_.out);
-  EXPECT_EQ(found.gamma, 2.2);
+  ASSERT_TRUE(found.imaging);
+  EXPECT_EQ(found.imaging->gamma, 2.2);
   ASSERT_TRUE(found.residual);
   EXPECT_LT(errorOf(found.camera), 2 * *found.residual);
   EXPECT_LT(*found.residual, 0.6e-3);

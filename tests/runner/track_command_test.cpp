@@ -106,14 +106,15 @@ TEST_F(TrackCommand, ReadsAFilmThatWasEncodedForTheEye) {
   testing::internal::CaptureStdout();
   EXPECT_EQ(track(options_), kDone);
   EXPECT_THAT(testing::internal::GetCapturedStdout(),
-              AllOf(HasSubstr("black paint shows as 0.3"), HasSubstr("with a gamma of 2.2")));
+              AllOf(HasSubstr("with a gamma of 2.2"), HasSubstr("read so, 3 more caps show, of 3"),
+                    Not(HasSubstr("from frame"))));
   EXPECT_EQ(linesIn(textOf(options_.out)), 1 + 5 * 3);
 }
 
 TEST_F(TrackCommand, BelievesTheCalibrationOverThePictures) {
   CameraCalibration calibration;
   calibration.camera = PaintedFilm::settings().camera;
-  calibration.gamma = 5;  // in which no cap is round
+  calibration.imaging = optics::Imaging{.gamma = 5};  // in which no cap is round
   write("wrong.json", cameraFileText(calibration));
   options_.calibration = folder_ / "wrong.json";
   testing::internal::CaptureStdout();
