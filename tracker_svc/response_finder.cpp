@@ -120,7 +120,9 @@ std::optional<double> ResponseFinder::gamma() const {
 
 std::string ResponseFinder::reason() const {
   if (const std::int64_t more = lead(); more != 0) {
-    return fmt::format("read so, {} more caps show, of {}", std::abs(more), brightest().size());
+    const By only = more > 0 ? By::kEncoded : By::kLinear;
+    return fmt::format("{} of {} caps show only so",
+                       std::ranges::count(brightest(), only, &Paint::by), brightest().size());
   }
   if (!gamma()) return "no cap was bright enough to tell";
   return fmt::format("black paint shows as {:.2f} of the white", ratio());

@@ -106,7 +106,7 @@ TEST_F(TrackCommand, ReadsAFilmThatWasEncodedForTheEye) {
   testing::internal::CaptureStdout();
   EXPECT_EQ(track(options_), kDone);
   EXPECT_THAT(testing::internal::GetCapturedStdout(),
-              AllOf(HasSubstr("with a gamma of 2.2"), HasSubstr("read so, 3 more caps show, of 3"),
+              AllOf(HasSubstr("with a gamma of 2.2"), HasSubstr("3 of 3 caps show only so"),
                     Not(HasSubstr("from frame"))));
   EXPECT_EQ(linesIn(textOf(options_.out)), 1 + 5 * 3);
 }
