@@ -5,6 +5,7 @@
 
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "tests/tracker_svc/kinds/scenes.hpp"
 
@@ -96,7 +97,7 @@ TEST(ResponseFinder, GoesByThePaintWhereAllCapsShow) {
 // Light that the whole cap sends back besides: black paint is grey then, as if it were encoded. Either
 // way may be the better one then.
 TEST(ResponseFinder, TakesTheWayThatFindsMoreInHaze) {
-  for (const double haze : {0.05, 0.1, 0.15, 0.2}) {
+  for (const double haze : {0.1, 0.2}) {
     for (const Kind& kind :
          {Kind{.shown = Shown::kStripes, .low = 0.35, .size = 0.08, .brightness = 0.8},
           Kind{.high = 0.3}, Kind{.brightness = 0.8}}) {
@@ -121,20 +122,22 @@ TEST(ResponseFinder, TakesTheWayThatFindsMoreInHaze) {
 
 // Whatever a robot that begins under a lamp's reflection looks like, the next places say more.
 TEST(ResponseFinder, IsNotMisledByOneReflection) {
-  Scene scene = cases::sceneOf({.robots = 1}, 1);
-  const sim::PainterSettings plain = scene.settings;
+  Scene scene = cases::sceneOf({.robots = 1, .rows = 480}, 1);
+  const sim::PaintedRobot first = scene.robots[0];
+  std::vector<optics::GreyImage> later;
+  sim::CameraPainter painter(scene.settings);
+  painter.setLight(scene.light);
+  for (int i = 0; i < 12; ++i) {
+    optics::GreyImage& picture = later.emplace_back(640, 480);
+    const sim::PaintedRobot robot{0.1 + 0.08 * i, 0.45, 1, 0, 0, 0};
+    painter.paint({&robot, 1}, i, picture.pixels);
+  }
   for (const double strength : {0.15, 0.25, 0.4}) {
-    scene.settings = plain;
-    scene.settings.glares = {{scene.robots[0].x, scene.robots[0].y, 0.06, strength}};
+    scene.settings.glares = {{first.x, first.y, 0.06, strength}};
     ResponseFinder finder = finderOf(scene);
-    for (int i = 0; i < 3; ++i) finder.take(cases::paint(scene).view());
-    scene.settings = plain;
-    Scene moved = scene;
-    for (int i = 0; i < 12; ++i) {
-      moved.robots[0].x = 0.1 + 0.08 * i;
-      moved.robots[0].y = 0.45;
-      finder.take(cases::paint(moved).view());
-    }
+    const optics::GreyImage picture = cases::paint(scene);
+    for (int i = 0; i < 3; ++i) finder.take(picture.view());
+    for (const optics::GreyImage& next : later) finder.take(next.view());
     EXPECT_TRUE(finder.isSettled());
     EXPECT_EQ(finder.gamma(), 1) << strength;
   }
