@@ -15,7 +15,8 @@ constexpr double kApart = 0.03;     // [m]
 // anything: below, a black level that is off by a few steps looks like grey paint
 constexpr double kBrightEnough = 150;
 constexpr double kBright = 60;
-constexpr double kAsBright = 0.7;  // [1] of the brightest white: they count
+constexpr std::size_t kThird = 2;  // place by brightness: a reflection brightens one or two
+constexpr double kAsBright = 0.7;  // [1] of its white: they count
 constexpr double kBrighter = 1.2;  // [1] than before: the light has changed at that place
 constexpr double kLead = 0.04;     // [1] of the places, and
 constexpr double kLeastLead = 2;   // places, by which one way finds more than the other
@@ -92,8 +93,10 @@ void ResponseFinder::add(const Paint& paint) {
 }
 
 std::span<const ResponseFinder::Paint> ResponseFinder::brightest() const {
-  const auto end = std::ranges::find_if(
-      seen_, [&](const Paint& seen) { return seen.white < kAsBright * seen_.front().white; });
+  if (seen_.empty()) return {};
+  const double bright = kAsBright * seen_[std::min(kThird, seen_.size() - 1)].white;
+  const auto end =
+      std::ranges::find_if(seen_, [&](const Paint& seen) { return seen.white < bright; });
   return {seen_.begin(), end};
 }
 
