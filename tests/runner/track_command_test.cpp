@@ -53,10 +53,11 @@ class TrackCommand : public testing::Test {
     options_.out = folder_ / "poses.csv";
   }
 
-  void film(const std::string& name, double gamma) const {
+  void film(const std::string& name, double gamma, int dark = 0) const {
     fs::create_directory(folder_ / name);
     PaintedFilm film(gamma);
     for (int k = 0; k < 5; ++k) {
+      film.setLight(k < dark ? 0 : 0.8);
       writePng(folder_ / (name + "/f000" + std::to_string(k) + ".png"), film.frame(k));
     }
   }
@@ -109,6 +110,17 @@ TEST_F(TrackCommand, ReadsAFilmThatWasEncodedForTheEye) {
               AllOf(HasSubstr("with a gamma of 2.2"), HasSubstr("3 of 3 caps show only so"),
                     Not(HasSubstr("from frame"))));
   EXPECT_EQ(linesIn(textOf(options_.out)), 1 + 5 * 3);
+}
+
+TEST_F(TrackCommand, SaysFromWhichFrameOnItKnewHowAFilmIsEncoded) {
+  film("late", 2.2, 2);
+  options_.source = (folder_ / "late").string();
+  testing::internal::CaptureStdout();
+  EXPECT_EQ(track(options_), kDone);
+  EXPECT_THAT(testing::internal::GetCapturedStdout(),
+              AllOf(HasSubstr("with a gamma of 2.2"),
+                    HasSubstr("from frame 2 on, those before were read as linear")));
+  EXPECT_THAT(textOf(options_.out), HasSubstr("\n2,3,"));
 }
 
 TEST_F(TrackCommand, BelievesTheCalibrationOverThePictures) {

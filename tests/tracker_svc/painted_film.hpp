@@ -18,9 +18,11 @@ class PaintedFilm {
   static constexpr double kFps = 30;
 
   /// @param gamma of the grey steps, as optics::Imaging has it
-  explicit PaintedFilm(double gamma = 1) : painter_(settings(gamma)) {
+  explicit PaintedFilm(double gamma = 1) : painter_(settings(gamma)) { setLight(0.8); }
+
+  void setLight(double intensity) {
     light::Layer light;
-    light.intensity = 0.8;
+    light.intensity = intensity;
     painter_.setLight({{light}, {}, 1});
   }
 
