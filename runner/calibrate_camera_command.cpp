@@ -10,8 +10,8 @@
 
 #include "calibration/board.hpp"
 #include "calibration/camera_fit.hpp"
-#include "calibration/cap_sheet.hpp"
 #include "calibration/camera_report.hpp"
+#include "calibration/cap_sheet.hpp"
 #include "cameras/film_reader.hpp"
 #include "common/camera_file.hpp"
 #include "common/experiment_file.hpp"
@@ -143,14 +143,14 @@ struct Calibrated {
   std::optional<double> gamma;  // Imaging::gamma
 };
 
-/// How the camera's grey steps follow the light, told from the caps in these pictures.
+/// How the camera's grey steps follow the light, as far as these pictures tell.
 void findResponse(const std::vector<optics::GreyImage>& pictures,
                   const optics::CameraParameters& camera, const CameraSights& sights,
                   optics::Imaging& imaging) {
   tracker::ResponseFinder finder(optics::CameraModel(camera), sights.cap, imaging);
   for (const optics::GreyImage& picture : pictures) finder.take(picture.view());
+  if (!finder.gamma()) return;
   imaging.gamma = finder.gamma();
-  if (!imaging.gamma) return;
   fmt::print("response  gamma {:g}: {}\n", *imaging.gamma, finder.reason());
 }
 
@@ -160,10 +160,13 @@ std::optional<optics::CameraParameters> roughCameraOf(const CameraSights& sights
                                                       const std::vector<optics::GreyImage>& pictures,
                                                       optics::Imaging& imaging) {
   RoughCamera best;
+  optics::Imaging read = imaging;
   for (const double gamma : {1.0, optics::kVideoGamma}) {
+    read.gamma = gamma;
+    const RoughCamera found = roughCamera(sights, pictures, read);
+    if (found.caps <= best.caps) continue;
+    best = found;
     imaging.gamma = gamma;
-    const RoughCamera found = roughCamera(sights, pictures, imaging);
-    if (found.caps > best.caps) best = found;
   }
   if (best.caps == 0) return std::nullopt;
   findResponse(pictures, best.camera, sights, imaging);
