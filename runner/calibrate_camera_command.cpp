@@ -62,10 +62,20 @@ optics::CapGeometry capOf(const CalibrateCameraOptions& options) {
   cap.small_radius = kCenti * options.small_radius_cm;
   cap.big_offset = kCenti * options.big_offset_cm.value_or(options.spacing_cm / 2);
   cap.small_offset = cap.big_offset - kCenti * options.spacing_cm;
-  if (const auto fault = optics::capFault(cap)) {
-    std::string option = fault->size;
-    std::ranges::replace(option, '_', '-');
-    throw UserError(fmt::format("--{}-cm: {}", option, fault->what));
+  const auto refuse = [](const char* option, double found, const char* expected, double limit) {
+    throw UserError(fmt::format("{}: found {:g}, expected {} {:.4g}", option, found, expected, limit));
+  };
+  if (options.small_radius_cm >= options.big_radius_cm) {
+    refuse("--small-radius-cm", options.small_radius_cm, "less than the big circle's", options.big_radius_cm);
+  }
+  const double both = options.big_radius_cm + options.small_radius_cm;
+  if (options.spacing_cm < both) {
+    refuse("--spacing-cm", options.spacing_cm, "at least both circles' radii together,", both);
+  }
+  const double reach = std::max(cap.big_offset + cap.big_radius, cap.small_radius - cap.small_offset);
+  if (reach > cap.cap_radius) {
+    refuse("--cap-radius-cm", options.cap_radius_cm, "at least, as far as the circles reach from the axis,",
+           reach / kCenti);
   }
   return cap;
 }
@@ -143,19 +153,20 @@ struct Calibrated {
   std::optional<double> gamma;  // Imaging::gamma
 };
 
-/// How the camera's grey steps follow the light, as far as these pictures tell.
-void findResponse(const std::vector<optics::GreyImage>& pictures,
-                  const optics::CameraParameters& camera, const CameraSights& sights,
-                  optics::Imaging& imaging) {
+/// How the camera's grey steps follow the light, as far as these pictures tell: read so from now on.
+/// @return what is sure enough to be written
+std::optional<double> findResponse(const std::vector<optics::GreyImage>& pictures,
+                                   const optics::CameraParameters& camera,
+                                   const CameraSights& sights, optics::Imaging& imaging) {
   tracker::ResponseFinder finder(optics::CameraModel(camera), sights.cap, imaging);
   for (const optics::GreyImage& picture : pictures) finder.take(picture.view());
-  if (!finder.gamma()) return;
-  imaging.gamma = finder.gamma();
-  fmt::print("response  gamma {:g}: {}\n", *imaging.gamma, finder.reason());
+  if (finder.gamma()) imaging.gamma = finder.gamma();
+  fmt::print("response  gamma {:g}: {}{}\n", imaging.gamma.value_or(1), finder.reason(),
+             finder.isSettled() ? "" : "; too little light or caps to be sure, not written");
+  return finder.isSettled() ? imaging.gamma : std::nullopt;
 }
 
-/// A first idea of the camera, and how its grey steps follow the light: most caps may only show once
-/// that is undone.
+/// A first idea of the camera, by the reading of its grey steps with which most caps show.
 std::optional<optics::CameraParameters> roughCameraOf(const CameraSights& sights,
                                                       const std::vector<optics::GreyImage>& pictures,
                                                       optics::Imaging& imaging) {
@@ -169,7 +180,6 @@ std::optional<optics::CameraParameters> roughCameraOf(const CameraSights& sights
     imaging.gamma = gamma;
   }
   if (best.caps == 0) return std::nullopt;
-  findResponse(pictures, best.camera, sights, imaging);
   return best.camera;
 }
 
@@ -234,9 +244,9 @@ Calibrated calibrateWithBoards(const CalibrateCameraOptions& options, CameraSigh
   if (options.source.empty() || !(fit.camera.fx > 0)) return {fit, {}, {}};
   optics::Imaging imaging;
   const std::vector<optics::GreyImage> pictures = firstPictures(options.source, sights, imaging);
-  findResponse(pictures, fit.camera, sights, imaging);
+  const std::optional<double> gamma = findResponse(pictures, fit.camera, sights, imaging);
   const std::optional<double> blur = findCaps(options.source, fit.camera, imaging, {}, sights);
-  return {calibration::fitCamera(sights, fit.camera), blur, imaging.gamma};
+  return {calibration::fitCamera(sights, fit.camera), blur, gamma};
 }
 
 Calibrated calibrate(const CalibrateCameraOptions& options, CameraSights& sights) {
@@ -252,10 +262,11 @@ Calibrated calibrate(const CalibrateCameraOptions& options, CameraSights& sights
       roughCameraOf(sights, pictures, imaging);
   if (!camera) {
     fit.refusal = "found no cap in any of the pictures looked at: are there robots in it, are the "
-                  "corners right, and --arena-cm, --spacing-cm, --cap-height-cm?";
+                  "corners right, and --arena-cm, --cap-height-cm, --spacing-cm, --big-radius-cm, "
+                  "--small-radius-cm?";
     return out;
   }
-  out.gamma = imaging.gamma;
+  out.gamma = findResponse(pictures, *camera, sights, imaging);
   // Once with the first idea, with which caps may be missed where the lens bends most, and once more
   // with what came out.
   calibration::CameraFitLimits anywhere;
@@ -279,11 +290,10 @@ void writeWhole(const fs::path& path, const std::string& text) {
   fs::rename(part, path);
 }
 
-ExitCode printDrawing(const fs::path& file, const std::string& svg, bool force) {
+void printDrawing(const char* what, const fs::path& file, const std::string& svg, bool force) {
   checkOutput(file, force);
   writeWhole(file, svg);
-  fmt::print("drawing   {}\n", file.string());
-  return kDone;
+  fmt::print("{:<10}{}\n", what, file.string());
 }
 
 /// Films the lab of an experiment file, and goes on as with any film.
@@ -307,11 +317,12 @@ ExitCode calibrateFromLab(const CalibrateCameraOptions& options) {
 
 ExitCode calibrateCamera(const CalibrateCameraOptions& options) {
   if (!options.print_board.empty()) {
-    return printDrawing(options.print_board, calibration::boardSvg(boardOf(options)), options.force);
+    printDrawing("board", options.print_board, calibration::boardSvg(boardOf(options)), options.force);
   }
   if (!options.print_caps.empty()) {
-    return printDrawing(options.print_caps, calibration::capSheetSvg(capOf(options)), options.force);
+    printDrawing("caps", options.print_caps, calibration::capSheetSvg(capOf(options)), options.force);
   }
+  if (!options.print_board.empty() || !options.print_caps.empty()) return kDone;
   if (fs::path(options.source).extension() == ".toml") return calibrateFromLab(options);
   checkOutput(options.out, options.force);
   if (options.source.empty() && options.board_pictures.empty()) {

@@ -28,7 +28,7 @@ void addCalibrateCamera(CLI::App& calibrate, Chosen& chosen, const fs::path& pro
   command->add_option("--out", options->out, "The calibration")->capture_default_str();
   command->add_option("--arena-cm", options->arena_cm, "Width x height")->capture_default_str();
   const auto addLength = [&](const char* name, double& value, const char* what, double low) {
-    command->add_option(name, value, what)->check(between(low, 100))->capture_default_str();
+    command->add_option(name, value, what)->check(between(low, 50))->capture_default_str();
   };
   addLength("--cap-height-cm", options->cap_height_cm, "Of a robot's cap above the floor", 0);
   addLength("--cap-radius-cm", options->cap_radius_cm, "Of the white cap", 0.5);

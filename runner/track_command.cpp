@@ -233,7 +233,12 @@ class Film {
           "--fps, or frames.csv beside them (docs/cameras.md)\n",
           kAssumedFps);
     }
-    if (finds_response_) tellResponse();
+    if (finds_response_) {
+      tellResponse();
+    } else if (tracking_.summary().rows == 0) {
+      fmt::print("note     grey steps were read with a gamma of {:g}, as the calibration says\n",
+                 *calibration_.imaging->gamma);
+    }
     fmt::print("poses    {}\n", options_.out.string());
     if (overlay_) fmt::print("overlay  {}\n", options_.overlay.string());
     if (!no_overlay_.empty()) {
@@ -249,33 +254,33 @@ class Film {
 
  private:
   /// How the camera's grey steps follow the light, where the calibration does not say it.
-  void findResponse(const optics::GreyView& picture) {
+  void findResponse(const CameraFrame& frame) {
     if (!finds_response_) return;
-    response_.take(picture);
-    const double gamma = response_.gamma().value_or(1);
-    if (gamma != gamma_) otherwise_ = tracking_.summary().frames;
+    response_.take(frame.grey);
+    const double gamma = response_.gamma().value_or(gamma_);
+    if (gamma != gamma_ && tracking_.summary().frames > 0) told_from_ = frame.number;
     gamma_ = gamma;
     detector_.setGamma(gamma);
   }
 
   void tellResponse() const {
-    if (gamma_ != 1) {
-      fmt::print("note     grey steps were read with a gamma of {:g}, as cameras have them that encode "
-                 "light for the eye: {}\n", gamma_, response_.reason());
-    } else if (!response_.gamma() && tracking_.summary().rows > 0) {
-      fmt::print("note     grey steps were taken for linear in light: {}\n", response_.reason());
+    const bool unknown = !response_.gamma() && tracking_.summary().rows > 0;
+    if (gamma_ != 1 || unknown || told_from_) {
+      fmt::print("note     grey steps were read {}: {}\n",
+                 gamma_ == 1 ? "as linear in light"
+                             : fmt::format("with a gamma of {:g}, as if encoded for the eye", gamma_),
+                 response_.reason());
     }
-    if (otherwise_ > 0) {
-      fmt::print("note     that was told from frame {} on, those before were read {}; with imaging.gamma in "
-                 "the calibration (docs/cameras.md) all are read alike\n", otherwise_,
-                 gamma_ == 1 ? "with that gamma" : "as linear");
+    if (told_from_) {
+      fmt::print("note     only from frame {} on; those before were read otherwise. With gamma in the "
+                 "calibration (docs/cameras.md) all are read alike\n", *told_from_);
     }
   }
 
   void take(const CameraFrame& frame) {
     constexpr double kMicro = 1e-6;
     checkSize(options_, calibration_, frame.grey.width, frame.grey.height);
-    findResponse(frame.grey);
+    findResponse(frame);
     const double time = static_cast<double>(frame.utime) * kMicro;
     const bool drawn = overlay_ && overlay_->wantsNext();
     rejected_.clear();
@@ -302,8 +307,8 @@ class Film {
   tracker::Detector detector_;
   tracker::ResponseFinder response_;
   bool finds_response_;
-  double gamma_ = 1;             ///< that is believed
-  std::int64_t otherwise_ = 0;   ///< frames that were read before, with another one
+  double gamma_ = 1;                        ///< that is believed
+  std::optional<std::int64_t> told_from_;   ///< frame; those before were read with another one
   tracker::CapTracker caps_;
   tracker::FilmTracking tracking_;
   PoseWriter poses_;

@@ -13,7 +13,7 @@ constexpr std::size_t kEnough = 9;  // places
 constexpr double kApart = 0.03;     // [m]
 // [DN] of white in the picture, from which nothing more is waited for, and from which black paint says
 // anything: below, a black level that is off by a few steps looks like grey paint
-constexpr double kBrightEnough = 150;
+constexpr double kBrightEnough = 120;
 constexpr double kBright = 60;
 constexpr std::size_t kThird = 2;  // place by brightness: a reflection brightens one or two
 constexpr double kAsBright = 0.7;  // [1] of its white: they count
@@ -23,7 +23,8 @@ constexpr double kLeastLead = 2;   // places, by which one way finds more than t
 // [1] black paint over white: 0.05 to 0.15 in light, a quarter to a half once it is encoded, and less
 // again once it is sharpened
 constexpr double kMostLinear = 0.2;
-// pictures of which all are looked at; later ones ever more seldom, at least one in kOneIn
+// Of the first twice as many pictures all are looked at, of later ones ever fewer, at least one in
+// kOneIn.
 constexpr std::int64_t kAllOf = 30;
 constexpr std::int64_t kOneIn = 100;
 
@@ -124,7 +125,7 @@ std::optional<double> ResponseFinder::gamma() const {
 std::string ResponseFinder::reason() const {
   if (const std::int64_t more = lead(); more != 0) {
     const By only = more > 0 ? By::kEncoded : By::kLinear;
-    return fmt::format("{} of {} caps show only so",
+    return fmt::format("at {} of {} places caps show only so",
                        std::ranges::count(brightest(), only, &Paint::by), brightest().size());
   }
   if (!gamma()) return "no cap was bright enough to tell";

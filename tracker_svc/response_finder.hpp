@@ -39,7 +39,7 @@ class ResponseFinder {
   /// cannot.
   [[nodiscard]] std::optional<double> gamma() const;
 
-  /// What gamma() is told from, for people: "36 of 40 caps show only so".
+  /// What gamma() is told from, for people: "at 36 of 40 places caps show only so".
   [[nodiscard]] std::string reason() const;
 
   /// Whether caps have been seen in enough light at enough places, as one robot may begin under a

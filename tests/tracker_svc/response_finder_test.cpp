@@ -66,7 +66,7 @@ TEST(ResponseFinder, CountsCapsInAnyLight) {
     finder.take(cases::paint(dim).view());
     EXPECT_EQ(finder.gamma(), gamma);
     EXPECT_FALSE(finder.isSettled());
-    EXPECT_THAT(finder.reason(), HasSubstr(" caps show only so"));
+    EXPECT_THAT(finder.reason(), HasSubstr(" places caps show only so"));
   }
 }
 
