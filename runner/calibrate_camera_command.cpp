@@ -63,19 +63,22 @@ optics::CapGeometry capOf(const CalibrateCameraOptions& options) {
   cap.big_offset = kCenti * options.big_offset_cm.value_or(options.spacing_cm / 2);
   cap.small_offset = cap.big_offset - kCenti * options.spacing_cm;
   const auto refuse = [](const char* option, double found, const char* expected, double limit) {
-    throw UserError(fmt::format("{}: found {:g}, expected {} {:.4g}", option, found, expected, limit));
+    throw UserError(
+        fmt::format("{}: found {:g}, expected {} {:.4g}", option, found, expected, limit));
   };
   if (options.small_radius_cm >= options.big_radius_cm) {
-    refuse("--small-radius-cm", options.small_radius_cm, "less than the big circle's", options.big_radius_cm);
+    refuse("--small-radius-cm", options.small_radius_cm, "less than the big circle's",
+           options.big_radius_cm);
   }
   const double both = options.big_radius_cm + options.small_radius_cm;
   if (options.spacing_cm < both) {
     refuse("--spacing-cm", options.spacing_cm, "at least both circles' radii together,", both);
   }
-  const double reach = std::max(cap.big_offset + cap.big_radius, cap.small_radius - cap.small_offset);
+  const double reach =
+      std::max(cap.big_offset + cap.big_radius, cap.small_radius - cap.small_offset);
   if (reach > cap.cap_radius) {
-    refuse("--cap-radius-cm", options.cap_radius_cm, "at least, as far as the circles reach from the axis,",
-           reach / kCenti);
+    refuse("--cap-radius-cm", options.cap_radius_cm,
+           "at least, as far as the circles reach from the axis,", reach / kCenti);
   }
   return cap;
 }
@@ -153,7 +156,8 @@ struct Calibrated {
   std::optional<double> gamma;  // Imaging::gamma
 };
 
-/// How the camera's grey steps follow the light, as far as these pictures tell: read so from now on.
+/// How the camera's grey steps follow the light, as far as these pictures tell: read so from now
+/// on.
 /// @return what is sure enough to be written
 std::optional<double> findResponse(const std::vector<optics::GreyImage>& pictures,
                                    const optics::CameraParameters& camera,
@@ -317,17 +321,20 @@ ExitCode calibrateFromLab(const CalibrateCameraOptions& options) {
 
 ExitCode calibrateCamera(const CalibrateCameraOptions& options) {
   if (!options.print_board.empty()) {
-    printDrawing("board", options.print_board, calibration::boardSvg(boardOf(options)), options.force);
+    printDrawing("board", options.print_board, calibration::boardSvg(boardOf(options)),
+                 options.force);
   }
   if (!options.print_caps.empty()) {
-    printDrawing("caps", options.print_caps, calibration::capSheetSvg(capOf(options)), options.force);
+    printDrawing("caps", options.print_caps, calibration::capSheetSvg(capOf(options)),
+                 options.force);
   }
   if (!options.print_board.empty() || !options.print_caps.empty()) return kDone;
   if (fs::path(options.source).extension() == ".toml") return calibrateFromLab(options);
   checkOutput(options.out, options.force);
   if (options.source.empty() && options.board_pictures.empty()) {
-    throw UserError("calibrate camera: found neither SOURCE nor --board-pictures, expected a film of "
-                    "robots, pictures of a board, or both");
+    throw UserError(
+        "calibrate camera: found neither SOURCE nor --board-pictures, expected a film of "
+        "robots, pictures of a board, or both");
   }
   CameraSights sights = sightsFor(options);
   const Calibrated found = calibrate(options, sights);

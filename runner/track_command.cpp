@@ -267,13 +267,16 @@ class Film {
     const bool unknown = !response_.gamma() && tracking_.summary().rows > 0;
     if (gamma_ != 1 || unknown || told_from_) {
       fmt::print("note     grey steps were read {}: {}\n",
-                 gamma_ == 1 ? "as linear in light"
-                             : fmt::format("with a gamma of {:g}, as if encoded for the eye", gamma_),
+                 gamma_ == 1
+                     ? "as linear in light"
+                     : fmt::format("with a gamma of {:g}, as if encoded for the eye", gamma_),
                  response_.reason());
     }
     if (told_from_) {
-      fmt::print("note     only from frame {} on; those before were read otherwise. With gamma in the "
-                 "calibration (docs/cameras.md) all are read alike\n", *told_from_);
+      fmt::print(
+          "note     only from frame {} on; those before were read otherwise. With gamma in the "
+          "calibration (docs/cameras.md) all are read alike\n",
+          *told_from_);
     }
   }
 

@@ -191,10 +191,12 @@ TEST_F(CalibrateCamera, DrawsCapsToPrint) {
 
 TEST_F(CalibrateCamera, SaysWhichSizeNoCapHas) {
   options_.big_radius_cm = 2;
-  EXPECT_THAT(problem(), HasSubstr("--cap-radius-cm: found 3.6, expected at least, as far as the circles "
-                                   "reach from the axis, 3.8"));
+  EXPECT_THAT(problem(),
+              HasSubstr("--cap-radius-cm: found 3.6, expected at least, as far as the circles "
+                        "reach from the axis, 3.8"));
   options_.big_radius_cm = 0.5;
-  EXPECT_THAT(problem(), HasSubstr("--small-radius-cm: found 0.55, expected less than the big circle's 0.5"));
+  EXPECT_THAT(problem(),
+              HasSubstr("--small-radius-cm: found 0.55, expected less than the big circle's 0.5"));
   options_.big_radius_cm = 0.9;
   options_.spacing_cm = 1;
   EXPECT_THAT(problem(), HasSubstr("--spacing-cm: found 1, expected at least both circles' radii "
