@@ -26,14 +26,15 @@ Stretch inner(const Stretch& stretch, bool averaged, std::size_t least) {
              : stretch;
 }
 
-double meanTime(std::span<const TrackBin> bins, const Stretch& stretch) {
+/// Of one quantity of the bins, by their frames.
+double meanOf(double TrackBin::*quantity, std::span<const TrackBin> bins, const Stretch& stretch) {
   double frames = 0;
-  double time = 0;
+  double sum = 0;
   for (std::size_t i = stretch.begin; i < stretch.end; ++i) {
     frames += bins[i].frames;
-    time += bins[i].frames * bins[i].time;
+    sum += bins[i].frames * bins[i].*quantity;
   }
-  return time / frames;
+  return sum / frames;
 }
 
 Place meanPlace(std::span<const TrackBin> bins, const Stretch& stretch) {
@@ -46,16 +47,6 @@ Place meanPlace(std::span<const TrackBin> bins, const Stretch& stretch) {
   place.x /= place.frames;
   place.y /= place.frames;
   return place;
-}
-
-double meanHeading(std::span<const TrackBin> bins, const Stretch& stretch) {
-  double frames = 0;
-  double heading = 0;
-  for (std::size_t i = stretch.begin; i < stretch.end; ++i) {
-    frames += bins[i].frames;
-    heading += bins[i].frames * bins[i].theta;
-  }
-  return heading / frames;
 }
 
 /// Sums over many, for a mean with its error.
@@ -261,12 +252,12 @@ std::optional<double> CutTrack::edge(const Stretch& run, const Place& place, con
   double dy = other != nullptr ? place.y - other->y : place.y - middle.y;
   const double length = std::hypot(dx, dy);
   if (!(length > 0)) {
-    return meanTime(bins_, core);
+    return meanOf(&TrackBin::time, bins_, core);
   }
   dx /= length;
   dy /= length;
   const double left = (place.x - middle.x) * dx + (place.y - middle.y) * dy;
-  return meanTime(bins_, core) + sign * left / scales_.speed;
+  return meanOf(&TrackBin::time, bins_, core) + sign * left / scales_.speed;
 }
 
 std::int64_t CutTrack::tumblesIn(double stood, bool cut_before, bool cut_behind) const {
@@ -288,8 +279,8 @@ double CutTrack::turn(std::size_t i) const {
   if (before.size() < least || behind.size() < least) {
     return kNan;
   }
-  const double from = meanHeading(bins_, inner(before, scales_.averaged, 1));
-  const double to = meanHeading(bins_, inner(behind, scales_.averaged, 1));
+  const double from = meanOf(&TrackBin::theta, bins_, inner(before, scales_.averaged, 1));
+  const double to = meanOf(&TrackBin::theta, bins_, inner(behind, scales_.averaged, 1));
   if (std::isfinite(from) && std::isfinite(to)) {
     return to - from;
   }

@@ -3,7 +3,7 @@
 ///
 /// A camera that encodes light for the eye brightens what is dark: black paint on white, a twelfth in
 /// light, shows as a third, and outlines are blurred unevenly. Pictures are looked at both ways. Where
-/// one way finds more caps, it is the right one; where both find them all, the paint decides, which is
+/// one way finds more caps, it is taken; where both find them all, the paint decides, which is
 /// no more than a guess: haze brightens black paint too. The caps in the brightest light count, as some
 /// encodings are linear in little light.
 #pragma once
