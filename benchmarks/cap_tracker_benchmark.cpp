@@ -14,7 +14,7 @@
 namespace {
 
 using lab::tracker::CapTracker;
-using lab::tracker::Detection;
+using lab::detector::Detection;
 using lab::tracker::WheelReport;
 
 constexpr double kFps = 30;

@@ -6,20 +6,20 @@
 #include <random>
 #include <vector>
 
-#include "tests/tracker_svc/circle_picture.hpp"
-#include "tracker_svc/circle_fit.hpp"
+#include "detector/circle_fit.hpp"
+#include "tests/detector/circle_picture.hpp"
 
 namespace {
 
 using namespace lab;
-using tracker::testing::CirclePicture;
+using detector::testing::CirclePicture;
 
 constexpr int kCircles = 100;
 
 struct Shot {
   optics::GreyImage image;
   optics::Pixel start;
-  tracker::DiscShape shape;
+  detector::DiscShape shape;
 };
 
 // Big and small circles in turn, each with the start error of a search.
@@ -32,17 +32,17 @@ std::vector<Shot> shots(double scale, double shade) {
     picture.x = 24 + 0.5 * even(random);
     picture.y = 24 + 0.5 * even(random);
     const double radius = scale * (i % 2 == 0 ? 6.7 : 4.1);
-    picture.shape = tracker::testing::roundShape(radius, 1.02, 3 * even(random));
+    picture.shape = detector::testing::roundShape(radius, 1.02, 3 * even(random));
     const double angle = 3.2 * even(random);
     const double offset = 0.8 * radius * even(random);
     if (shade < 1) {
       picture.light = [=](double x, double y) {
         const double distance =
             (x - picture.x) * std::cos(angle) + (y - picture.y) * std::sin(angle) - offset;
-        return shade + (1 - shade) * tracker::testing::softStep(distance, 1.5);
+        return shade + (1 - shade) * detector::testing::softStep(distance, 1.5);
       };
     }
-    out.push_back({tracker::testing::shoot(picture, random),
+    out.push_back({detector::testing::shoot(picture, random),
                    {picture.x + 0.3 * even(random), picture.y + 0.3 * even(random)},
                    picture.shape});
   }
@@ -55,8 +55,8 @@ void fitAll(benchmark::State& state, double scale, double shade) {
   for (auto _ : state) {
     edges = 0;
     for (const Shot& shot : all) {
-      const tracker::CircleFit fit =
-          tracker::fitCircle(shot.image.view(), shot.start, shot.shape, {});
+      const detector::CircleFit fit =
+          detector::fitCircle(shot.image.view(), shot.start, shot.shape, {});
       edges += fit.edge ? 1 : 0;
       benchmark::DoNotOptimize(fit.x);
     }

@@ -10,16 +10,16 @@
 #include <random>
 #include <vector>
 
+#include "detector/detector.hpp"
 #include "optics/simulated_camera.hpp"
 #include "sim_svc/camera_painter.hpp"
-#include "tracker_svc/detector.hpp"
 
 namespace {
 
 using lab::optics::GreyView;
-using lab::tracker::Detection;
-using lab::tracker::Detector;
-using lab::tracker::Expected;
+using lab::detector::Detection;
+using lab::detector::Detector;
+using lab::detector::Expected;
 
 constexpr int kRing = 64;
 constexpr int kScenes = 4;

@@ -19,19 +19,19 @@
 
 #include "common/camera_file.hpp"
 #include "optics/response.hpp"
-#include "tests/tracker_svc/kinds/score.hpp"
+#include "tests/detector/kinds/score.hpp"
 #ifdef LAB_HAS_OPENCV
 #include "tracker_cases_opencv.hpp"
 #endif
-#include "tracker_svc/detector.hpp"
-#include "tracker_svc/response_finder.hpp"
+#include "detector/detector.hpp"
+#include "detector/response_finder.hpp"
 
 namespace {
 
 namespace fs = std::filesystem;
 using lab::optics::GreyImage;
 using lab::optics::GreyView;
-using lab::tracker::Detection;
+using lab::detector::Detection;
 
 constexpr int kRounds = 5;  // the fastest counts
 
@@ -59,7 +59,7 @@ std::optional<GreyImage> readPicture(const fs::path& file) {
 }
 
 std::vector<Method> methodsFor(const lab::CameraCalibration& calibration,
-                               lab::tracker::Detector& detector) {
+                               lab::detector::Detector& detector) {
   std::vector<Method> methods;
   methods.push_back(
       {"ours", [&](const GreyView& picture) { return detector.search(picture); }, {}});
@@ -92,9 +92,9 @@ void runCase(const fs::path& folder, const std::optional<fs::path>& out,
              std::optional<double> gamma) {
   const lab::CameraCalibration calibration = lab::readCameraFile(folder / "calib.json");
   const lab::optics::Imaging imaging = calibration.imaging.value_or(lab::optics::Imaging{});
-  lab::tracker::Detector detector(lab::optics::CameraModel(calibration.camera), calibration.cap,
+  lab::detector::Detector detector(lab::optics::CameraModel(calibration.camera), calibration.cap,
                                   imaging);
-  lab::tracker::ResponseFinder response(detector.camera(), calibration.cap, imaging);
+  lab::detector::ResponseFinder response(detector.camera(), calibration.cap, imaging);
   auto truth = lab::cases::readTruth(folder / "truth.csv");
   std::vector<Method> methods = methodsFor(calibration, detector);
   std::ofstream csv;

@@ -84,7 +84,7 @@ std::vector<Disc> byBlobs(const cv::Mat& grey, const optics::CameraModel& camera
 
 }  // namespace
 
-std::vector<tracker::Detection> findPlainly(Plain kind, const optics::GreyView& picture,
+std::vector<detector::Detection> findPlainly(Plain kind, const optics::GreyView& picture,
                                             const optics::CameraModel& camera,
                                             const optics::CapGeometry& cap) {
   const cv::Mat grey(picture.height, picture.width, CV_8UC1,
@@ -110,13 +110,13 @@ std::vector<tracker::Detection> findPlainly(Plain kind, const optics::GreyView& 
   }
   std::sort(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) { return a.off < b.off; });
   std::vector<bool> taken(discs.size(), false);
-  std::vector<tracker::Detection> poses;
+  std::vector<detector::Detection> poses;
   for (const Pair& pair : pairs) {
     if (taken[pair.big] || taken[pair.small]) continue;
     taken[pair.big] = taken[pair.small] = true;
     const optics::Place& big = discs[pair.big].place;
     const optics::Place& small = discs[pair.small].place;
-    tracker::Detection pose;
+    detector::Detection pose;
     pose.x = (big.x + small.x) / 2;
     pose.y = (big.y + small.y) / 2;
     pose.theta = std::atan2(big.y - small.y, big.x - small.x);

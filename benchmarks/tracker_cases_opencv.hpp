@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "tracker_svc/detector.hpp"
+#include "detector/detector.hpp"
 
 namespace lab::cases {
 
@@ -13,7 +13,7 @@ enum class Plain {
 };
 
 // Poses without covariance.
-std::vector<tracker::Detection> findPlainly(Plain kind, const optics::GreyView& picture,
+std::vector<detector::Detection> findPlainly(Plain kind, const optics::GreyView& picture,
                                             const optics::CameraModel& camera,
                                             const optics::CapGeometry& cap);
 

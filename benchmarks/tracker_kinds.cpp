@@ -14,18 +14,18 @@
 #include <string_view>
 #include <vector>
 
-#include "tests/tracker_svc/kinds/bars.hpp"
-#include "tests/tracker_svc/kinds/scenes.hpp"
-#include "tests/tracker_svc/kinds/score.hpp"
-#include "tracker_svc/detector.hpp"
+#include "detector/detector.hpp"
+#include "tests/detector/kinds/bars.hpp"
+#include "tests/detector/kinds/scenes.hpp"
+#include "tests/detector/kinds/score.hpp"
 
 namespace {
 
 namespace fs = std::filesystem;
 using lab::cases::Kind;
 using lab::cases::Look;
-using lab::tracker::Detection;
-using lab::tracker::Rejection;
+using lab::detector::Detection;
+using lab::detector::Rejection;
 
 constexpr double kNearby = 0.7;  // [cap radii] from a robot's axis
 
@@ -41,7 +41,7 @@ struct Options {
 void sayRefused(const std::vector<Rejection>& rejected, lab::optics::Pixel where, double reach) {
   for (const Rejection& one : rejected) {
     if (std::hypot(one.where.x - where.x, one.where.y - where.y) > reach) continue;
-    const auto reason = lab::tracker::toText(one.reason);
+    const auto reason = lab::detector::toText(one.reason);
     std::printf("      (%.1f, %.1f) %.*s: %.4g, allowed %.4g\n", one.where.x, one.where.y,
                 static_cast<int>(reason.size()), reason.data(), static_cast<double>(one.value),
                 static_cast<double>(one.limit));

@@ -8,8 +8,8 @@
 #include <queue>
 #include <vector>
 
+#include "detector/circle_fit.hpp"
 #include "optics/response.hpp"
-#include "tracker_svc/circle_fit.hpp"
 
 namespace lab::runner {
 namespace {
@@ -114,18 +114,18 @@ std::optional<Disc> discFrom(const optics::GreyView& picture, const Blob& blob) 
   const Matrix2d m = (4 * blob.squares).eval();
   const Eigen::SelfAdjointEigenSolver<Matrix2d> outline(m);
   const Matrix2d to_unit = outline.operatorInverseSqrt();
-  tracker::DiscShape shape{{static_cast<float>(to_unit(0, 0)),
+  detector::DiscShape shape{{static_cast<float>(to_unit(0, 0)),
                             static_cast<float>(to_unit(0, 1)),
                             static_cast<float>(to_unit(1, 0)),
                             static_cast<float>(to_unit(1, 1))}};
-  tracker::CircleFit fit = fitCircle(picture, {blob.sum[0], blob.sum[1]}, shape, {});
-  if (fit.fault == tracker::FitFault::kNotRound) {
+  detector::CircleFit fit = fitCircle(picture, {blob.sum[0], blob.sum[1]}, shape, {});
+  if (fit.fault == detector::FitFault::kNotRound) {
     // Dark pixels say an outline's form, but its size only to some per cent: once more with the size
     // that came out.
     for (float& one : shape.m) one /= fit.scale;
     fit = fitCircle(picture, {blob.sum[0], blob.sum[1]}, shape, {});
   }
-  if (fit.fault != tracker::FitFault::kNone) return std::nullopt;
+  if (fit.fault != detector::FitFault::kNone) return std::nullopt;
   const double sigma = std::sqrt((fit.covariance[0] + fit.covariance[2]) / 2);
   return Disc{{fit.x, fit.y}, std::max(kLeastCornerSigma, sigma)};
 }

@@ -16,13 +16,13 @@
 #include "common/camera_file.hpp"
 #include "common/experiment_file.hpp"
 #include "common/units.hpp"
+#include "detector/response_finder.hpp"
 #include "runner/board_finder.hpp"
 #include "runner/cap_gathering.hpp"
 #include "runner/commands.hpp"
 #include "runner/film_progress.hpp"
 #include "runner/lab_film.hpp"
 #include "runner/named_files.hpp"
-#include "tracker_svc/response_finder.hpp"
 
 namespace lab::runner {
 namespace {
@@ -162,7 +162,7 @@ struct Calibrated {
 std::optional<double> findResponse(const std::vector<optics::GreyImage>& pictures,
                                    const optics::CameraParameters& camera,
                                    const CameraSights& sights, optics::Imaging& imaging) {
-  tracker::ResponseFinder finder(optics::CameraModel(camera), sights.cap, imaging);
+  detector::ResponseFinder finder(optics::CameraModel(camera), sights.cap, imaging);
   for (const optics::GreyImage& picture : pictures) finder.take(picture.view());
   if (finder.gamma()) imaging.gamma = finder.gamma();
   fmt::print("response  gamma {:g}: {}{}\n", imaging.gamma.value_or(1), finder.reason(),

@@ -24,12 +24,12 @@ struct Found {
 
 Found findWith(const optics::CameraParameters& camera, const optics::CapGeometry& cap,
                const std::vector<optics::GreyImage>& pictures, const optics::Imaging& imaging) {
-  tracker::Detector detector(optics::CameraModel(camera), cap, imaging);
+  detector::Detector detector(optics::CameraModel(camera), cap, imaging);
   Found found;
   double sum = 0;
   double squares = 0;
   for (const optics::GreyImage& picture : pictures) {
-    for (const tracker::Detection& one : detector.search(picture.view())) {
+    for (const detector::Detection& one : detector.search(picture.view())) {
       if (one.spacing <= 0) continue;
       ++found.caps;
       const double off = static_cast<double>(one.spacing) - cap.spacing();
@@ -81,9 +81,9 @@ std::optional<double> CapGathering::blur() const {
 }
 
 void CapGathering::take(const optics::GreyView& picture) {
-  for (const tracker::Detection& one : detector_.search(picture)) {
+  for (const detector::Detection& one : detector_.search(picture)) {
     if (caps_.size() >= kMostCaps) return;
-    if (one.used != (tracker::kUsedBig | tracker::kUsedSmall)) continue;  // no light edge either
+    if (one.used != (detector::kUsedBig | detector::kUsedSmall)) continue;  // no light edge either
     const auto cell = [](double value, double width) {
       return static_cast<std::int64_t>(std::floor(value / width));
     };

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "calibration/camera_fit.hpp"
+#include "detector/detector.hpp"
 #include "optics/image.hpp"
 #include "optics/imaging.hpp"
-#include "tracker_svc/detector.hpp"
 
 namespace lab::runner {
 
@@ -42,7 +42,7 @@ class CapGathering {
   [[nodiscard]] std::optional<double> blur() const;
 
  private:
-  tracker::Detector detector_;
+  detector::Detector detector_;
   std::set<std::int64_t> taken_;  // places and headings
   std::vector<calibration::CapSight> caps_;
   std::vector<float> blurs_;  // [px] of the caps

@@ -19,7 +19,7 @@ struct OverlayFrame {
   double time = 0;  ///< [s]
   optics::GreyView picture;
   std::span<const tracker::FilmRow> rows;
-  std::span<const tracker::Rejection> rejected;
+  std::span<const detector::Rejection> rejected;
 };
 
 struct OverlaySettings {

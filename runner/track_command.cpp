@@ -15,12 +15,12 @@
 #include "common/camera_file.hpp"
 #include "common/experiment_file.hpp"
 #include "common/units.hpp"
+#include "detector/response_finder.hpp"
 #include "runner/commands.hpp"
 #include "runner/film_overlay.hpp"
 #include "runner/film_progress.hpp"
 #include "runner/named_files.hpp"
 #include "tracker_svc/film_tracking.hpp"
-#include "tracker_svc/response_finder.hpp"
 
 namespace lab::runner {
 namespace {
@@ -307,8 +307,8 @@ class Film {
   const TrackOptions& options_;
   const CameraCalibration& calibration_;
   FilmReader& reader_;
-  tracker::Detector detector_;
-  tracker::ResponseFinder response_;
+  detector::Detector detector_;
+  detector::ResponseFinder response_;
   bool finds_response_;
   double gamma_ = 1;                        ///< that is believed
   std::optional<std::int64_t> told_from_;   ///< frame; those before were read with another one
@@ -317,7 +317,7 @@ class Film {
   PoseWriter poses_;
   std::unique_ptr<FilmOverlay> overlay_;
   std::string no_overlay_;  ///< why there is none though one was asked for
-  std::vector<tracker::Rejection> rejected_;
+  std::vector<detector::Rejection> rejected_;
 };
 
 }  // namespace

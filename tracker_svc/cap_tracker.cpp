@@ -25,13 +25,15 @@ constexpr double kMissed[] = {0.05, 0.5, 0.95};
 constexpr int kMissedLong = 5;  // pictures
 constexpr float kFlippedQuality = 0.4F;  // [1] below what an analysis takes for good
 
-bool isDegraded(const Detection& detection) { return (detection.used & kUsedRim) != 0; }
+bool isDegraded(const detector::Detection& detection) {
+  return (detection.used & detector::kUsedRim) != 0;
+}
 
-dynamics::Pose poseOf(const Detection& detection) {
+dynamics::Pose poseOf(const detector::Detection& detection) {
   return {detection.x, detection.y, detection.theta};
 }
 
-double distance2(const dynamics::Pose& pose, const Detection& detection) {
+double distance2(const dynamics::Pose& pose, const detector::Detection& detection) {
   const double dx = pose.x - detection.x;
   const double dy = pose.y - detection.y;
   return dx * dx + dy * dy;
@@ -43,7 +45,7 @@ struct CapTracker::Follow {
   std::int64_t number = 0;
   dynamics::Pose pose;  ///< where it was last seen
   std::array<double, 6> covariance{};
-  Detection detection;  ///< of this picture, or predicted
+  detector::Detection detection;  ///< of this picture, or predicted
   double first = 0;     ///< [s] when it was first seen
   double last = 0;      ///< [s] and last
   bool seen = true;
@@ -89,7 +91,7 @@ Reckoning CapTracker::reckon(const Follow& follow, double time) {
   return result;
 }
 
-const std::vector<Expected>& CapTracker::expect(double time) {
+const std::vector<detector::Expected>& CapTracker::expect(double time) {
   expected_.clear();
   for (const Follow& follow : follows_) {
     const double unseen = std::max(0.0, time - follow.last);
@@ -104,7 +106,8 @@ const std::vector<Expected>& CapTracker::expect(double time) {
   return expected_;
 }
 
-const std::vector<Track>& CapTracker::update(double time, std::span<const Detection> detections) {
+const std::vector<Track>& CapTracker::update(double time,
+                                             std::span<const detector::Detection> detections) {
   clean(detections);
   for (Follow& follow : follows_) follow.chosen = -1;
   matchSure(time);
@@ -127,9 +130,9 @@ const std::vector<Track>& CapTracker::update(double time, std::span<const Detect
   return tracks_;
 }
 
-void CapTracker::clean(std::span<const Detection> detections) {
+void CapTracker::clean(std::span<const detector::Detection> detections) {
   found_.clear();
-  for (const Detection& detection : detections) {
+  for (const detector::Detection& detection : detections) {
     if (detection.quality > 0 && std::isfinite(detection.x) && std::isfinite(detection.y) &&
         std::isfinite(detection.theta)) {
       found_.push_back(detection);
@@ -221,7 +224,7 @@ void CapTracker::doubt(Follow& follow) {
   follow.evidence.forget();
 }
 
-void CapTracker::see(Follow& follow, double time, Detection detection) {
+void CapTracker::see(Follow& follow, double time, detector::Detection detection) {
   // A degraded pose has the heading that was expected, and is no measure of speed.
   const bool sharp = !isDegraded(detection);
   if (sharp) correctFlip(follow, time, detection);
@@ -245,7 +248,7 @@ void CapTracker::see(Follow& follow, double time, Detection detection) {
   follow.misses = 0;
 }
 
-void CapTracker::correctFlip(Follow& follow, double time, Detection& detection) {
+void CapTracker::correctFlip(Follow& follow, double time, detector::Detection& detection) {
   const double unseen = std::max(0.0, time - follow.last);
   double limit = turnOf(unseen);
   double from = follow.pose.theta;
@@ -278,7 +281,7 @@ void CapTracker::correctFlip(Follow& follow, double time, Detection& detection) 
 
 void CapTracker::miss(Follow& follow, double time, bool lit) {
   const Reckoning reckoning = reckon(follow, time);
-  Detection& detection = follow.detection;
+  detector::Detection& detection = follow.detection;
   detection.x = reckoning.pose.x;
   detection.y = reckoning.pose.y;
   detection.theta = wrapped(reckoning.pose.theta);
@@ -290,7 +293,7 @@ void CapTracker::miss(Follow& follow, double time, bool lit) {
   if (lit) ++follow.misses;
 }
 
-void CapTracker::start(double time, const Detection& detection) {
+void CapTracker::start(double time, const detector::Detection& detection) {
   Follow follow;
   follow.number = next_number_++;
   follow.pose = poseOf(detection);
@@ -306,7 +309,7 @@ void CapTracker::giveUp(double time) {
   const auto isLost = [&](const Follow& follow) {
     if (follow.seen) return false;
     const double patience = std::min(kGiveUp, kBriefly + follow.last - follow.first);
-    const Detection& at = follow.detection;
+    const detector::Detection& at = follow.detection;
     return time - follow.last > patience || at.x < -kOutside || at.y < -kOutside ||
            at.x > settings_.arena_width + kOutside || at.y > settings_.arena_height + kOutside;
   };
@@ -354,7 +357,7 @@ bool CapTracker::bind(std::int32_t robot_id, double x, double y, double reach) {
   if (robot < 0) return false;
   Follow* nearest = nullptr;
   double least = reach * reach;
-  Detection place;
+  detector::Detection place;
   place.x = x;
   place.y = y;
   for (Follow& follow : follows_) {

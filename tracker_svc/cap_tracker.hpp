@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
+#include "detector/detector.hpp"
 #include "tracker_svc/assignment.hpp"
 #include "tracker_svc/binding.hpp"
-#include "tracker_svc/detector.hpp"
 #include "tracker_svc/motion.hpp"
 
 namespace lab::tracker {
@@ -24,7 +24,7 @@ struct WheelReport {
 struct Track {
   std::int64_t number = 0;     ///< of this track, never used again
   std::int32_t robot_id = -1;  ///< the robot it is bound to, -1: unbound
-  Detection pose;              ///< of this picture, or predicted where not seen (quality 0)
+  detector::Detection pose;    ///< of this picture, or predicted where not seen (quality 0)
   bool seen = false;           ///< in this picture
   double unseen = 0;           ///< [s] since it was last seen
 };
@@ -57,8 +57,8 @@ struct TrackerCounts {
 /// turn off for longer than it was right before (at most kVotes pictures), the first one was the
 /// mistake.
 ///
-/// A degraded pose (kUsedRim) keeps its track alive and where it is; it begins none, tells no
-/// speed, flips no heading and binds no robot.
+/// A degraded pose (detector::kUsedRim) keeps its track alive and where it is; it begins none, tells
+/// no speed, flips no heading and binds no robot.
 ///
 /// A track binds to a robot when what the cap did fits what that robot's wheels did, and fits no
 /// other free robot and no other free track: a robot that turns on the spot while the others stand
@@ -78,12 +78,12 @@ class CapTracker {
   /// Where to look for the caps in a picture taken at `time` [s], one place for every track in the
   /// order of the last update: wherever wheels can have taken it, but not more than a robot's
   /// radius unless it is lost (unseen for half a second), and then 0.15 m.
-  [[nodiscard]] const std::vector<Expected>& expect(double time);
+  [[nodiscard]] const std::vector<detector::Expected>& expect(double time);
 
   /// Takes the detections of the picture taken at `time` [s], later than the one before. Those of
   /// quality 0 are none.
   /// @return every track, valid until the next call
-  const std::vector<Track>& update(double time, std::span<const Detection> detections);
+  const std::vector<Track>& update(double time, std::span<const detector::Detection> detections);
 
   /// Binds the track whose cap is nearest to a known place, as at a start from known poses.
   /// @return whether there is one within `reach` [m]
@@ -100,13 +100,13 @@ class CapTracker {
  private:
   struct Follow;
 
-  void clean(std::span<const Detection> detections);
+  void clean(std::span<const detector::Detection> detections);
   void matchSure(double time);
   void matchRest(double time);
-  void see(Follow& follow, double time, Detection detection);
-  void correctFlip(Follow& follow, double time, Detection& detection);
+  void see(Follow& follow, double time, detector::Detection detection);
+  void correctFlip(Follow& follow, double time, detector::Detection& detection);
   void miss(Follow& follow, double time, bool lit);
-  void start(double time, const Detection& detection);
+  void start(double time, const detector::Detection& detection);
   void giveUp(double time);
   void doubt(Follow& follow);
   void compareMotion(double time);
@@ -122,8 +122,8 @@ class CapTracker {
   Assignment assignment_;
   std::vector<Follow> follows_;
   std::vector<Track> tracks_;
-  std::vector<Expected> expected_;
-  std::vector<Detection> found_;  ///< of this picture
+  std::vector<detector::Expected> expected_;
+  std::vector<detector::Detection> found_;  ///< of this picture
   std::vector<int> cap_of_;       ///< index into follows_ for each of them, -1: none yet
   std::vector<Evidence*> evidence_;
   std::int64_t next_number_ = 1;

@@ -17,13 +17,14 @@ class HttpDebugPort final : public DebugPort {
   [[nodiscard]] bool wanted() const override { return view_.wanted(); }
 
   void show(const optics::GreyView& picture, std::span<const Track> tracks,
-            std::span<const Rejection> rejected, const std::string& caption) override {
+            std::span<const detector::Rejection> rejected, const std::string& caption) override {
     optics::GreyImage image(picture.width, picture.height);
     for (int y = 0; y < picture.height; ++y) {
       std::copy_n(picture.row(y), picture.width, image.row(y));
     }
     view_.show([this, image = std::move(image), marks = marksOf(tracks),
-                refused = std::vector<Rejection>(rejected.begin(), rejected.end()), caption] {
+                refused = std::vector<detector::Rejection>(rejected.begin(), rejected.end()),
+                caption] {
       OverlayInput input;
       input.picture = image.view();
       input.marks = marks;

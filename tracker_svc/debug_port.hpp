@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "common/loop.hpp"
+#include "detector/detector.hpp"
 #include "tracker_svc/cap_tracker.hpp"
-#include "tracker_svc/detector.hpp"
 
 namespace lab::tracker {
 
@@ -24,7 +24,7 @@ class DebugPort {
   [[nodiscard]] virtual bool wanted() const = 0;
 
   virtual void show(const optics::GreyView& picture, std::span<const Track> tracks,
-                    std::span<const Rejection> rejected, const std::string& caption) = 0;
+                    std::span<const detector::Rejection> rejected, const std::string& caption) = 0;
 };
 
 /// On http://127.0.0.1:port/, where the loop is a live one; null where it is virtual or the port 0.

@@ -12,7 +12,7 @@ constexpr double kMoment = 1e-3;        // [s] between pictures without times of
 constexpr double kCm = 100;
 
 /// The track that a detection of this picture went to, 0: none.
-std::int64_t numberOf(const Detection& detection, const std::vector<Track>& tracks) {
+std::int64_t numberOf(const detector::Detection& detection, const std::vector<Track>& tracks) {
   // A track keeps where in the picture its cap is; a pose may have been changed for what is known
   // of the track.
   for (const Track& track : tracks) {
@@ -28,21 +28,24 @@ std::int64_t numberOf(const Detection& detection, const std::vector<Track>& trac
 
 const std::vector<FilmRow>& FilmTracking::take(std::int64_t number, double time,
                                                const optics::GreyView& picture,
-                                               std::vector<Rejection>* rejected) {
+                                               std::vector<detector::Rejection>* rejected) {
   tracker_time_ = total_.frames == 0 ? time : std::max(time, tracker_time_ + kMoment);
   found_ = detector_.search(picture, rejected, tracker_.expect(tracker_time_));
   if (most_robots_ > 0 && found_.size() > most_robots_) {
     std::stable_sort(found_.begin(), found_.end(),
-                     [](const Detection& a, const Detection& b) { return a.quality > b.quality; });
+                     [](const detector::Detection& a, const detector::Detection& b) {
+                       return a.quality > b.quality;
+                     });
     total_.surplus += static_cast<std::int64_t>(found_.size() - most_robots_);
     found_.resize(most_robots_);
   }
   const std::vector<Track>& tracks = tracker_.update(tracker_time_, found_);
 
   rows_.clear();
-  for (const Detection& detection : found_) {
+  for (const detector::Detection& detection : found_) {
     const std::int64_t id = numberOf(detection, tracks);
-    if (id == 0 && (detection.used & kUsedRim) != 0) continue;  // of another cap than expected
+    if (id == 0 && (detection.used & detector::kUsedRim) != 0)
+      continue;  // of another cap than expected
     rows_.push_back({number, id, time, detection});
   }
   std::stable_sort(rows_.begin(), rows_.end(),
@@ -65,7 +68,7 @@ void FilmTracking::count(std::int64_t number) {
   total_.most = std::max(total_.most, robots);
   for (const FilmRow& row : rows_) {
     confidences_ += static_cast<double>(row.pose.quality);
-    if ((row.pose.used & kUsedRim) != 0) ++total_.degraded;
+    if ((row.pose.used & detector::kUsedRim) != 0) ++total_.degraded;
     // Numbers of tracks only grow.
     if (row.id > highest_id_) {
       highest_id_ = row.id;
@@ -92,7 +95,7 @@ FilmSummary FilmTracking::summary() const {
 std::string_view filmCsvHeader() { return "frame,id,x_cm,y_cm,theta_rad,u,v,confidence,t_s\n"; }
 
 std::string filmCsvLine(const FilmRow& row) {
-  const Detection& pose = row.pose;
+  const detector::Detection& pose = row.pose;
   return fmt::format("{},{},{:.6f},{:.6f},{:.8f},{:.5f},{:.5f},{:.4f},{:.6f}\n", row.frame, row.id,
                      pose.x * kCm, pose.y * kCm, pose.theta, pose.middle.x, pose.middle.y,
                      static_cast<double>(pose.quality), row.time);

@@ -8,9 +8,9 @@
 #include <string_view>
 #include <vector>
 
+#include "detector/detector.hpp"
 #include "optics/image.hpp"
 #include "tracker_svc/cap_tracker.hpp"
-#include "tracker_svc/detector.hpp"
 
 namespace lab::tracker {
 
@@ -19,7 +19,7 @@ struct FilmRow {
   std::int64_t frame = 0;  ///< number of the picture in its film
   std::int64_t id = 0;     ///< of the track, from 1, never used again; 0: no track holds it
   double time = 0;         ///< [s] of the film
-  Detection pose;
+  detector::Detection pose;
 };
 
 /// What a film came to.
@@ -40,7 +40,7 @@ struct FilmSummary {
 class FilmTracking {
  public:
   /// @param most_robots when positive, no more than the so many best of a frame are taken
-  FilmTracking(Detector& detector, CapTracker& tracker, std::size_t most_robots = 0)
+  FilmTracking(detector::Detector& detector, CapTracker& tracker, std::size_t most_robots = 0)
       : detector_(detector), tracker_(tracker), most_robots_(most_robots) {}
 
   /// Takes the next picture.
@@ -50,17 +50,17 @@ class FilmTracking {
   /// @return the robots in it, by id; valid until the next call
   const std::vector<FilmRow>& take(std::int64_t number, double time,
                                    const optics::GreyView& picture,
-                                   std::vector<Rejection>* rejected = nullptr);
+                                   std::vector<detector::Rejection>* rejected = nullptr);
 
   [[nodiscard]] FilmSummary summary() const;
 
  private:
   void count(std::int64_t number);
 
-  Detector& detector_;
+  detector::Detector& detector_;
   CapTracker& tracker_;
   std::size_t most_robots_;
-  std::vector<Detection> found_;
+  std::vector<detector::Detection> found_;
   std::vector<FilmRow> rows_;
   FilmSummary total_;
   std::int64_t next_number_ = 0;

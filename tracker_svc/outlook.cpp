@@ -50,7 +50,7 @@ Outlook::Outlook(const dynamics::Pose& from, const Reckoning& free, double reach
   drift_ = speed * free.assumed + kSlack;
 }
 
-double Outlook::logDensity(const Detection& detection) const {
+double Outlook::logDensity(const detector::Detection& detection) const {
   const double distance = std::hypot(detection.x - from_.x, detection.y - from_.y);
   if (distance > 2 * reach_) return -1e9;
   std::array<double, 6> c = free_.covariance;

@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "tracker_svc/detector.hpp"
+#include "detector/detector.hpp"
 #include "tracker_svc/motion.hpp"
 
 namespace lab::tracker {
@@ -20,7 +20,7 @@ class Outlook {
   Outlook(const dynamics::Pose& from, const Reckoning& free, double reach, double speed);
 
   /// Natural logarithm of the density [1/(m^2 rad)] at a detection.
-  [[nodiscard]] double logDensity(const Detection& detection) const;
+  [[nodiscard]] double logDensity(const detector::Detection& detection) const;
 
  private:
   dynamics::Pose from_;

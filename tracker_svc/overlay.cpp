@@ -121,11 +121,11 @@ class Drawing {
   RgbImage draw() {
     caption();
     for (const Mark& mark : input_.marks) outline(mark);
-    for (const Rejection& rejection : input_.rejected) cross(rejection);
+    for (const detector::Rejection& rejection : input_.rejected) cross(rejection);
     // Identities before reasons: they matter more where room is short.
     for (const Mark& mark : input_.marks) label(mark);
     for (const Mark& mark : input_.marks) keepFree(mark);
-    for (const Rejection& rejection : input_.rejected) reason(rejection);
+    for (const detector::Rejection& rejection : input_.rejected) reason(rejection);
     legend();
     return std::move(image_);
   }
@@ -136,7 +136,7 @@ class Drawing {
   }
 
   /// A place in the frame of a robot, on its cap.
-  [[nodiscard]] Pixel onCap(const Detection& pose, double forward, double left) const {
+  [[nodiscard]] Pixel onCap(const detector::Detection& pose, double forward, double left) const {
     const double c = std::cos(pose.theta);
     const double s = std::sin(pose.theta);
     return scaled(camera_.project(pose.x + c * forward - s * left, pose.y + s * forward + c * left,
@@ -146,10 +146,11 @@ class Drawing {
   static Colour colourOf(const Mark& mark) {
     if (!mark.seen) return kUnseen;
     if (mark.pose.quality < kDegradedBelow) return kDegraded;
-    return (mark.pose.used & kUsedEdge) != 0 ? kEdge : kGood;
+    return (mark.pose.used & detector::kUsedEdge) != 0 ? kEdge : kGood;
   }
 
-  void circle(const Detection& pose, double forward, double radius, Colour colour, int corners) {
+  void circle(const detector::Detection& pose, double forward, double radius, Colour colour,
+              int corners) {
     Pixel last = onCap(pose, forward + radius, 0);
     for (int i = 1; i <= corners; ++i) {
       const double angle = 2 * std::numbers::pi * i / corners;
@@ -163,10 +164,10 @@ class Drawing {
     const Colour colour = colourOf(mark);
     circle(mark.pose, 0, cap_.cap_radius, colour, 32);
     if (mark.seen) {
-      if ((mark.pose.used & kUsedBig) != 0) {
+      if ((mark.pose.used & detector::kUsedBig) != 0) {
         circle(mark.pose, cap_.big_offset, cap_.big_radius, colour, 16);
       }
-      if ((mark.pose.used & kUsedSmall) != 0) {
+      if ((mark.pose.used & detector::kUsedSmall) != 0) {
         circle(mark.pose, cap_.small_offset, cap_.small_radius, colour, 16);
       }
     }
@@ -179,7 +180,7 @@ class Drawing {
     canvas.line(end, onCap(mark.pose, tip - barb, -barb), colour, 1.5);
   }
 
-  void cross(const Rejection& rejection) {
+  void cross(const detector::Rejection& rejection) {
     const Pixel at = scaled(rejection.where);
     Canvas canvas(image_);
     canvas.line({at.x - kCrossArm, at.y - kCrossArm}, {at.x + kCrossArm, at.y + kCrossArm},
@@ -230,7 +231,7 @@ class Drawing {
                         static_cast<int>(2 * half), static_cast<int>(2 * half)});
   }
 
-  void reason(const Rejection& rejection) {
+  void reason(const detector::Rejection& rejection) {
     const Pixel at = scaled(rejection.where);
     const std::string text = rejectionText(rejection);
     const double width = static_cast<double>(text.size()) * kLetterWidth;
@@ -253,8 +254,8 @@ class Drawing {
   /// At how many places each reason was given, in the lower left corner.
   void legend() {
     std::map<std::string_view, std::set<std::pair<double, double>>> places;
-    for (const Rejection& rejection : input_.rejected) {
-      places[toText(rejection.reason)].emplace(rejection.where.x, rejection.where.y);
+    for (const detector::Rejection& rejection : input_.rejected) {
+      places[detector::toText(rejection.reason)].emplace(rejection.where.x, rejection.where.y);
     }
     std::string text;
     for (const auto& [reason, there] : places) {
@@ -285,25 +286,26 @@ std::vector<Mark> marksOf(std::span<const Track> tracks) {
   return marks;
 }
 
-std::string rejectionText(const Rejection& rejection) {
+std::string rejectionText(const detector::Rejection& rejection) {
   const auto value = static_cast<double>(rejection.value);
   const auto limit = static_cast<double>(rejection.limit);
   switch (rejection.reason) {
-    case Reason::kCircleFit: {
+    case detector::Reason::kCircleFit: {
       const auto fault = static_cast<std::size_t>(std::clamp(value, 0.0, kFitFaults.size() - 1.0));
       return kFitFaults.at(fault);
     }
-    case Reason::kSpacing:
-      return fmt::format("{} {:.2f}/{:.2f} cm", toText(rejection.reason), value * kCm, limit * kCm);
-    case Reason::kNoPartner:
-    case Reason::kTaken:
-      return std::string(toText(rejection.reason));
-    case Reason::kSize:
-    case Reason::kNoCap:
+    case detector::Reason::kSpacing:
+      return fmt::format("{} {:.2f}/{:.2f} cm", detector::toText(rejection.reason), value * kCm,
+                         limit * kCm);
+    case detector::Reason::kNoPartner:
+    case detector::Reason::kTaken:
+      return std::string(detector::toText(rejection.reason));
+    case detector::Reason::kSize:
+    case detector::Reason::kNoCap:
       break;
   }
   const double shown = std::abs(value) < 0.005 ? 0 : value;  // no -0.00
-  return fmt::format("{} {:.2f}/{:.2f}", toText(rejection.reason), shown, limit);
+  return fmt::format("{} {:.2f}/{:.2f}", detector::toText(rejection.reason), shown, limit);
 }
 
 RgbImage overlay(const OverlayInput& input, const optics::CameraModel& camera,

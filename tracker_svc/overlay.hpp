@@ -6,16 +6,16 @@
 #include <string_view>
 #include <vector>
 
+#include "detector/detector.hpp"
 #include "optics/image.hpp"
 #include "tracker_svc/cap_tracker.hpp"
-#include "tracker_svc/detector.hpp"
 #include "tracker_svc/rgb_image.hpp"
 
 namespace lab::tracker {
 
 /// One cap to draw.
 struct Mark {
-  Detection pose;
+  detector::Detection pose;
   std::string label;  ///< beside it
   bool seen = true;   ///< false: this is where it is thought to be
 };
@@ -26,7 +26,7 @@ struct Mark {
 struct OverlayInput {
   optics::GreyView picture;
   std::span<const Mark> marks;
-  std::span<const Rejection> rejected;
+  std::span<const detector::Rejection> rejected;
   std::string_view caption;  ///< in the top left corner
   int width = 0;             ///< [px] of the result, 0: of the picture; never more
 };
@@ -40,6 +40,6 @@ struct OverlayInput {
                                const optics::CapGeometry& cap);
 
 /// "size 1.83/1.25": reason, found and allowed, lengths in cm.
-[[nodiscard]] std::string rejectionText(const Rejection& rejection);
+[[nodiscard]] std::string rejectionText(const detector::Rejection& rejection);
 
 }  // namespace lab::tracker

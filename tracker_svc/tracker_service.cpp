@@ -13,8 +13,8 @@
 #include "cameras/camera_devices.hpp"
 #include "common/channels.hpp"
 #include "common/units.hpp"
+#include "detector/scale_map.hpp"
 #include "optics/simulated_camera.hpp"
-#include "tracker_svc/scale_map.hpp"
 
 namespace lab::tracker {
 namespace {
@@ -119,9 +119,10 @@ TrackerService::TrackerService(const ServiceContext& context)
       tracker_(trackerSettings(context.experiment), robotsInView(context.experiment)),
       spacing_(spacingSettings(calibration_)),
       pictures_(imagingOf(calibration_).black),
-      blind_(static_cast<double>(ScaleMap(detector_.camera(), calibration_.cap).smallest()) *
-                 calibration_.cap.small_radius,
-             imagingOf(calibration_).black),
+      blind_(
+          static_cast<double>(detector::ScaleMap(detector_.camera(), calibration_.cap).smallest()) *
+              calibration_.cap.small_radius,
+          imagingOf(calibration_).black),
       robots_(robotsInView(context.experiment).size()),
       origin_(originOf(experiment_.camera)),
       origin_utime_(context.loop.now()),
@@ -233,17 +234,17 @@ void TrackerService::findResponse(const optics::GreyView& picture) {
 
 const std::vector<Track>& TrackerService::track(const optics::GreyView& picture, double time,
                                                 const Exposure& exposure) {
-  const std::vector<Expected>& expected = tracker_.expect(time);
+  const std::vector<detector::Expected>& expected = tracker_.expect(time);
   const bool draw = debug_ && debug_->wanted();
   const std::int64_t now = loop_.now();
-  std::vector<Rejection> rejected;
-  const std::vector<Detection>* found = nullptr;
+  std::vector<detector::Rejection> rejected;
+  const std::vector<detector::Detection>* found = nullptr;
   if (draw || !all_seen_ || now >= next_search_) {
     found = &detector_.search(picture, draw ? &rejected : nullptr, expected);
     next_search_ = now + kSearchEvery_us;
   } else {
     found = &detector_.follow(picture, expected);
-    const auto missing = [](const Detection& cap) { return cap.quality <= 0; };
+    const auto missing = [](const detector::Detection& cap) { return cap.quality <= 0; };
     if (std::ranges::any_of(*found, missing)) found = &detector_.search(picture, nullptr, expected);
   }
   const std::vector<Track>& tracks = tracker_.update(time, *found);
@@ -251,7 +252,7 @@ const std::vector<Track>& TrackerService::track(const optics::GreyView& picture,
   for (const Track& one : tracks) {
     if (!one.seen) continue;
     ++seen;
-    if (one.pose.spacing <= 0 || (one.pose.used & kUsedEdge) != 0) continue;
+    if (one.pose.spacing <= 0 || (one.pose.used & detector::kUsedEdge) != 0) continue;
     const double turn = std::sqrt(std::max(0.0, one.pose.covariance[5]));
     const double sigma = std::max(turn * calibration_.cap.spacing(), kLeastSigma);
     ++status_.spacings;

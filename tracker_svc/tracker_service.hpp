@@ -13,12 +13,12 @@
 #include "calibration/spacing_check.hpp"
 #include "common/camera_file.hpp"
 #include "common/service_main.hpp"
+#include "detector/detector.hpp"
+#include "detector/response_finder.hpp"
 #include "tracker_svc/cap_tracker.hpp"
 #include "tracker_svc/debug_port.hpp"
-#include "tracker_svc/detector.hpp"
 #include "tracker_svc/latency.hpp"
 #include "tracker_svc/picture_check.hpp"
-#include "tracker_svc/response_finder.hpp"
 #include "tracker_svc/sync_reader.hpp"
 
 namespace lab::tracker {
@@ -56,8 +56,8 @@ class TrackerService final : public Service {
   Loop& loop_;
   const Experiment& experiment_;
   CameraCalibration calibration_;
-  Detector detector_;
-  std::optional<ResponseFinder> response_;  ///< while the camera's response is not known
+  detector::Detector detector_;
+  std::optional<detector::ResponseFinder> response_;  ///< while the camera's response is not known
   double gamma_;                            ///< that is believed meanwhile
   CapTracker tracker_;
   calibration::SpacingCheck spacing_;

@@ -240,7 +240,7 @@ std::int32_t onlyTwo(const std::vector<dynamics::Arc>& cap, const std::vector<Wh
     const double time = static_cast<double>(frame) / 30;
     dut.take({{{5, time, robot[frame].left, robot[frame].right}}});
     pose = dynamics::apply(cap[frame], pose);
-    Detection detection;
+    detector::Detection detection;
     detection.x = pose.x;
     detection.y = pose.y;
     detection.theta = wrapped(pose.theta);
@@ -349,7 +349,7 @@ TEST(Binding, ABoundRobotThatIsPushedByHandKeepsItsName) {
     const double time = static_cast<double>(frame) / 30;
     dut.take({{{5, time, reported[frame].left, reported[frame].right}}});
     pose = dynamics::apply(arcs[frame], pose);
-    Detection detection;
+    detector::Detection detection;
     detection.x = pose.x;
     detection.y = pose.y;
     detection.theta = wrapped(pose.theta);

@@ -10,14 +10,14 @@
 namespace lab::tracker {
 namespace {
 
-Detection capAt(double x, double y, double theta) {
-  Detection detection;
+detector::Detection capAt(double x, double y, double theta) {
+  detector::Detection detection;
   detection.x = x;
   detection.y = y;
   detection.theta = theta;
   detection.covariance = {1e-10, 0, 0, 1e-10, 0, 1e-7};
   detection.quality = 1;
-  detection.used = kUsedBig | kUsedSmall;
+  detection.used = detector::kUsedBig | detector::kUsedSmall;
   return detection;
 }
 
@@ -26,8 +26,8 @@ std::vector<dynamics::CoreSettings> programs() {
           sim::always(sim::bpProgram(0, 0.2, 0.5)), sim::always(sim::abpProgram(0.15))};
 }
 
-Detection degraded(Detection detection) {
-  detection.used = kUsedBig | kUsedRim;
+detector::Detection degraded(detector::Detection detection) {
+  detection.used = detector::kUsedBig | detector::kUsedRim;
   detection.quality = 0.4F;
   detection.covariance = {1e-8, 0, 0, 1e-8, 0, 4e-5};
   return detection;
@@ -35,12 +35,12 @@ Detection degraded(Detection detection) {
 
 TEST(CapTracker, ADegradedPoseKeepsATrackAndBeginsNone) {
   CapTracker dut({}, {7});
-  const Detection cap = capAt(0.5, 0.5, 0.3);
-  const std::vector<Detection> begin{degraded(capAt(0.2, 0.2, 0))};
+  const detector::Detection cap = capAt(0.5, 0.5, 0.3);
+  const std::vector<detector::Detection> begin{degraded(capAt(0.2, 0.2, 0))};
   EXPECT_TRUE(dut.update(0, begin).empty());
   for (int k = 1; k <= 5; ++k) static_cast<void>(dut.update(0.02 * k, {&cap, 1}));
   ASSERT_TRUE(dut.bind(7, 0.5, 0.5, 0.01));
-  const Detection rim = degraded(capAt(0.501, 0.5, 0.31));
+  const detector::Detection rim = degraded(capAt(0.501, 0.5, 0.31));
   for (int k = 6; k <= 500; ++k) {  // ten seconds: twice as long as an unseen one is kept
     const std::vector<Track>& tracks = dut.update(0.02 * k, {&rim, 1});
     ASSERT_EQ(tracks.size(), 1U);
@@ -58,9 +58,9 @@ TEST(CapTracker, ADegradedPoseKeepsATrackAndBeginsNone) {
 
 TEST(CapTracker, ADegradedPoseFlipsNothingAndBindsNothing) {
   CapTracker dut({}, {7});
-  const Detection cap = capAt(0.5, 0.5, 0.3);
+  const detector::Detection cap = capAt(0.5, 0.5, 0.3);
   static_cast<void>(dut.update(0, {&cap, 1}));
-  const Detection round = degraded(capAt(0.5, 0.5, 0.3 + 3.1415));
+  const detector::Detection round = degraded(capAt(0.5, 0.5, 0.3 + 3.1415));
   static_cast<void>(dut.update(0.02, {&round, 1}));
   static_cast<void>(dut.update(0.04, {&round, 1}));
   EXPECT_EQ(dut.counts().flips, 0);
@@ -80,8 +80,8 @@ TEST(CapTracker, DegradedPosesTellNothingOfMotion) {
       const double wheel = time > 1 ? 2 * 0.075 / 2 : 0;
       const std::vector<WheelReport> reports{{1, time, -wheel, wheel}, {2, time, 0, 0}};
       dut.take(reports);
-      std::vector<Detection> caps{capAt(0.4, 0.4, std::remainder(turn, 6.283185307179586)),
-                                  capAt(0.8, 0.4, 1)};
+      std::vector<detector::Detection> caps{
+          capAt(0.4, 0.4, std::remainder(turn, 6.283185307179586)), capAt(0.8, 0.4, 1)};
       if (!sharp && k > 10) caps = {degraded(caps[0]), degraded(caps[1])};
       static_cast<void>(dut.update(time, caps));
     }
@@ -144,7 +144,7 @@ void runDark(const CrowdSettings& settings, std::size_t program, double dark, do
   Crowd crowd(settings, programs()[program]);
   CapTracker dut({}, crowd.ids());
   std::map<std::int64_t, int> number_of;
-  std::vector<Detection> nothing;
+  std::vector<detector::Detection> nothing;
   std::int64_t doubtful = 0;
   bool back = false;
   std::int64_t named = 0;
@@ -245,7 +245,7 @@ TEST(CapTracker, FindsOutThatAHandExchangedTwoRobotsInTheDark) {
         exchanged = true;
       }
       const std::vector<Track>& tracks =
-          dut.update(crowd.time(), dark ? std::vector<Detection>() : crowd.detections());
+          dut.update(crowd.time(), dark ? std::vector<detector::Detection>() : crowd.detections());
       if (dut.counts().bound == 0) bindAll(crowd, dut);
       if (dark || !exchanged) continue;
       Score score;
@@ -318,7 +318,7 @@ TEST(CapTracker, EverythingInPicturesThatHaveNothingInCommonComesOut) {
   Random random(7);
   CapTracker dut({}, {});
   for (int picture = 0; picture < 50; ++picture) {
-    std::vector<Detection> detections;
+    std::vector<detector::Detection> detections;
     for (int i = 0; i < 12; ++i) {
       for (int j = 0; j < 4; ++j) {
         detections.push_back(capAt(0.06 + 0.09 * i + 0.01 * random.uniform(),
@@ -331,7 +331,7 @@ TEST(CapTracker, EverythingInPicturesThatHaveNothingInCommonComesOut) {
       if (track.seen) seen.emplace(track.pose.x, track.pose.y);
     }
     ASSERT_EQ(seen.size(), detections.size());
-    for (const Detection& detection : detections) {
+    for (const detector::Detection& detection : detections) {
       ASSERT_EQ(seen.count(detection.x), 1U);
       ASSERT_EQ(seen.find(detection.x)->second, detection.y);
     }
@@ -346,11 +346,11 @@ TEST(CapTracker, ExpectsEveryRobotWhereItWillBe) {
     CapTracker dut({}, crowd.ids());
     for (int frame = 0; frame < 10 * fps; ++frame) {
       crowd.advance(dut);
-      const std::vector<Expected>& expected = dut.expect(crowd.time());
+      const std::vector<detector::Expected>& expected = dut.expect(crowd.time());
       if (frame > 0) {
         ASSERT_EQ(expected.size(), crowd.size());
       }
-      for (const Expected& place : expected) {
+      for (const detector::Expected& place : expected) {
         bool found = false;
         for (std::size_t i = 0; i < crowd.size() && !found; ++i) {
           const dynamics::Pose at = crowd.truth(i);
@@ -424,9 +424,9 @@ TEST(CapTracker, BindsOnlyWhatIsThere) {
 
 TEST(CapTracker, TakesNoNumbersThatAreNone) {
   CapTracker dut({}, {1});
-  Detection none = capAt(0.5, 0.5, 0);
+  detector::Detection none = capAt(0.5, 0.5, 0);
   none.quality = 0;
-  Detection nowhere = capAt(std::numeric_limits<double>::quiet_NaN(), 0.5, 0);
+  detector::Detection nowhere = capAt(std::numeric_limits<double>::quiet_NaN(), 0.5, 0);
 
   EXPECT_TRUE(dut.update(0, {{none, nowhere}}).empty());
 }

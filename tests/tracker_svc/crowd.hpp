@@ -76,14 +76,14 @@ class Crowd {
   [[nodiscard]] bool isLost() { return random_.uniform() < settings_.frame_loss; }
 
   /// What the detector finds now; `noise` multiplies the noise.
-  [[nodiscard]] std::vector<Detection> detections(double noise = 1) {
-    std::vector<Detection> result;
+  [[nodiscard]] std::vector<detector::Detection> detections(double noise = 1) {
+    std::vector<detector::Detection> result;
     for (std::size_t i = 0; i < world_.size(); ++i) {
       if (hidden.contains(i) || random_.uniform() < settings_.dropout) continue;
       const dynamics::Pose pose = truth(i);
       const double place = settings_.place_noise * noise;
       const double turn = settings_.turn_noise * noise;
-      Detection detection;
+      detector::Detection detection;
       detection.x = pose.x + place * random_.normal();
       detection.y = pose.y + place * random_.normal();
       detection.theta = pose.theta + turn * random_.normal();
@@ -94,7 +94,7 @@ class Crowd {
       detection.theta = std::remainder(detection.theta, 2 * kTestPi);
       detection.covariance = {place * place, 0, 0, place * place, 0, turn * turn};
       detection.quality = 1;
-      detection.used = kUsedBig | kUsedSmall;
+      detection.used = detector::kUsedBig | detector::kUsedSmall;
       result.push_back(detection);
     }
     // In no order that would give anything away.
@@ -105,7 +105,7 @@ class Crowd {
   }
 
   /// Which robot stands where the track is, -1: none.
-  [[nodiscard]] int robotAt(const Detection& pose) const {
+  [[nodiscard]] int robotAt(const detector::Detection& pose) const {
     for (std::size_t i = 0; i < world_.size(); ++i) {
       const dynamics::Pose at = truth(i);
       if (std::hypot(at.x - pose.x, at.y - pose.y) < 0.02) return world_.id(i);

@@ -5,8 +5,8 @@
 #include <map>
 #include <set>
 
-#include "covered_cap.hpp"
-#include "painted_film.hpp"
+#include "tests/detector/covered_cap.hpp"
+#include "tests/tracker_svc/painted_film.hpp"
 
 namespace lab::tracker::film_tracking_test {
 namespace {
@@ -15,7 +15,8 @@ constexpr double kNear = 1e-4;  // [m] what a robot is found to at 640 x 480, ma
 
 struct Bench {
   PaintedFilm film;
-  Detector detector{optics::CameraModel(PaintedFilm::settings().camera), optics::CapGeometry{}};
+  detector::Detector detector{optics::CameraModel(PaintedFilm::settings().camera),
+                              optics::CapGeometry{}};
   CapTracker caps{TrackerSettings{}, {}};
 };
 
@@ -129,14 +130,15 @@ TEST(FilmTracking, SaysWhatItRefused) {
   painter.setLight({{light}, {}, 1});
   optics::GreyImage picture(PaintedFilm::kWidth, PaintedFilm::kHeight);
   painter.paint({}, 0, picture.pixels);
-  std::vector<Rejection> rejected;
+  std::vector<detector::Rejection> rejected;
 
   EXPECT_TRUE(dut.take(0, 0, picture.view(), &rejected).empty());
 
   const optics::Pixel disc = optics::CameraModel(settings.camera).project(0.5, 0.5, 0);
-  const bool there = std::any_of(rejected.begin(), rejected.end(), [&](const Rejection& one) {
-    return std::hypot(one.where.x - disc.x, one.where.y - disc.y) < 3;
-  });
+  const bool there =
+      std::any_of(rejected.begin(), rejected.end(), [&](const detector::Rejection& one) {
+        return std::hypot(one.where.x - disc.x, one.where.y - disc.y) < 3;
+      });
   EXPECT_TRUE(there);
 }
 
@@ -151,13 +153,15 @@ TEST(FilmTracking, KeepsACapWhoseCircleIsCoveredForAWhile) {
     const std::vector<sim::PaintedRobot> robots = PaintedFilm::robotsAt(time);
     optics::GreyImage picture = bench.film.frame(k);
     const bool covered = k >= 3 && k < 10;
-    if (covered) lay(overCircle(robots[kCovered], false), bench.detector.camera(), picture);
+    if (covered)
+      detector::lay(detector::overCircle(robots[kCovered], false), bench.detector.camera(),
+                    picture);
     const std::vector<FilmRow>& rows = dut.take(k, time, picture.view());
     ASSERT_EQ(rows.size(), 3U) << k;
     for (const FilmRow& row : rows) {
       const sim::PaintedRobot& robot = robots[kCovered];
       const bool is_it = std::hypot(row.pose.x - robot.x, row.pose.y - robot.y) < 0.001;
-      EXPECT_EQ((row.pose.used & kUsedRim) != 0, is_it && covered) << k;
+      EXPECT_EQ((row.pose.used & detector::kUsedRim) != 0, is_it && covered) << k;
       EXPECT_EQ(row.pose.quality < 0.5F, is_it && covered) << k;
       if (is_it) ids.insert(row.id);
     }
@@ -172,7 +176,8 @@ TEST(FilmTracking, DoesNotBeginWithACapOfOneCircle) {
   Bench bench;
   FilmTracking dut(bench.detector, bench.caps);
   optics::GreyImage picture = bench.film.frame(0);
-  lay(overCircle(PaintedFilm::robotsAt(0)[0], true), bench.detector.camera(), picture);
+  detector::lay(detector::overCircle(PaintedFilm::robotsAt(0)[0], true), bench.detector.camera(),
+                picture);
 
   EXPECT_EQ(dut.take(0, 0, picture.view()).size(), 2U);
   EXPECT_EQ(dut.take(1, 1 / PaintedFilm::kFps, picture.view()).size(), 2U);

@@ -30,7 +30,7 @@ struct Bench {
     mark.pose.y = y;
     mark.pose.theta = theta;
     mark.pose.quality = 0.9F;
-    mark.pose.used = kUsedBig | kUsedSmall;
+    mark.pose.used = detector::kUsedBig | detector::kUsedSmall;
     return mark;
   }
 
@@ -50,7 +50,8 @@ struct Bench {
     return false;
   }
 
-  [[nodiscard]] RgbImage draw(std::span<const Mark> marks, std::span<const Rejection> rejected = {},
+  [[nodiscard]] RgbImage draw(std::span<const Mark> marks,
+                              std::span<const detector::Rejection> rejected = {},
                               int width = 0) const {
     optics::GreyImage copy = picture;
     return overlay({.picture = copy.view(),
@@ -96,7 +97,8 @@ TEST(Overlay, TellsADegradedPoseByItsColour) {
 
 TEST(Overlay, CrossesOutWhatWasRefused) {
   const Bench bench;
-  const std::vector<Rejection> rejected{{{200, 100}, Reason::kSize, 1.8F, 1.2F}};
+  const std::vector<detector::Rejection> rejected{
+      {{200, 100}, detector::Reason::kSize, 1.8F, 1.2F}};
 
   const RgbImage image = bench.draw({}, rejected);
 
@@ -149,10 +151,10 @@ TEST(Overlay, NamesBoundRobotsAndUnboundTracks) {
 }
 
 TEST(RejectionText, GivesFoundAndAllowedInPeoplesUnits) {
-  const std::string spacing = rejectionText({{}, Reason::kSpacing, 0.0391F, 0.0375F});
-  const std::string size = rejectionText({{}, Reason::kSize, 1.83F, 1.25F});
-  const std::string fit =
-      rejectionText({{}, Reason::kCircleFit, static_cast<float>(FitFault::kNotDark), 0});
+  const std::string spacing = rejectionText({{}, detector::Reason::kSpacing, 0.0391F, 0.0375F});
+  const std::string size = rejectionText({{}, detector::Reason::kSize, 1.83F, 1.25F});
+  const std::string fit = rejectionText(
+      {{}, detector::Reason::kCircleFit, static_cast<float>(detector::FitFault::kNotDark), 0});
 
   EXPECT_NE(spacing.find("3.91/3.75 cm"), std::string::npos) << spacing;
   EXPECT_NE(size.find("1.83/1.25"), std::string::npos) << size;

@@ -13,7 +13,7 @@
 #include "optics/simulated_camera.hpp"
 #include "sim_svc/camera_painter.hpp"
 #include "tests/common/temporary_folder.hpp"
-#include "tests/tracker_svc/covered_cap.hpp"
+#include "tests/detector/covered_cap.hpp"
 
 namespace lab::tracker {
 namespace {
@@ -142,7 +142,7 @@ class TrackerServiceTest : public testing::Test {
       optics::GreyImage image(experiment.camera.width, experiment.camera.height);
       painter->paint(robots, number, image.pixels);
       const optics::CameraModel camera(painter->settings().camera);
-      for (const Cover& cover : covers) lay(cover, camera, image);
+      for (const detector::Cover& cover : covers) detector::lay(cover, camera, image);
       show(image);
     }
   }
@@ -168,7 +168,7 @@ class TrackerServiceTest : public testing::Test {
   std::unique_ptr<sim::CameraPainter> painter;
   std::unique_ptr<TrackerService> dut;
   std::vector<sim::PaintedRobot> robots;
-  std::vector<Cover> covers;  ///< that lie over them
+  std::vector<detector::Cover> covers;  ///< that lie over them
   double gamma = 1;           ///< of the camera's grey steps
   std::int64_t number = 0;
   std::vector<tracked_frame_t> frames;
@@ -214,7 +214,7 @@ TEST_F(TrackerServiceTest, KeepsARobotWithOneCircleCoveredAndSaysSo) {
   start(kThree);
   handshake();
   for (const bool big : {true, false}) {
-    covers = {overCircle(robots[1], big)};
+    covers = {detector::overCircle(robots[1], big)};
     film(40);  // two searches through the whole picture among them
     ASSERT_THAT(frames.back().robots, SizeIs(3));
     const tracked_pose_t& pose = frames.back().robots[1];
@@ -230,7 +230,7 @@ TEST_F(TrackerServiceTest, KeepsARobotWithOneCircleCoveredAndSaysSo) {
     EXPECT_EQ(detail.spacing, 0);
     EXPECT_GT(frames.back().robots[0].confidence, 0.5);
   }
-  covers = {overCircle(robots[1], true), overCircle(robots[1], false)};
+  covers = {detector::overCircle(robots[1], true), detector::overCircle(robots[1], false)};
   film(2);
   EXPECT_THAT(frames.back().robots, SizeIs(2)) << "what is not seen is not said";
   covers.clear();

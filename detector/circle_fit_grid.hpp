@@ -1,0 +1,70 @@
+/// Where a fit begins, so that every start near a circle ends at the same bits. Internal to the
+/// circle fit.
+#pragma once
+
+#include <cmath>
+#include <optional>
+
+#include "optics/image.hpp"
+
+namespace lab::detector::fit {
+
+/// Fits begin at points of a grid over the picture.
+constexpr double kGrid = 0.5;  ///< [px]
+
+struct GridPoint {
+  int x = 0;
+  int y = 0;
+  [[nodiscard]] optics::Pixel pixel() const { return {x * kGrid, y * kGrid}; }
+  bool operator==(const GridPoint&) const = default;
+  [[nodiscard]] bool before(const GridPoint& o) const { return y != o.y ? y < o.y : x < o.x; }
+};
+
+/// The largest whole number that is not larger, for values within the range of int; without the
+/// call of a library that older processors need for it.
+template <typename Number>
+int floorOf(Number value) {
+  const int cut = static_cast<int>(value);
+  return cut - (value < static_cast<Number>(cut) ? 1 : 0);
+}
+
+inline GridPoint nearest(const optics::Pixel& p) {
+  return {floorOf(p.x / kGrid + 0.5), floorOf(p.y / kGrid + 0.5)};
+}
+
+/// Walks over the grid to the point whose own estimate of the centre lies in its own cell. Where
+/// neighbouring points claim the centre, the first in reading order has it, whichever was met
+/// first; that holds while their estimates differ by less than `doubt` [px].
+/// @param estimate from a grid point, by nothing but that point and the picture: an
+///   std::optional<optics::Pixel>
+template <typename Estimate>
+std::optional<GridPoint> settle(GridPoint here, double doubt, int most_moves,
+                                const Estimate& estimate) {
+  GridPoint before = here;
+  std::optional<optics::Pixel> found = estimate(here);
+  for (int move = 0; found; ++move) {
+    const GridPoint next = nearest(*found);
+    if (next == here) break;
+    if (move == most_moves) return std::nullopt;
+    if (move > 0 && next == before) return here.before(next) ? here : next;  // they name each other
+    before = here;
+    here = next;
+    found = estimate(here);
+  }
+  if (!found) return std::nullopt;
+  const double inner = 0.5 - doubt / kGrid;
+  const double x = found->x / kGrid - here.x;
+  const double y = found->y / kGrid - here.y;
+  const int sx = x > inner ? 1 : x < -inner ? -1 : 0;
+  const int sy = y > inner ? 1 : y < -inner ? -1 : 0;
+  GridPoint chosen = here;
+  for (const GridPoint rival : {GridPoint{here.x + sx, here.y}, GridPoint{here.x, here.y + sy},
+                                GridPoint{here.x + sx, here.y + sy}}) {
+    if (!rival.before(chosen)) continue;
+    const std::optional<optics::Pixel> claim = estimate(rival);
+    if (claim && nearest(*claim) == rival) chosen = rival;
+  }
+  return chosen;
+}
+
+}  // namespace lab::detector::fit

@@ -1,0 +1,84 @@
+/// Which pixels belong to a circle, and what a first look at them says: worked out once for all
+/// circles of about the same outline and blur. Internal to the circle fit.
+///
+/// Fits begin at points of a grid (circle_fit_grid.hpp), where the pixels always lie the same. So
+/// their places are a list, and a step of least squares from a fixed disc is a weighted sum.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <vector>
+
+#include "detector/circle_fit_grid.hpp"
+#include "detector/circle_fit_window.hpp"
+#include "optics/image.hpp"
+
+namespace lab::detector::fit {
+
+class Pixels {
+ public:
+  /// About this outline, blur and margin [px]; kept for the next circle of that kind. To be copied
+  /// before the next call.
+  static const std::shared_ptr<const Pixels>& about(const DiscShape& shape, float sigma,
+                                                    float margin);
+
+  struct Rough {
+    double x = 0;  ///< [DN px] contrast times the way to the centre
+    double y = 0;
+    double white = 0;  ///< [DN]
+    double dark = 0;   ///< [DN]
+  };
+  /// A step from a disc at the point. Beyond the picture its outermost pixels go on.
+  [[nodiscard]] Rough rough(const optics::GreyView& picture, const GridPoint& point) const;
+
+  /// Takes the pixels within the margin outside the outline centred on the point.
+  /// @return false where the outline would leave the picture
+  bool gather(const optics::GreyView& picture, const GridPoint& point, Window& window) const;
+
+ private:
+  struct Kind {  // the outline, as a class of outlines: see about()
+    int width, height, skew, blur, margin;
+    bool operator==(const Kind&) const = default;
+  };
+  struct Ellipse {
+    explicit Ellipse(const Kind& kind);
+    double m[4];              // |m d| < 1 inside
+    double radius;            // [px]
+    double reach_x, reach_y;  // [px]
+  };
+  struct Span {  // pixels of one row
+    int dx, dy, count;
+  };
+  struct Run {  // eight pixels of a row and their weights in x, y, white and dark
+    int dx, dy;
+    alignas(32) float weight[4][kLanes];
+  };
+  struct Phase {  // a grid point lies on a pixel, or between two, by x and by y
+    std::vector<Run> runs;
+    std::vector<Span> spans;
+    std::vector<float> x, y;  // [px] of the pixels, a multiple of kLanes
+    int count = 0;            // without those that fill the last eight
+    int left = 0, right = 0, top = 0, bottom = 0;  // what is read, and nothing farther
+    [[nodiscard]] bool within(const optics::GreyView& picture, int at_x, int at_y) const;
+  };
+
+  explicit Pixels(const Kind& kind);
+  static std::vector<Span> spansWithin(const Ellipse& ellipse, double margin, double shift_x,
+                                       double shift_y);
+  static Phase phaseOf(const Ellipse& ellipse, double sigma, double margin, double shift_x,
+                       double shift_y);
+  static void addRuns(const Ellipse& ellipse, double sigma, double shift_x, double shift_y,
+                      Phase& phase);
+  static void sum(const optics::GreyView& picture, const Phase& phase, int x, int y, double* sums);
+  static void take(const optics::GreyView& picture, const Phase& phase, int x, int y,
+                   Window& window);
+  [[nodiscard]] const Phase& phaseAt(const GridPoint& point) const {
+    return phases_[static_cast<std::size_t>((point.x & 1) + 2 * (point.y & 1))];
+  }
+
+  Kind kind_;
+  Ellipse ellipse_;
+  std::array<Phase, 4> phases_;
+};
+
+}  // namespace lab::detector::fit

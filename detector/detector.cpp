@@ -1,0 +1,400 @@
+#include "detector/detector.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+#include <tuple>
+#include <utility>
+
+#include "detector/cap_check.hpp"
+
+namespace lab::detector {
+namespace {
+
+constexpr float kRoughSpacing = 0.006F;   // [m] by which two rough centres may miss the spacing
+constexpr float kAgain = 0.012F;          // [m] for two that an edge may have displaced
+constexpr double kScaleDoubt = 0.0009;    // [m] of the spacing: a camera that is 2.5 % off
+constexpr double kMostDoubt = 0.0015;     // [m] whatever the covariance says
+constexpr double kSigmas = 4;
+constexpr double kMostUncertain = 0.06;   // [radii] standard deviation of a centre
+constexpr double kOverlap = 1.7;          // [cap radii] between two axes, at least
+constexpr double kClear = 0.6;            // [big radii] from a neighbour's circle's centre
+
+}  // namespace
+
+std::string_view toText(Reason reason) {
+  switch (reason) {
+    case Reason::kCircleFit: return "no clean circle";
+    case Reason::kSize: return "wrong size";
+    case Reason::kNoPartner: return "no partner";
+    case Reason::kSpacing: return "wrong spacing";
+    case Reason::kNoCap: return "no cap around it";
+    case Reason::kTaken: return "belongs to another";
+  }
+  return "?";
+}
+
+Detector::Detector(const optics::CameraModel& camera, const optics::CapGeometry& cap,
+                   const optics::Imaging& imaging)
+    : camera_(camera),
+      cap_(cap),
+      imaging_(imaging),
+      response_(imaging),
+      scale_(camera, cap),
+      search_(scale_, cap, imaging, camera.parameters().width, camera.parameters().height) {}
+
+void Detector::setGamma(double gamma) {
+  if (gamma == imaging_.gamma) return;
+  imaging_.gamma = gamma;
+  response_ = optics::Response(imaging_);
+}
+
+const std::vector<Detection>& Detector::search(const optics::GreyView& seen,
+                                               std::vector<Rejection>* rejected,
+                                               std::span<const Expected> expected) {
+  if (rejected != nullptr) rejected->clear();
+  found_.clear();
+  if (!canRead(seen)) return found_;
+  const optics::GreyView picture = response_.linear(seen);
+  const Region all{0, 0, picture.width - 1, picture.height - 1};
+  seen_.clear();
+  look(picture, {&all, 1}, rejected);
+  found_ = seen_;
+  for (const Rescued& one : rescue(picture, expected)) found_.push_back(one.pose);
+  return found_;
+}
+
+bool Detector::canRead(const optics::GreyView& picture) const {
+  return picture.data != nullptr && picture.width == camera_.parameters().width &&
+         picture.height == camera_.parameters().height && picture.stride >= picture.width;
+}
+
+void Detector::look(const optics::GreyView& picture, std::span<const Region> regions,
+                    std::vector<Rejection>* rejected) {
+  refused_.clear();
+  std::vector<Refused>* refused = rejected != nullptr ? &refused_ : nullptr;
+  search_.findRound(picture, regions, spots_, refused);
+  for (const Detection& pose : seen_) cover(pose);
+  circles_.assign(2 * spots_.size(), Circle{});
+  taken_.assign(spots_.size(), 0);
+  gatherCouples(picture, 0, rejected);
+  settleCouples(picture, rejected);
+  // What shows only a part of its outline, as far as it is no part of a cap that is known by now.
+  const std::size_t first = spots_.size();
+  search_.findRest(spots_, refused);
+  circles_.resize(2 * spots_.size());
+  taken_.resize(spots_.size(), 0);
+  gatherCouples(picture, first, rejected);
+  settleCouples(picture, rejected);
+  lookAgain(picture, rejected);
+  settleCouples(picture, rejected);
+  lookBeside(picture, rejected);
+  if (rejected != nullptr) explainTheRest(*rejected);
+}
+
+void Detector::settleCouples(const optics::GreyView& picture, std::vector<Rejection>* rejected) {
+  std::erase_if(couples_, [&](Couple& couple) { return !measure(picture, couple, rejected); });
+  couples_.resize(chooseCouples(couples_, static_cast<int>(spots_.size())));
+  for (const Couple& couple : couples_) {
+    taken_[static_cast<std::size_t>(couple.big)] = 1;
+    taken_[static_cast<std::size_t>(couple.small)] = 1;
+    const Detection pose = poseOf(couple, couple.rim);
+    if (!overlapsSeen(pose)) {
+      seen_.push_back(pose);
+      cover(pose);
+    } else if (rejected != nullptr) {
+      rejected->push_back({pose.middle, Reason::kTaken, couple.cost, 0});
+    }
+  }
+}
+
+bool Detector::overlapsSeen(const Detection& pose) const {
+  const double least = kOverlap * cap_.cap_radius;
+  return std::ranges::any_of(seen_, [&](const Detection& other) {
+    const double dx = pose.x - other.x;
+    const double dy = pose.y - other.y;
+    return dx * dx + dy * dy < least * least;
+  });
+}
+
+double Detector::alone() const {
+  const double offset = std::max(std::abs(cap_.big_offset), std::abs(cap_.small_offset));
+  return 2 * cap_.robot_radius - offset - kClear * cap_.big_radius;
+}
+
+void Detector::cover(const Detection& pose) {
+  const LocalScale scale = scale_.at(pose.middle.x, pose.middle.y);
+  search_.cover(pose.middle.x, pose.middle.y, alone() * static_cast<double>(scale.mean));
+}
+
+void Detector::gatherCouples(const optics::GreyView& picture, std::size_t first,
+                             std::vector<Rejection>* rejected) {
+  couples_.clear();
+  if (first == spots_.size()) return;
+  // Sorted by row, each spot needs to be held against few others only.
+  order_.clear();
+  for (std::size_t i = 0; i < spots_.size(); ++i) {
+    if (taken_[i] == 0) order_.push_back(i);
+  }
+  std::sort(order_.begin(), order_.end(), [&](std::size_t a, std::size_t b) {
+    return std::tie(spots_[a].y, a) < std::tie(spots_[b].y, b);
+  });
+  const float reach = (static_cast<float>(cap_.spacing()) + kRoughSpacing) * scale_.largest();
+  for (std::size_t i = 0; i < order_.size(); ++i) {
+    const Spot& one = spots_[order_[i]];
+    for (std::size_t j = i + 1; j < order_.size(); ++j) {
+      const Spot& other = spots_[order_[j]];
+      const float dx = other.x - one.x;
+      const float dy = other.y - one.y;
+      if (dy > reach) break;
+      if (dx * dx + dy * dy > reach * reach || std::max(order_[i], order_[j]) < first) continue;
+      if (one.can_be_big && other.can_be_small) tryCouple(picture, order_[i], order_[j], rejected);
+      if (other.can_be_big && one.can_be_small) tryCouple(picture, order_[j], order_[i], rejected);
+    }
+  }
+  std::sort(couples_.begin(), couples_.end(), [](const Couple& a, const Couple& b) {
+    return std::tie(a.big, a.small) < std::tie(b.big, b.small);
+  });
+}
+
+void Detector::tryCouple(const optics::GreyView& picture, std::size_t big_spot,
+                         std::size_t small_spot, std::vector<Rejection>* rejected) {
+  const Spot& big = spots_[big_spot];
+  const Spot& small = spots_[small_spot];
+  const auto spacing = static_cast<float>(cap_.spacing());
+  const float reach = (spacing + kRoughSpacing) * scale_.largest();
+  const float dx = big.x - small.x;
+  const float dy = big.y - small.y;
+  if (dx * dx + dy * dy > reach * reach) return;
+  const auto share = static_cast<float>(cap_.big_offset / cap_.spacing());
+  const optics::Pixel middle{static_cast<double>(big.x - dx * share),
+                             static_cast<double>(big.y - dy * share)};
+  const LocalScale scale = scale_.at(middle.x, middle.y);
+  if (scale.mean <= 0) return;
+  const float distance = std::hypot(scale.inverse[0] * dx + scale.inverse[1] * dy,
+                                    scale.inverse[2] * dx + scale.inverse[3] * dy);
+  if (std::abs(distance - spacing) > kRoughSpacing) return;
+  // Fits to what is no cap take long. Most are one, which shows at a rough look.
+  float rim = 0;
+  for (const RimLook look : {RimLook::kRough, RimLook::kAll}) {
+    if (rim >= kLeastRim) break;
+    rim = rimContrast(picture, middle, scale, cap_, imaging_, look, kBeyondFull);
+  }
+  if (rim < kLeastRim) {
+    if (rejected != nullptr) rejected->push_back({middle, Reason::kNoCap, rim, kLeastRim});
+    return;
+  }
+  couples_.push_back({static_cast<int>(big_spot), static_cast<int>(small_spot), 0, rim});
+}
+
+void Detector::lookAgain(const optics::GreyView& picture, std::vector<Rejection>* rejected) {
+  // A light edge may have made a circle look like a smaller one beside it. Two leftovers that are
+  // about as far apart as the circles of a cap are centred again, as circles of the right sizes.
+  couples_.clear();
+  order_.clear();
+  for (std::size_t i = 0; i < spots_.size(); ++i) {
+    if (taken_[i] == 0) order_.push_back(i);
+  }
+  const float most = (static_cast<float>(cap_.spacing()) + kAgain) * scale_.largest();
+  const float least = (static_cast<float>(cap_.spacing()) - kAgain) * scale_.smallest();
+  for (const std::size_t i : order_) {
+    std::optional<Spot> big;
+    bool looked = false;
+    for (const std::size_t j : order_) {
+      const float dx = spots_[i].x - spots_[j].x;
+      const float dy = spots_[i].y - spots_[j].y;
+      const float square = dx * dx + dy * dy;
+      if (i == j || square > most * most || square < least * least) continue;
+      if (!looked) big = search_.centredAs(spots_[i], true);
+      looked = true;
+      if (!big) break;
+      const std::optional<Spot> small = search_.centredAs(spots_[j], false);
+      if (!small) continue;
+      spots_.push_back(*big);
+      spots_.push_back(*small);
+      circles_.resize(2 * spots_.size());
+      taken_.resize(spots_.size(), 0);
+      tryCouple(picture, spots_.size() - 2, spots_.size() - 1, rejected);
+    }
+  }
+}
+
+Detector::Circle& Detector::circleOf(int spot, bool big) {
+  return circles_[2 * static_cast<std::size_t>(spot) + (big ? 0 : 1)];
+}
+
+const Detector::Circle& Detector::circleOf(int spot, bool big) const {
+  return circles_[2 * static_cast<std::size_t>(spot) + (big ? 0 : 1)];
+}
+
+const Detector::Circle& Detector::fit(const optics::GreyView& picture, int spot, bool big) {
+  const Circle& circle = circleOf(spot, big);
+  if (circle.fitted) return circle;
+  const Spot& from = spots_[static_cast<std::size_t>(spot)];
+  return fitFrom(picture, {static_cast<double>(from.x), static_cast<double>(from.y)}, spot, big);
+}
+
+const Detector::Circle& Detector::fitFrom(const optics::GreyView& picture, optics::Pixel start,
+                                          int spot, bool big, bool glare) {
+  Circle& circle = circleOf(spot, big);
+  circle = Circle{};
+  circle.fitted = true;
+  const double radius = big ? cap_.big_radius : cap_.small_radius;
+  const auto shapeAt = [this, radius](optics::Pixel at) {
+    return discShape(scale_.at(at.x, at.y), radius);
+  };
+  circle.fit = fitCircle(picture, start, shapeAt, imaging_);
+  if (glare && circle.fit.glare) circle.fit.fault = FitFault::kNone;
+  if (circle.fit.fault != FitFault::kNone) return circle;
+  const LocalScale scale = scale_.at(circle.fit.x, circle.fit.y);
+  const auto bent = static_cast<float>(radius * radius);
+  const optics::Pixel centre{circle.fit.x - static_cast<double>(scale.bend[0] * bent),
+                             circle.fit.y - static_cast<double>(scale.bend[1] * bent)};
+  const std::optional<optics::Place> place = camera_.toPlane(centre, cap_.height);
+  if (!place) {
+    circle.fit.fault = FitFault::kOutside;
+    return circle;
+  }
+  circle.place = *place;
+  const auto& c = circle.fit.covariance;
+  // Known so badly that the spacing would fit too easily: noise, not a circle.
+  const double doubtful = kMostUncertain * static_cast<double>(discShape(scale, radius).radius());
+  if (c[0] + c[2] > 2 * doubtful * doubtful) {
+    circle.fit.fault = FitFault::kLowContrast;
+    return circle;
+  }
+  const double a = static_cast<double>(scale.inverse[0]);
+  const double b = static_cast<double>(scale.inverse[1]);
+  const double d = static_cast<double>(scale.inverse[2]);
+  const double e = static_cast<double>(scale.inverse[3]);
+  circle.covariance = {a * a * c[0] + 2 * a * b * c[1] + b * b * c[2],
+                       a * d * c[0] + (a * e + b * d) * c[1] + b * e * c[2],
+                       d * d * c[0] + 2 * d * e * c[1] + e * e * c[2]};
+  return circle;
+}
+
+bool Detector::fitBoth(const optics::GreyView& picture, const Couple& couple) {
+  const Circle& big = fit(picture, couple.big, true);
+  const Circle& small = fit(picture, couple.small, false);
+  const bool big_good = big.fit.fault == FitFault::kNone;
+  const bool small_good = small.fit.fault == FitFault::kNone;
+  if (big_good == small_good) return big_good;
+  // A light edge may have led the search astray; the good one says where the other must be.
+  const Circle& good = big_good ? big : small;
+  const Spot& other = spots_[static_cast<std::size_t>(big_good ? couple.small : couple.big)];
+  const std::optional<optics::Place> seen = camera_.toPlane(
+      {static_cast<double>(other.x), static_cast<double>(other.y)}, cap_.height);
+  if (!seen) return false;
+  const double dx = seen->x - good.place.x;
+  const double dy = seen->y - good.place.y;
+  const double share = cap_.spacing() / std::max(std::hypot(dx, dy), 1e-9);
+  const optics::Pixel start =
+      camera_.project(good.place.x + share * dx, good.place.y + share * dy, cap_.height);
+  if (!picture.contains(start.x, start.y)) return false;
+  return fitFrom(picture, start, big_good ? couple.small : couple.big, !big_good).fit.fault ==
+         FitFault::kNone;
+}
+
+bool Detector::measure(const optics::GreyView& picture, Couple& couple,
+                       std::vector<Rejection>* rejected) {
+  if (!fitBoth(picture, couple)) return false;
+  const Circle& big = circleOf(couple.big, true);
+  const Circle& small = circleOf(couple.small, false);
+  const double dx = big.place.x - small.place.x;
+  const double dy = big.place.y - small.place.y;
+  const double spacing = std::hypot(dx, dy);
+  const double variance =
+      ((big.covariance[0] + small.covariance[0]) * dx * dx +
+       2 * (big.covariance[1] + small.covariance[1]) * dx * dy +
+       (big.covariance[2] + small.covariance[2]) * dy * dy) / (spacing * spacing);
+  const double doubt = std::min(kMostDoubt, kScaleDoubt + kSigmas * std::sqrt(variance));
+  const double off = spacing - cap_.spacing();
+  if (!(std::abs(off) <= doubt)) {
+    if (rejected != nullptr) {
+      rejected->push_back({{(big.fit.x + small.fit.x) / 2, (big.fit.y + small.fit.y) / 2},
+                           Reason::kSpacing, static_cast<float>(spacing),
+                           static_cast<float>(cap_.spacing() + (off > 0 ? doubt : -doubt))});
+    }
+    return false;
+  }
+  // Once more, where the fits have it: so the same wherever they began.
+  const double share = cap_.big_offset / cap_.spacing();
+  const optics::Pixel middle = camera_.project(big.place.x - share * dx, big.place.y - share * dy,
+                                               cap_.height);
+  couple.rim = rimContrast(picture, middle, scale_.at(middle.x, middle.y), cap_, imaging_,
+                           RimLook::kAll, std::min(big.fit.white, small.fit.white));
+  if (couple.rim < kLeastRim) {
+    if (rejected != nullptr) {
+      rejected->push_back({middle, Reason::kNoCap, couple.rim, kLeastRim});
+    }
+    return false;
+  }
+  couple.cost = static_cast<float>(std::abs(off) / doubt) +
+                std::max(0.0F, 1 - couple.rim / kUsualRim);
+  return true;
+}
+
+MarkedPlace Detector::markedBy(const Circle& circle, const Circle& other) const {
+  const auto lookOf = [](const CircleFit& fit) {
+    return PaintLook{static_cast<double>(fit.white), static_cast<double>(fit.ratio),
+                     static_cast<double>(fit.ratio_error), static_cast<double>(fit.blur)};
+  };
+  MarkedPlace out{circle.place, circle.covariance};
+  const double moved = movedByLightOnTop(lookOf(circle.fit), lookOf(other.fit));
+  if (moved > 0) {
+    const double metres = moved / static_cast<double>(scale_.at(circle.fit.x, circle.fit.y).mean);
+    out.covariance[0] += metres * metres;
+    out.covariance[2] += metres * metres;
+  }
+  return out;
+}
+
+Detection Detector::poseOf(const Couple& couple, float rim) const {
+  const Circle& big = circleOf(couple.big, true);
+  const Circle& small = circleOf(couple.small, false);
+  const CapPose pose = poseFromCircles(markedBy(big, small), markedBy(small, big), cap_);
+  Detection out;
+  out.x = pose.x;
+  out.y = pose.y;
+  out.theta = pose.theta;
+  out.covariance = pose.covariance;
+  out.spacing = static_cast<float>(
+      std::hypot(big.place.x - small.place.x, big.place.y - small.place.y));
+  out.white = (big.fit.white + small.fit.white) / 2;
+  out.ratio = (big.fit.ratio + small.fit.ratio) / 2;
+  const float blur = (big.fit.blur + small.fit.blur) / 2;
+  out.blur = std::sqrt(std::max(0.0F, blur * blur - static_cast<float>(optics::kPixelBox)));
+  out.big = {big.fit.x, big.fit.y};
+  out.small = {small.fit.x, small.fit.y};
+  out.middle = camera_.project(out.x, out.y, cap_.height);
+  out.used = kUsedBig | kUsedSmall;
+  if (big.fit.edge || small.fit.edge) out.used |= kUsedEdge;
+  const float clean = 1 / std::max({1.0F, big.fit.residual, small.fit.residual});
+  out.quality = 0.5F + 0.5F * std::min(1.0F, rim / kUsualRim) * std::exp(-couple.cost / 2) *
+                           std::sqrt(clean);
+  return out;
+}
+
+void Detector::explainTheRest(std::vector<Rejection>& rejected) const {
+  for (std::size_t i = 0; i < spots_.size(); ++i) {
+    const optics::Pixel where{static_cast<double>(spots_[i].x), static_cast<double>(spots_[i].y)};
+    const Circle& big = circles_[2 * i];
+    const Circle& small = circles_[2 * i + 1];
+    if (!big.fitted && !small.fitted) {
+      rejected.push_back({where, Reason::kNoPartner, 0, 0});
+    }
+    // As a big circle and as a small one; said once where both have the same fault.
+    for (const Circle* circle : {&big, &small}) {
+      const FitFault fault = circle->fit.fault;
+      if (fault == FitFault::kNone || (circle == &small && fault == big.fit.fault)) continue;
+      rejected.push_back({where, Reason::kCircleFit, static_cast<float>(fault), 0});
+    }
+  }
+  for (const Refused& spot : refused_) {
+    rejected.push_back({{static_cast<double>(spot.x), static_cast<double>(spot.y)},
+                        Reason::kSize, spot.seen, spot.wanted});
+  }
+}
+
+}  // namespace lab::detector
