@@ -147,29 +147,20 @@ LAB_INLINE void sumAll(Window& window, const Constants& constants, const LitDisc
 }  // namespace
 
 template <>
-__attribute__((target_clones("avx2", "default"))) void sumLitDisc<0>(Window& window,
-                                                                     const Constants& constants,
-                                                                     const LitDisc& disc,
-                                                                     float cutoff,
-                                                                     Sums<litUnknowns(0)>& sums) {
+LAB_FIT_CLONES void sumLitDisc<0>(Window& window, const Constants& constants, const LitDisc& disc,
+                                  float cutoff, Sums<litUnknowns(0)>& sums) {
   sumAll<0>(window, constants, disc, cutoff, sums);
 }
 
 template <>
-__attribute__((target_clones("avx2", "default"))) void sumLitDisc<1>(Window& window,
-                                                                     const Constants& constants,
-                                                                     const LitDisc& disc,
-                                                                     float cutoff,
-                                                                     Sums<litUnknowns(1)>& sums) {
+LAB_FIT_CLONES void sumLitDisc<1>(Window& window, const Constants& constants, const LitDisc& disc,
+                                  float cutoff, Sums<litUnknowns(1)>& sums) {
   sumAll<1>(window, constants, disc, cutoff, sums);
 }
 
 template <>
-__attribute__((target_clones("avx2", "default"))) void sumLitDisc<2>(Window& window,
-                                                                     const Constants& constants,
-                                                                     const LitDisc& disc,
-                                                                     float cutoff,
-                                                                     Sums<litUnknowns(2)>& sums) {
+LAB_FIT_CLONES void sumLitDisc<2>(Window& window, const Constants& constants, const LitDisc& disc,
+                                  float cutoff, Sums<litUnknowns(2)>& sums) {
   sumAll<2>(window, constants, disc, cutoff, sums);
 }
 

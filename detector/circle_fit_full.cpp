@@ -14,8 +14,8 @@ constexpr int kHalvings = 10;
 
 }  // namespace
 
-__attribute__((target_clones("avx2", "default"))) void startBeyondFull(
-    Window& window, const Constants& constants, Disc& disc) {
+LAB_FIT_CLONES
+void startBeyondFull(Window& window, const Constants& constants, Disc& disc) {
   const float most = kMostDN - constants.black;
   Lanes pixels = {};
   Lanes full = {};

@@ -12,6 +12,10 @@ LAB_INLINE Lanes whiteAt(const Disc& disc, const Lanes& x, const Lanes& y) {
   return disc.white + disc.slope_x * x + disc.slope_y * y;
 }
 
+std::size_t eightsOf(const Window& window) {
+  return static_cast<std::size_t>(window.count / kLanes);
+}
+
 /// What the model needs at every pixel of a pass, in registers or at hand.
 struct Pass {
   Disc disc;
@@ -25,11 +29,12 @@ struct Pass {
 // processor finds other pixels to go on with only while a look is short.
 
 /// First: where eight pixels lie in the disc, kept in the places of the slopes that need it.
-LAB_INLINE void placeEight(Window& window, int at, const Pass& pass) {
+LAB_INLINE void placeEight(Window& window, std::size_t eight, const Pass& pass) {
+  const std::size_t at = eight * kLanes;
   Way way;
   wayAt(loadLanes(window.x + at), loadLanes(window.y + at), pass.disc, pass.constants,
         pass.over_sigma, way);
-  Slopes& kept = window.slopes[at / kLanes];
+  Slopes& kept = window.slopes[eight];
   storeLanes(kept.by[kX], way.out_x);
   storeLanes(kept.by[kY], way.out_y);
   storeLanes(kept.by[kScale], way.z);
@@ -37,8 +42,8 @@ LAB_INLINE void placeEight(Window& window, int at, const Pass& pass) {
 }
 
 /// Then: the paint there, and its slopes.
-LAB_INLINE void paintEight(Window& window, int at, const Pass& pass) {
-  Slopes& kept = window.slopes[at / kLanes];
+LAB_INLINE void paintEight(Window& window, std::size_t eight, const Pass& pass) {
+  Slopes& kept = window.slopes[eight];
   const Lanes z = loadLanes(kept.by[kScale]);
   const Lanes over_distance = loadLanes(kept.by[kSigma]);
   Lanes share;
@@ -57,8 +62,10 @@ LAB_INLINE void paintEight(Window& window, int at, const Pass& pass) {
 /// Then the light on it: slopes and certainty to window.slopes, residual to window.residual.
 /// @tparam kAll every lane is a pixel, and none is full: nothing is to be counted
 template <bool kAll>
-LAB_INLINE void lightEight(Window& window, int at, const Pass& pass, LaneCounts& counts) {
-  Slopes& kept = window.slopes[at / kLanes];
+LAB_INLINE void lightEight(Window& window, std::size_t eight, const Pass& pass,
+                           LaneCounts& counts) {
+  const std::size_t at = eight * kLanes;
+  Slopes& kept = window.slopes[eight];
   const Lanes x = loadLanes(window.x + at);
   const Lanes y = loadLanes(window.y + at);
   const Lanes value = loadLanes(window.value + at);
@@ -77,9 +84,10 @@ LAB_INLINE void lightEight(Window& window, int at, const Pass& pass, LaneCounts&
 
 /// Last: the weights of the residuals to window.light, and the right sides.
 template <bool kAll>
-LAB_INLINE void believeEight(Window& window, int at, const Pass& pass, LaneCounts& counts,
-                             Lanes& squares, Lanes* rights) {
-  const Slopes& kept = window.slopes[at / kLanes];
+LAB_INLINE void believeEight(Window& window, std::size_t eight, const Pass& pass,
+                             LaneCounts& counts, Lanes& squares, Lanes* rights) {
+  const std::size_t at = eight * kLanes;
+  const Slopes& kept = window.slopes[eight];
   const Lanes residual = loadLanes(window.residual + at);
   const Lanes certain = loadLanes(kept.weight);
   const Lanes square = residual * residual * certain;
@@ -99,9 +107,10 @@ LAB_INLINE void sumBlock(const Window& window, std::size_t first, double* normal
   Lanes normals[10];
 #pragma GCC unroll 10
   for (Lanes& sum : normals) sum = Lanes{};
-  for (int at = 0; at < window.count; at += kLanes) {
-    const Slopes& kept = window.slopes[at / kLanes];
-    const Lanes weight = loadLanes(window.light + at);
+  const std::size_t eights = eightsOf(window);
+  for (std::size_t eight = 0; eight < eights; ++eight) {
+    const Slopes& kept = window.slopes[eight];
+    const Lanes weight = loadLanes(window.light + eight * kLanes);
     std::size_t pair = 0;
 #pragma GCC unroll 4
     for (std::size_t i = 0; i < kBlock; ++i) {
@@ -117,10 +126,9 @@ LAB_INLINE void sumBlock(const Window& window, std::size_t first, double* normal
 
 }  // namespace
 
-__attribute__((target_clones("avx2", "default"))) void sumBlocks(Window& window,
-                                                                 const Constants& constants,
-                                                                 const Disc& disc, float cutoff,
-                                                                 Blocks& blocks) {
+LAB_FIT_CLONES
+void sumBlocks(Window& window, const Constants& constants, const Disc& disc, float cutoff,
+               Blocks& blocks) {
   const Pass pass{disc,
                   constants,
                   1.0F / disc.sigma,
@@ -131,19 +139,19 @@ __attribute__((target_clones("avx2", "default"))) void sumBlocks(Window& window,
   Lanes rights[kUnknowns];
 #pragma GCC unroll 8
   for (Lanes& sum : rights) sum = Lanes{};
-  const int plain = window.plain ? std::max(window.count - kLanes, 0) : 0;
-  for (int at = 0; at < window.count; at += kLanes) placeEight(window, at, pass);
-  for (int at = 0; at < window.count; at += kLanes) paintEight(window, at, pass);
-  int at = 0;
-  for (; at < plain; at += kLanes) lightEight<true>(window, at, pass, counts);
-  for (; at < window.count; at += kLanes) lightEight<false>(window, at, pass, counts);
-  for (at = 0; at < plain; at += kLanes) {
-    believeEight<true>(window, at, pass, counts, squares, rights);
+  const std::size_t eights = eightsOf(window);
+  const std::size_t plain = window.plain && eights > 0 ? eights - 1 : 0;
+  for (std::size_t i = 0; i < eights; ++i) placeEight(window, i, pass);
+  for (std::size_t i = 0; i < eights; ++i) paintEight(window, i, pass);
+  for (std::size_t i = 0; i < plain; ++i) lightEight<true>(window, i, pass, counts);
+  for (std::size_t i = plain; i < eights; ++i) lightEight<false>(window, i, pass, counts);
+  for (std::size_t i = 0; i < plain; ++i) {
+    believeEight<true>(window, i, pass, counts, squares, rights);
   }
-  for (; at < window.count; at += kLanes) {
-    believeEight<false>(window, at, pass, counts, squares, rights);
+  for (std::size_t i = plain; i < eights; ++i) {
+    believeEight<false>(window, i, pass, counts, squares, rights);
   }
-  counts.pixels += static_cast<float>(plain / kLanes);
+  counts.pixels += static_cast<float>(plain);
   sumBlock(window, 0, blocks.odd.data());
   sumBlock(window, kBlock, blocks.even.data());
   totalEach(rights, blocks.right.data());
@@ -151,11 +159,9 @@ __attribute__((target_clones("avx2", "default"))) void sumBlocks(Window& window,
   counts.writeTo(blocks.counts);
 }
 
-__attribute__((target_clones("avx2", "default"))) void sumLast(Window& window, const Row& by,
-                                                               float cutoff,
-                                                               const BlockRow& row_x,
-                                                               const BlockRow& row_y,
-                                                               LastStep& last) {
+LAB_FIT_CLONES
+void sumLast(Window& window, const Row& by, float cutoff, const BlockRow& row_x,
+             const BlockRow& row_y, LastStep& last) {
   const float over_cutoff = 1.0F / (cutoff * cutoff);
   float moved[kUnknowns];
   float to_x[kBlock];
@@ -174,8 +180,10 @@ __attribute__((target_clones("avx2", "default"))) void sumLast(Window& window, c
   Lanes yy = {};
   Lanes squares = {};
   // Two looks, as in a pass.
-  for (int at = 0; at < window.count; at += kLanes) {
-    const Slopes& kept = window.slopes[at / kLanes];
+  const std::size_t eights = eightsOf(window);
+  for (std::size_t eight = 0; eight < eights; ++eight) {
+    const std::size_t at = eight * kLanes;
+    const Slopes& kept = window.slopes[eight];
     Lanes by_odd = moved[0] * loadLanes(kept.by[0]);
     Lanes by_even = moved[kBlock] * loadLanes(kept.by[kBlock]);
 #pragma GCC unroll 4
@@ -185,8 +193,9 @@ __attribute__((target_clones("avx2", "default"))) void sumLast(Window& window, c
     }
     storeLanes(window.residual + at, loadLanes(window.residual + at) - (by_odd + by_even));
   }
-  for (int at = 0; at < window.count; at += kLanes) {
-    const Slopes& kept = window.slopes[at / kLanes];
+  for (std::size_t eight = 0; eight < eights; ++eight) {
+    const std::size_t at = eight * kLanes;
+    const Slopes& kept = window.slopes[eight];
     const Lanes certain = loadLanes(kept.weight);
     const Lanes residual = loadLanes(window.residual + at);
     Lanes pull_x = to_x[0] * loadLanes(kept.by[0]);
@@ -219,14 +228,16 @@ __attribute__((target_clones("avx2", "default"))) void sumLast(Window& window, c
   last.cost = total(cost);
 }
 
-__attribute__((target_clones("avx2", "default"))) void layLight(Window& window, const Disc& disc) {
+LAB_FIT_CLONES
+void layLight(Window& window, const Disc& disc) {
   for (int at = 0; at < window.count; at += kLanes) {
     storeLanes(window.light + at,
                whiteAt(disc, loadLanes(window.x + at), loadLanes(window.y + at)));
   }
 }
 
-__attribute__((target_clones("avx2", "default"))) double correlation(const Window& window) {
+LAB_FIT_CLONES
+double correlation(const Window& window) {
   Lanes together = {};
   Lanes squares = {};
   for (int at = 0; at + kLanes < window.count; at += kLanes) {

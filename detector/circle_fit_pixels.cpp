@@ -167,9 +167,8 @@ bool Pixels::Phase::within(const optics::GreyView& picture, int at_x, int at_y) 
          at_y + bottom < picture.height;
 }
 
-__attribute__((target_clones("avx2", "default"))) void Pixels::sum(const optics::GreyView& picture,
-                                                                   const Phase& phase, int x,
-                                                                   int y, double* sums) {
+LAB_FIT_CLONES
+void Pixels::sum(const optics::GreyView& picture, const Phase& phase, int x, int y, double* sums) {
   Lanes lanes[4] = {};
   const auto add = [&](const Run& run, const Lanes& value) LAB_INLINE_LAMBDA {
 #pragma GCC unroll 4
@@ -197,8 +196,9 @@ Pixels::Rough Pixels::rough(const optics::GreyView& picture, const GridPoint& po
   return {sums[0], sums[1], sums[2], sums[3]};
 }
 
-__attribute__((target_clones("avx2", "default"))) void Pixels::take(
-    const optics::GreyView& picture, const Phase& phase, int x, int y, Window& window) {
+LAB_FIT_CLONES
+void Pixels::take(const optics::GreyView& picture, const Phase& phase, int x, int y,
+                  Window& window) {
   // Whole eights: what is too much is written over by the next row.
   Lanes brightest = {};
   float* to = window.value;

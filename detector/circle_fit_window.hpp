@@ -8,7 +8,7 @@
 namespace lab::detector::fit {
 
 /// Eight numbers that are worked on together. The order of every sum is fixed by these eight lanes,
-/// so the results do not depend on what the processor can do at once.
+/// so the results depend on the processor in the last bits only: some multiply and add in one.
 constexpr int kLanes = 8;
 typedef float Lanes __attribute__((vector_size(32)));
 typedef int LaneMask __attribute__((vector_size(32)));

@@ -63,21 +63,30 @@ __attribute__((target_clones("avx2", "default"))) int darkWords(
   const Bytes clear = Bytes{} + static_cast<std::uint8_t>(levels.clear);
   Paired paired[kMostWords];
   int pairs = 0;
+  Neighbours to{};  // of the last word: those of the next are the same, mostly
+  std::ptrdiff_t ways[4] = {};
+  std::ptrdiff_t soon = 0;
   for (; wanted != 0; wanted &= wanted - 1) {
     const int number = std::countr_zero(wanted);
-    const Neighbours& to = neighbours[number];
+    if (neighbours[number] != to) {
+      to = neighbours[number];
+      ways[0] = to.across;
+      ways[1] = to.across * stride;
+      ways[2] = to.diagonal * (stride + 1);
+      ways[3] = to.diagonal * (stride - 1);
+      soon = to.near * stride + ahead;
+    }
     if (to.across == 0) continue;
     const std::uint8_t* at = row + starts[number];
     // A row that nobody has looked at yet: first glance and tests look at every so many.
-    __builtin_prefetch(at + to.near * stride + ahead);
+    __builtin_prefetch(at + soon);
     const Bytes here = brighterOf(loadBytes(at), low);
     const Bytes least = here + (here >> 3) + barely;
     Bytes best{};
     Bytes worst = ~Bytes{};
     Bytes darkest = worst;  // of all ends
-    for (const std::ptrdiff_t away :
-         {std::ptrdiff_t{to.across}, to.across * stride, to.diagonal * (stride + 1),
-          to.diagonal * (stride - 1)}) {
+#pragma GCC unroll 4
+    for (const std::ptrdiff_t away : ways) {
       const Bytes one = loadBytes(at - away);
       const Bytes other = loadBytes(at + away);
       const Bytes darker = darkerOf(one, other);

@@ -15,6 +15,8 @@ struct Neighbours {
   std::int16_t across = 0;    ///< in its row and in its column, 0: not to be tested
   std::int16_t diagonal = 0;  ///< on the diagonals, each way
   std::int16_t near = 0;      ///< inside of both circles
+
+  bool operator==(const Neighbours&) const = default;
 };
 
 /// What a row is tested with [DN]; sums stay within a byte for pixels from `black` to `most`.

@@ -27,28 +27,43 @@ constexpr std::size_t kBeside = 1;  // words before the first and behind the las
   return _mm_cvtsi128_si32(both) & 0xffff;
 }
 
-/// Darkest and brightest two pixels side by side of each cell in a row of cells.
-/// @param rows of which all is looked at, `down` bytes apart
-/// @param ahead [bytes] to what will be read next
-__attribute__((target_clones("avx2", "default"))) void lookAtCells(
-    const std::uint8_t* top, int rows, std::ptrdiff_t down, const std::vector<int>& starts,
-    std::ptrdiff_t ahead, std::uint8_t* dark, std::uint8_t* bright) {
+/// What a row of cells is told from.
+struct CellRow {
+  const std::uint8_t* top;  ///< the first row that is looked at
+  std::ptrdiff_t down;      ///< [bytes] from one to the next
+  std::ptrdiff_t ahead;     ///< [bytes] to what will be read next
+};
+
+/// Darkest and brightest two pixels side by side of each cell.
+[[gnu::always_inline]] inline void lookAtEach(const CellRow& row, int rows,
+                                              const std::vector<int>& starts, std::uint8_t* dark,
+                                              std::uint8_t* bright) {
   const std::size_t words = starts.size();
   for (std::size_t i = 0; i < words; ++i) {
-    const std::uint8_t* at = top + starts[i];
-    Bytes darkest{};  // upside down
+    const std::uint8_t* at = row.top + starts[i];
+    Bytes darkest = ~Bytes{};
     Bytes brightest{};
-    for (int row = 0; row < rows; ++row, at += down) {
-      if (i % 2 == 0) __builtin_prefetch(at + ahead);  // two words come together
+#pragma GCC unroll 4
+    for (int k = 0; k < rows; ++k, at += row.down) {
+      __builtin_prefetch(at + row.ahead);
       const Bytes one = loadBytes(at);
       const Bytes other = loadBytes(at + 1);
-      darkest = brighterOf(darkest, ~brighterOf(one, other));
+      darkest = darkerOf(darkest, brighterOf(one, other));
       brightest = brighterOf(brightest, darkerOf(one, other));
     }
-    const int extremes = largest(darkest, brightest);
+    const int extremes = largest(~darkest, brightest);
     dark[i] = static_cast<std::uint8_t>(~extremes);
     bright[i] = static_cast<std::uint8_t>(extremes >> 8);
   }
+}
+
+__attribute__((target_clones("avx2", "default"))) void lookAtCells(
+    const CellRow& row, int rows, const std::vector<int>& starts, std::uint8_t* dark,
+    std::uint8_t* bright) {
+  // The usual numbers are known to the compiler.
+  if (rows == 3) return lookAtEach(row, 3, starts, dark, bright);
+  if (rows == 2) return lookAtEach(row, 2, starts, dark, bright);
+  lookAtEach(row, rows, starts, dark, bright);
 }
 
 void put(std::uint32_t bits, std::size_t word, std::uint64_t& to) {
@@ -90,8 +105,9 @@ void FirstGlance::lookAtRow(const optics::GreyView& picture, int cell) {
   const int end = std::min((cell + 1) * kTall, height_);
   const int rows = std::max((end - top + step_ - 1) / step_, 0);
   const int next = std::min(top + kTall, height_ - 1 - (rows - 1) * step_);
-  lookAtCells(picture.row(top), rows, step_ * picture.stride, starts_,
-              rows > 0 ? (next - top) * picture.stride : 0, dark_.data() + placeOf(cell),
+  const CellRow row{picture.row(top), step_ * picture.stride,
+                    rows > 0 ? (next - top) * picture.stride : 0};
+  lookAtCells(row, rows, starts_, dark_.data() + placeOf(cell),
               bright_.data() + kBeside + placeOf(cell));
 }
 
