@@ -4,12 +4,12 @@
 #include <cmath>
 #include <limits>
 
+#include "analyzer/window_choice.hpp"
+
 namespace lab::analysis {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr int kDenseLags = 16;  // frames; as in MsdAccumulator
-constexpr int kWindowsPerLag = 11;
 
 double columnError(const SimulatedCurves& curves, std::size_t column) {
   double sum = 0;
@@ -26,23 +26,40 @@ double columnError(const SimulatedCurves& curves, std::size_t column) {
 }  // namespace
 
 std::vector<double> filmCurves(const FilmPoses& poses, const std::vector<int>& lags) {
+  return filmCurves(poses, lags, lags, 1);
+}
+
+std::vector<double> filmCurves(const FilmPoses& poses, const std::vector<int>& lags,
+                               const std::vector<int>& measured, double every) {
   const std::size_t n = lags.size();
   const std::size_t frames = poses.x.size();
+  const int coarser = static_cast<int>(std::lround(std::log2(every)));
   std::vector<double> curves(2 * n, kNan);
   for (std::size_t i = 0; i < n; ++i) {
     const auto lag = static_cast<std::size_t>(lags[i]);
-    const std::size_t stride = lags[i] < kDenseLags ? 1 : lag / kWindowsPerLag;
     double r2 = 0;
     double a2 = 0;
     std::size_t windows = 0;
-    for (std::size_t end = lag; end < frames; end += stride) {
-      const std::size_t start = end - lag;
+    const auto add = [&](std::size_t start) {
+      const std::size_t end = start + lag;
       const double dx = poses.x[end] - poses.x[start];
       const double dy = poses.y[end] - poses.y[start];
       const double turn = poses.theta[end] - poses.theta[start];
       r2 += dx * dx + dy * dy;
       a2 += turn * turn;
       ++windows;
+    };
+    if (measured[i] < kDenseLags) {
+      const int step = std::max(0, static_cast<int>(stepOf(measured[i])) - coarser);
+      for (std::size_t end = lag; end < frames; ++end) {
+        if (mostStepAt(end) >= static_cast<std::size_t>(step)) add(end - lag);
+      }
+    } else {
+      const double stride = std::max(1.0, strideOf(octaveOf(measured[i])) / every);
+      for (double start = 0; start + static_cast<double>(lag) < static_cast<double>(frames);
+           start += stride) {
+        add(static_cast<std::size_t>(start));
+      }
     }
     if (windows > 0) {
       curves[i] = r2 / static_cast<double>(windows);
@@ -56,9 +73,13 @@ SimulatedCurves simulateCurves(const BootstrapPlan& plan) {
   SimulatedCurves result;
   result.duration = plan.duration;
   result.films = plan.films;
+  // The films' period is a bit longer than whole frames, so that it locks to nothing.
+  const double every = std::max(1.0, std::round(plan.period / plan.frame_period));
   std::vector<int> frames;
+  std::vector<int> measured;
   for (const double lag : plan.lags) {
     frames.push_back(std::max(1, static_cast<int>(std::lround(lag / plan.period))));
+    measured.push_back(std::max(1, static_cast<int>(std::lround(lag / plan.frame_period))));
     result.lags.push_back(frames.back() * plan.period);
   }
   const ExactLaw exact(plan.law);
@@ -72,7 +93,7 @@ SimulatedCurves simulateCurves(const BootstrapPlan& plan) {
   FilmPoses poses;
   for (int i = 0; i < plan.films; ++i) {
     simulateFilm(film, plan.seed + static_cast<std::uint64_t>(i), poses);
-    const std::vector<double> curves = filmCurves(poses, frames);
+    const std::vector<double> curves = filmCurves(poses, frames, measured, every);
     result.values.insert(result.values.end(), curves.begin(), curves.end());
   }
   return result;

@@ -7,10 +7,16 @@
 
 namespace lab::analysis {
 
-/// MSD and angular MSD of a film at lags of whole frames: overlapping windows, from 16 frames on
-/// one every lag/11 or so, as MsdAccumulator takes them. The result is [MSD(lags), angular
-/// MSD(lags)], nan where the film is shorter than the lag.
+/// MSD and angular MSD of a film at lags of whole frames: overlapping windows, chosen as
+/// MsdAccumulator chooses them (window_choice.hpp). The result is [MSD(lags), angular MSD(lags)],
+/// nan where the film is shorter than the lag.
 [[nodiscard]] std::vector<double> filmCurves(const FilmPoses& poses, const std::vector<int>& lags);
+
+/// The same, chosen as the windows of a measured film are.
+/// @param measured the lags there [frames of that film]
+/// @param every of its frames, to one of `poses`
+[[nodiscard]] std::vector<double> filmCurves(const FilmPoses& poses, const std::vector<int>& lags,
+                                             const std::vector<int>& measured, double every);
 
 /// Curves of many simulated films of one program, the parametric bootstrap: their scatter is the
 /// error of a measured curve, their covariance how the lags err together.
@@ -31,6 +37,7 @@ struct BootstrapPlan {
   double sigma = 0;          ///< Tracker noise per axis, m.
   double sigma_theta = 0;    ///< rad.
   double period = 0;         ///< Of the films' frames, s: a part of the shortest lag.
+  double frame_period = 0;   ///< Of the measured film, s, whose choice of windows they follow.
   std::vector<double> lags;  ///< s; taken at the nearest whole number of periods.
   double duration = 0;       ///< Of each film, s.
   int films = 500;

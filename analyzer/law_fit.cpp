@@ -392,10 +392,9 @@ std::string obstacle(const ProgramLaw& law, const MeasuredCurves& curves, const 
            " s were observed; a fit needs " + std::to_string(free.size() + 2) +
            ": film longer pieces or at a higher rate";
   }
-  const std::size_t last = plan.lags.back();
-  if (!(curves.msd[last] > 2 * curves.offset)) {
-    return "no motion beyond the tracker's noise";
-  }
+  const auto last = std::find_if(plan.lags.rbegin(), plan.lags.rend(),
+                                 [&](std::size_t lag) { return std::isfinite(curves.msd[lag]); });
+  if (!(curves.msd[*last] > 2 * curves.offset)) return "no motion beyond the tracker's noise";
   return {};
 }
 

@@ -115,6 +115,7 @@ SimulatedCurves simulateForTest(const ProgramLaw& law, const MeasuredCurves& cur
   plan.sigma = std::sqrt(std::max(0.0, curves.offset / 4));
   plan.sigma_theta = std::sqrt(std::max(0.0, curves.angular_offset / 2));
   plan.period = hold / kFramesPerHold * kDrift;
+  plan.frame_period = curves.frame_period;
   plan.duration = duration();
   plan.films = films;
   plan.seed = seed;

@@ -1,13 +1,12 @@
 #include "analyzer/msd_accumulator.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstring>
-#include <numbers>
 #include <utility>
 
 #include "analyzer/cos_sin.hpp"
+#include "analyzer/window_choice.hpp"
 
 namespace lab::analysis {
 namespace {
@@ -16,18 +15,7 @@ constexpr double kFirstBlock = 0.25;  // s
 constexpr double kLongestStep = 0.3;  // s between frames that still counts as observed
 constexpr double kSameTime = 1e-3;    // frame periods: a reversal may last a whole number of them
 constexpr int kFraction = 24;         // bits of a slot behind the point
-constexpr int kEveryLags = 16;        // below, every window counts
 constexpr std::size_t kBegin = FrameHistory::kHistory;
-
-/// From 64 frames on: 0 up to 127, then one more an octave.
-int octave(int lag) { return static_cast<int>(std::bit_width(static_cast<unsigned>(lag))) - 7; }
-
-/// Frames between the begins of an octave's windows: lag/16 to lag/8.
-double strideOf(int octave) { return std::ldexp(5 * std::numbers::phi, octave); }
-
-/// Below 64 frames: log2 of the distance between the end frames used for a lag, from lag/16 to
-/// lag/8.
-std::size_t stepOf(int lag) { return lag < kEveryLags ? 0 : lag < 32 ? 1 : 2; }
 
 std::int64_t wholeSlot(std::uint64_t slot) { return static_cast<std::int64_t>(slot >> kFraction); }
 
@@ -74,9 +62,9 @@ MsdAccumulator::MsdAccumulator(std::vector<int> lags, double frame_period)
   const auto dense_end = std::lower_bound(lags_.begin(), lags_.end(), kDenseLags);
   dense_lags_ = static_cast<std::size_t>(dense_end - lags_.begin());
   for (std::size_t i = dense_lags_; i < lags_.size(); ++i) {
-    if (i == dense_lags_ || octave(lags_[i]) != octave(lags_[i - 1])) {
+    if (i == dense_lags_ || octaveOf(lags_[i]) != octaveOf(lags_[i - 1])) {
       levels_.emplace_back().stride =
-          static_cast<std::uint64_t>(std::ldexp(strideOf(octave(lags_[i])), kFraction));
+          static_cast<std::uint64_t>(std::ldexp(strideOf(octaveOf(lags_[i])), kFraction));
     }
     cursors_.push_back({0, lags_[i], static_cast<std::uint16_t>(levels_.size() - 1), 0});
   }
@@ -244,12 +232,11 @@ void MsdAccumulator::addSteps() {
 }
 
 void MsdAccumulator::addDenseWindows() {
-  constexpr std::uint64_t kGoldenRatio = 0x9E3779B97F4A7C15ULL;
   std::array<Ends, kSteps> ends;
   for (std::size_t j = 0; j < frames_.count(); ++j) {
     const auto slot = static_cast<std::uint64_t>(frames_.first()) + j;
-    const auto zeros = static_cast<std::size_t>(std::countl_zero(slot * kGoldenRatio));
-    for (std::size_t step = 0; step <= std::min(zeros, kSteps - 1); ++step) {
+    const std::size_t most = std::min(mostStepAt(slot), kSteps - 1);
+    for (std::size_t step = 0; step <= most; ++step) {
       ends[step].at[ends[step].count++] = static_cast<std::uint32_t>(kBegin + j);
     }
   }

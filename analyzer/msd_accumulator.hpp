@@ -16,11 +16,11 @@ namespace lab::analysis {
 /// and its lags are: a multi-tau scheme that leaves frames out and never averages them.
 ///
 /// Overlapping windows; a window needs its two end frames and lies in one segment. Within a piece
-/// it joins frames that are exactly a lag apart. From 16 frames on only every (lag/16 to lag/8)-th
-/// window counts, chosen by the golden ratio so that no program's clock can lock to the choice;
-/// that raises errors by less than 1 %. Up to 64 frames the choice is of end frames. Above that it
-/// is of the frames with which windows begin, and of old frames only these are kept; as any frame
-/// may end a window, a lag need not be a multiple of anything.
+/// it joins frames that are exactly a lag apart. From 16 frames on only some windows count
+/// (window_choice.hpp), which raises errors by less than 1 %. Below 64 frames the choice is of end
+/// frames, which are all at hand. Above that it is of the frames with which windows begin, and of
+/// old frames only these are kept; as any frame may end a window, a lag need not be a multiple of
+/// anything.
 ///
 /// Across a removed reversal frames no longer align: one end of the window is interpolated linearly
 /// between two frames so that it lasts exactly the lag, the end that the choice is not of.
@@ -46,7 +46,6 @@ class MsdAccumulator {
   [[nodiscard]] std::size_t memoryBytes() const;
 
  private:
-  static constexpr int kDenseLags = 64;      ///< Below, every frame is at hand.
   static constexpr std::size_t kSteps = 3;   ///< From every window to every fourth one.
   static constexpr std::size_t kFixes = 18;  ///< A level's: 16 strides, and some for joins.
 

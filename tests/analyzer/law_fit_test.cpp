@@ -57,6 +57,21 @@ TEST(LawFit, NeedsNoCovarianceFromOutside) {
   EXPECT_NEAR(dut.numbers.at("D_r").sigma.mean(), std::sqrt(0.8 * 0.5 / 300), 0.005);
 }
 
+// Curves err together by which windows they are made of: simulated films must choose as the
+// accumulator does, which leaves out more the more frames a lag has.
+TEST(LawFit, SaysHowWellItFitsAtEveryFrameRate) {
+  for (const double fps : {24.3, 49.9, 121.0, 240.0}) {
+    Film film = fitFilm(abpLaw(4, 0.4), 300);
+    film.fps = fps;
+    film.sigma = 0.0003;
+    film.sigma_theta = 0.0105;
+    const FitScatter dut = fitFilms(film, 30, 5, false, false);
+    EXPECT_EQ(dut.refused, 0) << fps;
+    EXPECT_LE(dut.unlikely, 3) << fps;  // 0.3 expected; 4 by chance once in 10^4
+    EXPECT_LT(std::abs(dut.numbers.at("D_r").relative.z(0)), 4) << fps;
+  }
+}
+
 TEST(LawFit, IsTheSameToTheBitAgain) {
   const Film film = fitFilm(abpLaw(3, 0.5), 120);
   const MeasuredCurves curves = curvesOfFilm(film, 10);
