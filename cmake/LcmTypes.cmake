@@ -17,6 +17,7 @@ find_program(LCM_GEN lcm-gen REQUIRED)
 # are SYSTEM: lcm-gen's code does not meet our warning level.
 function(add_lcm_types target package)
   set(out "${CMAKE_CURRENT_BINARY_DIR}/gen")
+  set(checked_decoding "${PROJECT_SOURCE_DIR}/cmake/CheckedDecoding.cmake")
   set(headers)
   foreach(file IN LISTS ARGN)
     get_filename_component(type "${file}" NAME_WE)
@@ -25,7 +26,8 @@ function(add_lcm_types target package)
       OUTPUT "${header}"
       COMMAND "${LCM_GEN}" --cpp --cpp-std c++11 --cpp-hpath "${out}"
               "${CMAKE_CURRENT_SOURCE_DIR}/${file}"
-      DEPENDS "${file}"
+      COMMAND "${CMAKE_COMMAND}" "-DFILE=${header}" -P "${checked_decoding}"
+      DEPENDS "${file}" "${checked_decoding}"
       VERBATIM)
     list(APPEND headers "${header}")
   endforeach()

@@ -1,7 +1,7 @@
 /// Encoding and decoding of the generated types: see bus.hpp.
 #pragma once
 
-#include <limits>
+#include <cstddef>
 #include <stdexcept>
 
 #include "common/bus.hpp"
@@ -18,9 +18,12 @@ std::vector<std::uint8_t> encode(const Message& message) {
   return bytes;
 }
 
+/// Far more than any message of the lab has; lengths in bytes of what it may hold stay within an int.
+inline constexpr std::size_t kMostBytes = std::size_t{1} << 24;
+
 template <class Message>
 bool decode(Bytes data, Message& message) noexcept {
-  if (data.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) return false;
+  if (data.size() > kMostBytes) return false;
   const int size = static_cast<int>(data.size());
   try {
     Message fresh{};

@@ -66,7 +66,7 @@ void Node::beat() {
   status.version = kVersion;
   status.contract_version = kContractVersion;
   status.start_utime = start_utime_;
-  status.last_error = last_error_;
+  status.last_error = last_error_.c_str();  // a text on the bus ends at its first zero
 
   // This message counts itself, and the closing ones count those still to come.
   const std::int64_t own = std::max<std::int64_t>(1, announced_);

@@ -1,9 +1,12 @@
 // Decoding and header: what arrives from outside is never trusted.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <lab/light_status_t.hpp>
 #include <lab/robot_status_t.hpp>
 #include <lab/robot_stop_t.hpp>
 #include <lab/tracked_frame_t.hpp>
+#include <limits>
 #include <numeric>
 
 #include "common/bus.hpp"
@@ -82,6 +85,31 @@ TEST(Codec, RefusesImpossibleLengthsWithoutThrowing) {  // fact 8
     robot_status_t heard{};
     EXPECT_FALSE(decode(with(bytes, kSenderLength, length), heard)) << length << " letters";
   }
+}
+
+// A list of numbers of 8 bytes each: 8 times this is 0 in 32 bits, and 4 GB were asked for before.
+TEST(Codec, RefusesCountsWhoseBytesOverflow) {
+  light_status_t status{};
+  status.tracked_frames = {1, 2, 3};
+  status.num_tracked_frames = 3;
+  const std::vector<std::uint8_t> bytes = encode(status);
+  const std::vector<std::uint8_t> count{0, 0, 0, 3, 0, 0, 0, 0, 0, 0, 0, 1};
+  const auto at = std::search(bytes.begin(), bytes.end(), count.begin(), count.end());
+  ASSERT_NE(at, bytes.end());
+  for (const std::int32_t wrong : {0x20000000, 0x20000003, 0x7fffffff}) {
+    light_status_t heard{};
+    const auto place = static_cast<std::size_t>(at - bytes.begin());
+    EXPECT_FALSE(decode(with(bytes, place, wrong), heard)) << wrong;
+  }
+}
+
+TEST(Codec, RefusesTextsThatItCouldNotSendAgain) {
+  std::vector<std::uint8_t> bytes = encode(statusOfTwo());
+  bytes[kSenderLength + 4 + 3] = 0;  // "sim" and more
+  robot_status_t heard{};
+  EXPECT_FALSE(decode(bytes, heard));
+  const std::int32_t least = std::numeric_limits<std::int32_t>::min();
+  EXPECT_FALSE(decode(with(encode(statusOfTwo()), kSenderLength, least), heard));
 }
 
 TEST(Codec, LeavesTheMessageAloneWhenItRefuses) {
