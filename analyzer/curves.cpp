@@ -26,12 +26,17 @@ double mean(double sum, std::uint32_t n) { return n > 0 ? sum / n : kNan; }
 /// The means of all lags, raw and with the noise offset removed, as one vector for the jackknife.
 class LagFunctions {
  public:
-  LagFunctions(const Estimator& estimator, const BlockData& data)
-      : estimator_(estimator), lags_(data.lags), period_(data.frame_period), n_(data.lags.size()) {}
+  /// @param offset of the noise in the MSD, where the data do not tell it
+  LagFunctions(const Estimator& estimator, const BlockData& data, double offset)
+      : estimator_(estimator),
+        lags_(data.lags),
+        period_(data.frame_period),
+        n_(data.lags.size()),
+        offset_(finiteOrZero(offset)) {}
 
   std::vector<double> operator()(const BlockSums& sums) const {
     const Quantities q = estimator_(sums);
-    const double offset = finiteOrZero(q[kPositionOffset]);
+    const double offset = std::isfinite(q[kPositionOffset]) ? q[kPositionOffset] : offset_;
     const double joins = sums.joins / sums.time;
     const double angular_offset = finiteOrZero(q[kHeadingOffset]);
     std::vector<double> result(4 * n_);
@@ -56,6 +61,7 @@ class LagFunctions {
   const std::vector<int>& lags_;
   double period_;
   std::size_t n_;
+  double offset_;
 };
 
 /// The block errors of all lags, each from blocks long enough for it.
@@ -163,7 +169,10 @@ Curves curves(const ProgramLaw& law, const BlockData& data, const CurveOptions& 
   const Estimator estimator(law, data);
   const double speed = estimator(total)[kSpeed];
   const ExactLaw reference = calibrated(law, speed, options.speed_tolerance);
-  const LagFunctions functions(estimator, data);
+  const LagFunctions functions(estimator, data, options.offset);
+  // Without headings only a fit knows the tracker's noise.
+  const bool by_fit = !std::isfinite(estimator(total)[kPositionOffset]);
+  const bool noise_known = !by_fit || std::isfinite(options.offset);
   const std::vector<double> means = functions(total);
   LagErrors errors(data, functions);
   const bool enough_draws = drawsSeen(law, observed) >= kMinDraws;
@@ -209,11 +218,13 @@ Curves curves(const ProgramLaw& law, const BlockData& data, const CurveOptions& 
       }
       p.sigma = p.windows > 0 ? error.raw : kNan;
       p.n_eff = (fourth - p.value * p.value) / (p.sigma * p.sigma);
-      p.z = normalDeviate((means[2 * n + column] - expected) /
-                              std::hypot(error.corrected, options.systematic_floor * expected),
-                          error.freedom);
+      const double offset_error = by_fit && !angular ? options.offset_sigma : 0;
+      p.z = normalDeviate(
+          (means[2 * n + column] - expected) /
+              std::hypot(error.corrected, options.systematic_floor * expected, offset_error),
+          error.freedom);
       p.selection_biased = options.unbiased_lag > 0 && tau > options.unbiased_lag;
-      p.judged = enough_draws && !p.selection_biased && std::isfinite(p.z) &&
+      p.judged = enough_draws && noise_known && !p.selection_biased && std::isfinite(p.z) &&
                  kFilmsPerLag * tau <= observed;
       return p;
     };

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <vector>
 
 #include "analyzer/curve_covariance.hpp"
@@ -37,6 +38,10 @@ struct CurveOptions {
   /// Films of the program, or none. With them the errors of lags beyond a 180th of a track, where
   /// blocks are too short (they give up to 36 % too little), are those of the films.
   const SimulatedCurves* films = nullptr;
+  /// m^2: 4 sigma^2 of the tracker as a fit of the law has it, and its error. Taken out where the
+  /// film has no headings that would tell it; nan: not known, and then nothing is judged.
+  double offset = std::numeric_limits<double>::quiet_NaN();
+  double offset_sigma = 0;
 };
 
 /// The relative standard error of the MSD over one film of length `observed` (s) that the law

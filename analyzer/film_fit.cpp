@@ -29,6 +29,11 @@ void complete(ProgramResult& result, const BlockData& data, CurveOptions options
   } else {
     result.fit.emplace().refusal = "there is none of all its program's robots together";
   }
+  for (const Estimate& estimate : result.fit->parameters) {
+    if (result.fit->angular || estimate.name != "noise_position") continue;
+    options.offset = estimate.value;
+    options.offset_sigma = estimate.sigma;
+  }
   if (first) films.test = simulateForTest(result.law, curves_now, kTestFilms, kTestSeed);
   if (films.test.films == 0) return;
   options.films = &films.test;

@@ -19,6 +19,8 @@ using analysis::VerdictKind;
 using units::kCm;
 using units::kPercents;
 
+constexpr std::int64_t kMuchOneIn = 10;  // poses left out: more, and a number may be made of it
+
 /// The formula of the paper for this model.
 std::string paperFormula(analysis::ProgramKind kind) {
   switch (kind) {
@@ -259,6 +261,9 @@ std::string lossText(const RunRecord& record) {
 
 std::vector<std::string> headlines(const RunRecord& record) {
   std::vector<std::string> lines;
+  std::int64_t jumped = 0;
+  for (const Finding& finding : findingsOf(record)) jumped += finding.pool->result.lost;
+  const bool selected = record.poses && jumped * kMuchOneIn > record.poses->rows;
   for (const Finding& finding : findingsOf(record)) {
     const ProgramResult& result = finding.pool->result;
     std::string line = fmt::format("{}: {}", finding.name, verdictText(result));
@@ -267,12 +272,14 @@ std::vector<std::string> headlines(const RunRecord& record) {
                           std::abs(result.verdict.max_z), countText(result.verdict.judged, "lag"));
     }
     for (const Estimate& estimate : result.estimates) {
-      if (estimate.name != telling(result.law.kind) || !std::isfinite(estimate.value)) continue;
+      const bool tells = estimate.name == telling(result.law.kind);
+      if (selected || !tells || !std::isfinite(estimate.value)) continue;
       line += "; " + estimateText(estimate);
     }
     lines.push_back(line);
   }
-  if (lines.empty() && record.poses && record.poses->in_contact > 0) {
+  const bool any = !lines.empty();
+  if (!any && record.poses && record.poses->in_contact > 0) {
     lines.push_back(fmt::format(
         "no free motion: {} of {} touch another robot or a wall of the {:g} x {:g} cm arena (another "
         "one: --set arena.width_cm=... --set arena.height_cm=...)",
@@ -283,6 +290,27 @@ std::vector<std::string> headlines(const RunRecord& record) {
   if (lines.empty())
     lines.emplace_back("no robot ran a program that has a law: nothing to compare");
   if (record.poses) {
+    const PoseSource& poses = *record.poses;
+    if (any && poses.in_contact * kMuchOneIn > poses.rows) {
+      lines.push_back(fmt::format(
+          "{} of {} touch another robot or a wall of the {:g} x {:g} cm arena: only what is left "
+          "between is judged (another arena: --set arena.width_cm=... --set arena.height_cm=...)",
+          groupedText(poses.in_contact), countText(poses.rows, "pose"),
+          record.experimentOrDefault().arena_width * kCm,
+          record.experimentOrDefault().arena_height * kCm));
+    }
+    if (selected) {
+      lines.push_back(fmt::format(
+          "{} of {} left out: faster than wheels can drive or turn a robot, so what is left is "
+          "selected. Is the unit of x and y right (--scale-cm), are headings in radians, is their "
+          "noise below 0.1?",
+          groupedText(jumped), countText(poses.rows, "pose")));
+    }
+    for (const auto& [count, what] :
+         {std::pair(poses.repeated, "said twice in one frame: counted once"),
+          std::pair(poses.contradicted, "of a robot in two places in one frame: left out")}) {
+      if (count > 0) lines.push_back(fmt::format("{} {}", countText(count, "pose"), what));
+    }
     if (record.missing_frames > 0) {
       lines.push_back(fmt::format("{} missing by their numbers",
                                   countText(record.missing_frames, "frame")));

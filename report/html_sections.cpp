@@ -76,6 +76,12 @@ std::string warnings(const RunRecord& record) {
     html +=
         "<p><b>This run was cut short:</b> the log has no END. What it holds is reported.</p>\n";
   }
+  // Not by its script or its time.
+  if (record.ended && record.end_reason.starts_with("ended by ")) {
+    html += fmt::format("<p><b>This run was cut short:</b> {}, after {} s of {} s.</p>\n",
+                        escapeHtml(record.end_reason), shortText(record.duration()),
+                        shortText(record.experimentOrDefault().duration));
+  }
   if (record.log.frames == 0) {
     html += "<p><b>No camera frame is in the log:</b> there is no motion to analyze.</p>\n";
   }
@@ -227,10 +233,19 @@ std::string poseSource(const RunRecord& record) {
     html += fmt::format("<li>{} of no track (id 0): left out.</li>\n",
                         countText(poses.without_id, "row"));
   }
+  if (poses.repeated > 0) {
+    html += fmt::format("<li>{} that say another one once more: left out.</li>\n",
+                        countText(poses.repeated, "row"));
+  }
+  if (poses.contradicted > 0) {
+    html += fmt::format("<li>{} of a robot that is in two places in one frame: left out.</li>\n",
+                        countText(poses.contradicted, "pose"));
+  }
   if (!poses.headings) {
     html +=
-        "<li>The file has no headings: there is no angular curve, no speed along the heading, no "
-        "D<sub>r</sub>, and the tracker’s noise is neither measured nor taken out.</li>\n";
+        "<li>The file has no headings: there is no angular curve, no speed along the heading and no "
+        "D<sub>r</sub>. The tracker’s noise is that of the fit; without a fit nothing is "
+        "judged.</li>\n";
   }
   if (poses.bad_times > 0) {
     html += fmt::format("<li>{} whose time repeats an earlier one or goes back: left out.</li>\n",

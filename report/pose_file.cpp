@@ -27,6 +27,7 @@ using units::kNan;
 
 constexpr double kLeastConfidence = 0.5;  // as for poses from the bus
 constexpr std::int64_t kBadTimesOneIn = 20;
+constexpr std::int64_t kContradictedOneIn = 20;
 constexpr double kClockStep = 3;  // frames
 constexpr double kDrift = 0.01;   // share: clocks of cameras are not exact, and frames jitter
 
@@ -125,6 +126,14 @@ class Reader {
     constexpr std::string_view kMark = "\xEF\xBB\xBF";  // of UTF-8, as spreadsheets write it
     std::string_view header = line;
     if (header.starts_with(kMark)) header.remove_prefix(kMark.size());
+    const auto isControl = [](char c) {
+      return static_cast<unsigned char>(c) < 32 && c != '\t' && c != '\r';
+    };
+    if (std::any_of(header.begin(), header.end(), isControl)) {
+      fail(1,
+           "found bytes that are no letters, expected a text of columns in UTF-8 (is it in UTF-16, "
+           "or no CSV file?)");
+    }
     separator_ = separatorOf(header);
     split(header, separator_, fields_);
     columns_ = fields_.size();
@@ -161,7 +170,7 @@ class Reader {
       fail(1,
            fmt::format("found the columns \"{}\"; expected frame, id or particle, and x_cm, y_cm "
                        "(or x, y with --scale-cm), or those of TRex: frame, X#wcentroid, "
-                       "Y#wcentroid, time",
+                       "Y#wcentroid, time; separated by commas, semicolons or tabs",
                        fmt::join(fields_, "\", \"")));
     }
     if (trex_) {
@@ -212,7 +221,9 @@ class Reader {
     const char* end = text.data() + text.size();
     const auto [stop, error] = std::from_chars(text.data() + (text.front() == '+'), end, value);
     if (error != std::errc() || stop != end || !std::isfinite(value)) {
-      fail(line_, fmt::format("{}: found \"{}\", expected a number", column.name, text));
+      const bool comma = text.find(',') != std::string_view::npos;
+      fail(line_, fmt::format("{}: found \"{}\", expected a number{}", column.name, text,
+                              comma ? " with a point, not a comma" : ""));
     }
     return value;
   }
@@ -279,9 +290,50 @@ class Reader {
                                time_.name, row.time, file_.frames.back().time, row.frame));
   }
 
+  /// Takes out robots that come twice in a frame; the rows are sorted by frame and robot.
+  void takeOutTwins() {
+    const auto sameRobot = [](const Row& a, const Row& b) {
+      return a.frame == b.frame && a.pose.robot == b.pose.robot;
+    };
+    const Row* first = nullptr;  // that contradicts another
+    std::vector<Row> kept;
+    kept.reserve(rows_.size());
+    for (std::size_t i = 0; i < rows_.size();) {
+      std::size_t end = i + 1;
+      const Row* other = nullptr;
+      for (; end < rows_.size() && sameRobot(rows_[i], rows_[end]); ++end) {
+        const analysis::FramePose& a = rows_[i].pose;
+        const analysis::FramePose& b = rows_[end].pose;
+        if (a.x != b.x || a.y != b.y || a.theta != b.theta || rows_[i].time != rows_[end].time) {
+          other = &rows_[end];
+        }
+      }
+      if (other == nullptr) {
+        file_.repeated += static_cast<std::int64_t>(end - i - 1);
+        kept.push_back(rows_[i]);
+      } else {
+        ++file_.contradicted;
+        if (first == nullptr || other->line < first->line) first = other;
+      }
+      i = end;
+    }
+    const auto all = static_cast<std::int64_t>(kept.size()) + file_.contradicted;
+    if (file_.contradicted * kContradictedOneIn > all) {
+      fail(first->line,
+           fmt::format("{}: found {} twice, and not alike, in frame {}, expected every robot once a "
+                       "frame; so it is with {} of {} poses. Do two robots bear one number, or "
+                       "frames of two films?",
+                       id_ ? id_.name : "id", first->pose.robot, first->frame, file_.contradicted,
+                       all));
+    }
+    rows_ = std::move(kept);
+  }
+
   void collectFrames() {
-    std::stable_sort(rows_.begin(), rows_.end(),
-                     [](const Row& a, const Row& b) { return a.frame < b.frame; });
+    std::stable_sort(rows_.begin(), rows_.end(), [](const Row& a, const Row& b) {
+      return std::pair(a.frame, a.pose.robot) < std::pair(b.frame, b.pose.robot);
+    });
+    takeOutTwins();
     const Row* bad = nullptr;  // the first one whose time does not go on
     std::int64_t left_out = std::numeric_limits<std::int64_t>::min();
     for (const Row& row : rows_) {

@@ -27,6 +27,8 @@ struct PoseFile {
   std::int64_t rows = 0;
   std::int64_t without_pose = 0;    ///< rows left out: no number for x, y or the heading
   std::int64_t without_id = 0;      ///< rows left out: id 0, belonging to no track
+  std::int64_t repeated = 0;        ///< rows left out: the same pose of the same robot once more
+  std::int64_t contradicted = 0;    ///< poses left out: a robot in two places in one frame
   std::int64_t missing_frames = 0;  ///< gaps in the frame numbers
   std::int64_t bad_times = 0;       ///< frames left out: their time repeats an earlier one or goes back
   std::vector<double> clock_steps;  ///< [s] times of frames to which the clock jumped
@@ -48,6 +50,8 @@ struct PoseFile {
 ///
 /// Bad times: frames whose time does not go on are left out, unless they are more than one in
 /// twenty, and a step of the clock against the frame numbers by more than three frames is told.
+/// A robot that comes twice in a frame: the same pose counts once; of two different ones nobody knows
+/// which is right, and both are left out, unless they are more than one in twenty.
 /// @param name of the file, for messages
 /// @throws ReportError: file, line, column, what was found and what was expected.
 [[nodiscard]] PoseFile readPoses(std::istream& text, const std::string& name,

@@ -287,6 +287,8 @@ RunRecord poseRun(const PoseFile& poses, const std::string& name, const PoseProg
                             .rows = poses.rows,
                             .without_pose = poses.without_pose,
                             .without_id = poses.without_id,
+                            .repeated = poses.repeated,
+                            .contradicted = poses.contradicted,
                             .bad_times = poses.bad_times,
                             .clock_steps = static_cast<std::int64_t>(poses.clock_steps.size())};
   record.log.frames = static_cast<std::int64_t>(poses.frames.size());

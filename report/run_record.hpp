@@ -95,6 +95,8 @@ struct PoseSource {
   std::int64_t rows = 0;          ///< of the file
   std::int64_t without_pose = 0;  ///< of these, rows without numbers
   std::int64_t without_id = 0;    ///< of these, rows that belong to no track
+  std::int64_t repeated = 0;      ///< of these, rows that say another one again
+  std::int64_t contradicted = 0;  ///< poses left out: a robot in two places at once
   std::int64_t in_contact = 0;    ///< of these, poses that touch a robot or a wall
   std::int64_t reversals = 0;     ///< found
   std::int64_t bad_times = 0;     ///< frames left out: their times go back

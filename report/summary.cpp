@@ -229,6 +229,8 @@ std::string summaryJson(const RunRecord& record) {
     json["poses"] = {{"rows", record.poses->rows},
                      {"rows_without_pose", record.poses->without_pose},
                      {"rows_without_track", record.poses->without_id},
+                     {"rows_repeated", record.poses->repeated},
+                     {"poses_contradicted", record.poses->contradicted},
                      {"frames_with_bad_times", record.poses->bad_times},
                      {"clock_steps", record.poses->clock_steps},
                      {"reversals_found", record.poses->reversals},

@@ -106,6 +106,9 @@ TEST(PoseFile, NamesLineColumnFoundAndExpected) {
 
   EXPECT_EQ(problemOf(head + "1,1,abc,1,0.1\n"),
             "poses.csv:3: x_cm: found \"abc\", expected a number");
+  EXPECT_THAT(problemOf("frame;id;x_cm;y_cm;t\n0;1;1,5;1;0\n"),
+              HasSubstr("x_cm: found \"1,5\", expected a number with a point, not a comma"));
+  EXPECT_THAT(problemOf(std::string("f\0r\0a\0m\0e\0\n", 11)), HasSubstr("UTF-16"));
   EXPECT_EQ(problemOf(head + "1.5,1,1,1,0.1\n"),
             "poses.csv:3: frame: found \"1.5\", expected a whole number");
   EXPECT_EQ(problemOf(head + "1,1,1\n"),
@@ -176,6 +179,34 @@ TEST(PoseFile, LeavesOutFramesWhoseTimeDoesNotGoOn) {
   EXPECT_EQ(dut.frames.size(), 99U);
   EXPECT_EQ(dut.missing_frames, 0);
   EXPECT_TRUE(dut.clock_steps.empty());
+}
+
+TEST(PoseFile, CountsARobotOnceAFrame) {
+  std::string text = "frame,id,x_cm,y_cm,t\n";
+  for (int i = 0; i < 100; ++i) {
+    const std::string row = std::to_string(i) + ",1," + std::to_string(i) + ",1," +
+                            std::to_string(0.1 * i) + "\n";
+    text += row;
+    if (i % 2 == 0) text += row;
+    if (i == 50) text += std::to_string(i) + ",1,2,2,5\n";
+  }
+  const PoseFile dut = read(text);
+
+  EXPECT_EQ(dut.repeated, 49);
+  EXPECT_EQ(dut.contradicted, 1);
+  EXPECT_EQ(dut.frames.size(), 99U);
+  for (const analysis::Frame& frame : dut.frames) EXPECT_EQ(frame.poses.size(), 1U);
+}
+
+TEST(PoseFile, RefusesRobotsThatAreInTwoPlaces) {
+  std::string text = "frame,id,x_cm,y_cm,t\n";
+  for (int i = 0; i < 20; ++i) {
+    for (const char* place : {"1,1", "50,50"}) {
+      text += std::to_string(i) + ",7," + place + "," + std::to_string(0.1 * i) + "\n";
+    }
+  }
+  EXPECT_THAT(problemOf(text), HasSubstr("poses.csv:3: id: found 7 twice, and not alike, in frame 0"));
+  EXPECT_THAT(problemOf(text), HasSubstr("20 of 20 poses"));
 }
 
 TEST(PoseFile, TellsStepsOfTheClock) {

@@ -25,10 +25,10 @@ constexpr double kNoise = 2e-5;   // [m]
 constexpr double kPeriod = 1.0 / 30;
 
 /// Active Brownian particles in an endless arena: the paper's ABP, and nothing else.
-PoseFile film(int robots, double duration, bool headings = true) {
+PoseFile film(int robots, double duration, bool headings = true, double sigma = kNoise) {
   std::mt19937_64 random(7);
   std::uniform_real_distribution<double> turning(-kEta, kEta);
-  std::normal_distribution<double> noise(0, kNoise);
+  std::normal_distribution<double> noise(0, sigma);
   PoseFile poses;
   poses.headings = headings;
   poses.frame_period = kPeriod;
@@ -120,6 +120,44 @@ TEST(PoseRun, ComparesTheMsdAloneWhereThereAreNoHeadings) {
   for (const analysis::CurvePoint& point : pool.curves.angular_msd) EXPECT_EQ(point.windows, 0);
   EXPECT_TRUE(std::isnan(estimateOf(dut, "D_r").value));
   EXPECT_TRUE(std::isnan(estimateOf(dut, "v").value));
+}
+
+// Of two frames side by side 0.3 mm of noise is a fifth of the way driven.
+TEST(PoseRun, TakesTheFitsNoiseOutWhereThereAreNoHeadings) {
+  const RunRecord dut = poseRun(film(4, 300, false, 3e-4), "film", abp());
+
+  const analysis::ProgramResult& pool = dut.results.front().result;
+  EXPECT_EQ(pool.verdict.kind, analysis::VerdictKind::kAgrees) << pool.verdict.max_z;
+  EXPECT_NEAR(pool.curves.msd.front().noise, 4 * 3e-4 * 3e-4, 0.1 * 4 * 3e-4 * 3e-4);
+
+  PoseProgram other = abp();
+  other.set.back() = "eta_rad_s=4";
+  const RunRecord wrong = poseRun(film(4, 300, false, 3e-4), "film", other);
+  EXPECT_EQ(wrong.results.front().result.verdict.kind, analysis::VerdictKind::kDisagrees);
+}
+
+TEST(PoseRun, SaysWhereMostOfAFilmIsNotJudged) {
+  PoseFile wrong_unit = film(2, 60);
+  for (analysis::Frame& frame : wrong_unit.frames) {
+    for (analysis::FramePose& pose : frame.poses) {
+      pose.x *= 30;
+      pose.y *= 30;
+    }
+  }
+  const RunRecord jumps = poseRun(wrong_unit, "film", abp());
+  EXPECT_THAT(headlines(jumps), testing::Contains(HasSubstr("faster than wheels")));
+  EXPECT_THAT(headlines(jumps).front(), testing::Not(HasSubstr("D_r")));
+  EXPECT_THAT(headlines(poseRun(film(2, 60), "film", abp())),
+              testing::Not(testing::Contains(HasSubstr("faster than wheels"))));
+
+  PoseFile at_walls = film(1, 60);
+  at_walls.in_arena = true;
+  for (analysis::Frame& frame : at_walls.frames) {
+    frame.poses[0].x += 0.1;
+    frame.poses[0].y += 0.1;
+  }
+  const RunRecord walls = poseRun(at_walls, "film", abp());
+  EXPECT_THAT(headlines(walls), testing::Contains(HasSubstr("wall of the 120 x 90 cm arena")));
 }
 
 TEST(PoseRun, LeavesTheTumblesOpenWhereThePosesShowNone) {
