@@ -16,6 +16,7 @@ namespace {
 constexpr std::int64_t kTick_us = 20'000;
 constexpr std::int64_t kSilent_us = 1'000'000;
 constexpr std::size_t kLongestNote = 1000;
+constexpr std::int64_t kCarried_us = 1'100'000;  // after which a heartbeat has carried a note
 
 bool isServed(const RobotSpec& robot) { return isOnWire(robot.body); }
 
@@ -163,13 +164,35 @@ void BridgeService::reportLines() {
     rows.push_back(std::move(row));
   }
   node_.reportStreams(std::move(rows));
+  noteWaiting();
 }
 
 void BridgeService::note(const std::string& text) {
   const std::int64_t now = loop_.now();
-  const bool another = now - noted_utime_ < units::kSecond_us && !notes_.empty();
-  notes_ = another && notes_.size() < kLongestNote ? notes_ + "; " + text : text;
+  if (now - noted_utime_ >= kCarried_us) {
+    notes_.clear();
+    noted_utime_ = now;
+  }
+  if (!waiting_.empty() || notes_.size() + text.size() > kLongestNote) {
+    waiting_.push_back(text);
+    noteWaiting();
+    return;
+  }
+  notes_ += (notes_.empty() ? "" : "; ") + text;
+  node_.noteError(notes_);
+}
+
+/// As much of what waits as one heartbeat carries, once the one before has been carried.
+void BridgeService::noteWaiting() {
+  const std::int64_t now = loop_.now();
+  if (waiting_.empty() || (now - noted_utime_ < kCarried_us && !notes_.empty())) return;
+  notes_.clear();
   noted_utime_ = now;
+  while (!waiting_.empty() &&
+         (notes_.empty() || notes_.size() + waiting_.front().size() <= kLongestNote)) {
+    notes_ += (notes_.empty() ? "" : "; ") + waiting_.front();
+    waiting_.pop_front();
+  }
   node_.noteError(notes_);
 }
 

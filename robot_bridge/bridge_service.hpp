@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <lab/robot_calibration_t.hpp>
 #include <lab/robot_command_t.hpp>
 #include <lab/robot_stop_t.hpp>
@@ -39,6 +40,7 @@ class BridgeService final : public Service {
   void tick();
   void publish();
   void note(const std::string& text);
+  void noteWaiting();
   void reportLines();
   [[nodiscard]] PortKeeper::Robots byUid();
 
@@ -46,8 +48,9 @@ class BridgeService final : public Service {
   Loop& loop_;
   const Experiment& experiment_;
   std::map<std::int32_t, Robot> robots_;
-  std::string notes_;  ///< of the last second: a heartbeat carries one text
+  std::string notes_;  ///< a heartbeat carries one text
   std::int64_t noted_utime_ = 0;
+  std::deque<std::string> waiting_;  ///< notes for the heartbeats after the next
   PortKeeper keeper_;
 };
 

@@ -304,6 +304,25 @@ TEST_F(BridgeServiceTest, ASilentRobotIsLeftOutAndNamed) {
   EXPECT_LT(statuses.size() - before, 60U) << "nothing new is not worth a message";
 }
 
+class ManyRobots : public BridgeFixture {
+ protected:
+  ManyRobots() : BridgeFixture(60) {}
+};
+
+TEST_F(ManyRobots, AllThatFallSilentAtOnceAreNamed) {
+  for (int id = 1; id <= 60; ++id) addRobot(id);
+  start();
+  run(5);
+  for (WireRobot& robot : robots) robot.switchOff();
+  run(30);
+
+  for (int id = 1; id <= 60; ++id) {
+    const std::string number = std::to_string(id);
+    const std::string name = "robot_" + number + ": robot " + number + " is silent";
+    EXPECT_THAT(complaints, Contains(HasSubstr(name)));
+  }
+}
+
 TEST_F(BridgeServiceTest, SaysWhatTheLinesLost) {
   WireRobotOptions options;
   options.bit_error_rate = 1e-3;
