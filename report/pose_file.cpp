@@ -183,6 +183,11 @@ class Reader {
       }
       unit_ = *options_.scale;
     }
+    if (time_ && options_.fps) {
+      fail(1, fmt::format("{}: found a column of times beside --fps, expected one of them: leave out "
+                          "what is wrong",
+                          time_.name));
+    }
     if (!time_ && !options_.fps) {
       fail(1,
            "found no column of times; expected t_s, t or time in s, or --fps with the frames per "

@@ -1,6 +1,7 @@
 #include "report/pose_run.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -27,10 +28,30 @@ using units::kNan;
 
 constexpr double kTouching = 0.001;  // [m] of a gap that cannot be told from none
 
+constexpr std::array<std::string_view, 4> kLaws{"abp", "noisy_abp", "bp", "rtp"};
+
+/// What is wrong with a program, by the names that its user typed: the file that is checked below is
+/// none of his.
+[[noreturn]] void refuse(const ExperimentError& error, const std::string& model) {
+  std::vector<std::string> problems;
+  const std::string key = "programs." + model + ".";
+  for (const std::string& problem : error.problems()) {
+    const std::size_t at = problem.find(": " + key);
+    problems.push_back(at == std::string::npos
+                           ? problem
+                           : "--set " + problem.substr(at + 2 + key.size()));
+  }
+  throw ExperimentError(problems);
+}
+
 /// An experiment in which every robot runs the program. Its checks are those of any experiment.
 Experiment experimentOf(const std::string& name, const PoseProgram& program) {
   // Some program is needed for the file to be one; it is taken out again.
   const bool given = !program.model.empty();
+  if (given && std::find(kLaws.begin(), kLaws.end(), program.model) == kLaws.end()) {
+    throw ExperimentError({fmt::format("--program: found \"{}\", expected one of {}", program.model,
+                                       fmt::join(kLaws, ", "))});
+  }
   const std::string text = fmt::format(
       "fileversion = 1\nname = \"poses\"\nduration_s = 1\nprogram = \"{0}\"\n[[robots]]\nid = 1\n"
       "[programs.{0}]\nmodel = \"{0}\"\n{1}",
@@ -44,7 +65,12 @@ Experiment experimentOf(const std::string& name, const PoseProgram& program) {
     }
     set.push_back(plain ? fmt::format("programs.{}.{}", program.model, one) : one);
   }
-  Experiment experiment = parseExperiment(text, "--program", set);
+  Experiment experiment;
+  try {
+    experiment = parseExperiment(text, "--program", set);
+  } catch (const ExperimentError& error) {
+    refuse(error, program.model);
+  }
   if (!given) experiment.programs.clear();
   experiment.name = name;
   experiment.robots.clear();

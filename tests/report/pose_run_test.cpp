@@ -292,6 +292,17 @@ TEST(PoseRun, RefusesAProgramThatIsNone) {
   EXPECT_THROW((void)poseRun(film(1, 1), "film", {"abb", {}}), ExperimentError);
   EXPECT_THROW((void)poseRun(film(1, 1), "film", {"abp", {"v_cm_s=3"}}), ExperimentError);
   EXPECT_THROW((void)poseRun(film(1, 1), "film", {"", {"v_cm_s=3"}}), ExperimentError);
+  const auto problemOf = [](const PoseProgram& program) -> std::string {
+    try {
+      static_cast<void>(poseRun(film(1, 1), "film", program));
+    } catch (const ExperimentError& error) {
+      return error.problems().front();
+    }
+    return "none";
+  };
+  EXPECT_THAT(problemOf({"zig", {}}), "--program: found \"zig\", expected one of abp, noisy_abp, bp, rtp");
+  EXPECT_THAT(problemOf({"abp", {"v_cm_s=3", "eta_rad_s=3"}}),
+              testing::StartsWith("--set epsilon_s: found nothing, allowed 0.001"));
 }
 
 TEST(AnalyzePoses, WritesSummaryFiguresAndReport) {
