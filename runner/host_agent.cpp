@@ -3,8 +3,6 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <signal.h>
-#include <sys/file.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -32,6 +30,7 @@
 #include "runner/lab_registry.hpp"
 #include "runner/machine.hpp"
 #include "runner/network.hpp"
+#include "runner/only_agent.hpp"
 #include "runner/run_directory.hpp"
 #include "runner/wall_clock.hpp"
 
@@ -94,53 +93,6 @@ class HostFolder {
 
   fs::path path_;
   int lives_ = -1;
-};
-
-/// One agent for each host of a run: one whose connection is lost does not know it yet when the
-/// runner calls again, and still drives the robots. The newcomer ends it.
-class OnlyAgent {
- public:
-  /// @param name of run and host
-  explicit OnlyAgent(const std::string& name) {
-    const fs::path file = registryDirectory() / ("agent-" + name + ".lock");
-    descriptor_ = open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
-    if (descriptor_ < 0) throw UserError("cannot write " + file.string());
-    for (int waited = 0; flock(descriptor_, LOCK_EX | LOCK_NB) != 0; waited += kStep_ms) {
-      const pid_t other = holder();
-      if (other > 1 && waited % kRepeat_ms == 0) {
-        kill(other, waited < kPatience_ms ? SIGTERM : SIGKILL);
-      }
-      if (waited > 2 * kPatience_ms) throw UserError("another agent of this run does not end");
-      std::this_thread::sleep_for(std::chrono::milliseconds(kStep_ms));
-    }
-    const std::string own = std::to_string(getpid());
-    if (ftruncate(descriptor_, 0) != 0 ||
-        pwrite(descriptor_, own.data(), own.size(), 0) != static_cast<ssize_t>(own.size())) {
-      throw UserError("cannot write " + file.string() + ": is the disk full?");
-    }
-    file_ = file;
-  }
-  ~OnlyAgent() {
-    std::error_code error;
-    fs::remove(file_, error);
-    close(descriptor_);
-  }
-  OnlyAgent(const OnlyAgent&) = delete;
-  OnlyAgent& operator=(const OnlyAgent&) = delete;
-
- private:
-  static constexpr int kStep_ms = 50;
-  static constexpr int kRepeat_ms = 1000;
-  static constexpr int kPatience_ms = 10000;  // its services end one after the other
-
-  [[nodiscard]] pid_t holder() const {
-    std::array<char, 16> text{};
-    if (pread(descriptor_, text.data(), text.size() - 1, 0) <= 0) return 0;
-    return std::atoi(text.data());
-  }
-
-  int descriptor_ = -1;
-  fs::path file_;
 };
 
 class Agent {
