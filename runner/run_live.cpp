@@ -164,12 +164,13 @@ class LiveRun {
     return "; see " + supervisor_.logFolder().string() + ". Nothing is left running.";
   }
 
-  /// Calls `meanwhile` at kTick_ms until `done`; ends everything and throws when it takes too long.
+  /// Calls `meanwhile` at kTick_ms until `done`; ends everything and throws when it takes too long,
+  /// or when the user ends it, be it in the moment in which it is done.
   void waitUntil(const std::function<bool()>& done, const std::function<void()>& meanwhile,
                  const std::function<std::string()>& complaint,
                  std::int64_t patience_us = kReadyPatience_us) {
     const std::int64_t deadline = loop_.now() + patience_us;
-    while (!done()) {
+    while (!done() || outcome_.interrupted) {
       std::string trouble = hosts() == nullptr ? "" : hosts()->trouble();
       if (outcome_.interrupted) trouble = "ended by the user before it had begun";
       if (loop_.now() > deadline || supervisor_.anyEnded() || !trouble.empty()) {

@@ -1,0 +1,70 @@
+/// Live runs in which something breaks, or somebody ends them.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <lab/experiment_event_t.hpp>
+
+#include "common/channels.hpp"
+#include "common/codec.hpp"
+#include "common/log_file.hpp"
+#include "tests/system/lab_process.hpp"
+
+namespace lab::system_test::broken_run_test {
+namespace {
+
+using std::chrono::seconds;
+using testing::AllOf;
+using testing::Contains;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+namespace fs = std::filesystem;
+
+class BrokenRun : public testing::Test {
+ protected:
+  BrokenRun() { setenv("XDG_RUNTIME_DIR", folder.path().c_str(), 1); }
+
+  [[nodiscard]] std::string labRun(double duration_s, const std::string& more = "") const {
+    return "exec lab run " + experiment("abp").string() + " --no-web --out " + runs().string() +
+           " --set duration_s=" + std::to_string(duration_s) + " " + more;
+  }
+  [[nodiscard]] fs::path runs() const { return folder.path() / "runs"; }
+  [[nodiscard]] fs::path theRun() const { return onlyRun(runs()); }
+
+  static bool waitUntilRunning(Background& lab) {
+    return waitFor([&] { return lab.output().find("running ") != std::string::npos; }, seconds(20));
+  }
+
+  /// One process of the lab.
+  static pid_t processOf(const Background& lab, const std::string& name) {
+    const std::vector<pid_t> found = childrenWith(lab.pid(), "/" + name);
+    return found.size() == 1 ? found.front() : -1;
+  }
+
+  static void pass(seconds time) {
+    waitFor([] { return false; }, time);
+  }
+
+  TemporaryFolder folder;
+};
+
+/// The runner sleeps while its services get ready: it finds their last READY and the Ctrl-C at
+/// once.
+TEST_F(BrokenRun, ACtrlCTogetherWithTheLastReadyEndsIt) {
+  Background lab(labRun(600));
+  ASSERT_TRUE(waitFor([&] { return processOf(lab, "sim_svc") > 0; }, seconds(20)));
+  lab.signal(SIGSTOP);
+  pass(seconds(2));
+
+  lab.signal(SIGINT);
+  lab.signal(SIGCONT);
+
+  const Finished ended = lab.wait(seconds(20));
+  EXPECT_GE(ended.exit_code, 0) << ended.output;
+  EXPECT_THAT(ended.output, HasSubstr("ended by the user"));
+  EXPECT_THAT(processesWith(runs().string()), IsEmpty());
+}
+
+}  // namespace
+}  // namespace lab::system_test::broken_run_test
