@@ -163,7 +163,13 @@ Launched launch(const LaunchOptions& options, Experiment experiment, const ShowP
   registration.reset();
   // The run is kept whatever happens; a report takes seconds and is not left half-written.
   std::signal(SIGINT, SIG_IGN);
-  writeProvenance(options, prepared, url, start, outcome);
+  try {
+    writeProvenance(options, prepared, url, start, outcome);
+  } catch (const UserError& error) {
+    // The run has been, and what broke in it is not to be lost with the file that would say so.
+    outcome.closed_early = true;
+    outcome.faults.emplace_back(error.what());
+  }
   return {prepared.directory, std::move(outcome)};
 }
 

@@ -8,7 +8,6 @@
 #include "common/projector_file.hpp"
 #include "common/units.hpp"
 #include "report/analyze_run.hpp"
-#include "report/report_error.hpp"
 #include "runner/commands.hpp"
 #include "runner/dashboard_process.hpp"
 #include "runner/launch.hpp"
@@ -65,8 +64,9 @@ ExitCode run(const RunOptions& options) {
   if (options.report) {
     try {
       tell(report::analyzeRun(launched.directory, launched.directory, {.needs_frames = false}));
-    } catch (const report::ReportError& error) {
-      // The run itself is done: its log is kept, and only the report is missing.
+    } catch (const std::exception& error) {
+      // The run itself is done: its log is kept, and only the report is missing, be it that it
+      // cannot be made or that there is no room for it.
       fmt::print(stderr, "lab: no report: {}\n", error.what());
       return outcome.closed_early ? kMarked : kFailed;
     }

@@ -182,9 +182,19 @@ void adoptImages(Experiment& experiment, const fs::path& source, const fs::path&
 
 void writeNewFile(const fs::path& path, const std::string& text) {
   if (fs::exists(path)) throw UserError(path.string() + " exists: nothing is overwritten");
-  std::ofstream file(path, std::ios::binary);
-  file << text << std::flush;
-  if (!file) throw UserError("cannot write " + path.string() + ": is the disk full?");
+  fs::path beside = path;
+  beside += ".part";
+  std::ofstream file(beside, std::ios::binary);
+  file << text;
+  file.close();
+  std::error_code error;
+  if (file) fs::rename(beside, path, error);
+  if (file && !error) return;
+  fs::remove(beside, error);
+  throw UserError("cannot write " + path.string() +
+                  (fs::is_directory(path.parent_path().empty() ? "." : path.parent_path(), error)
+                       ? ": is the disk full?"
+                       : ": its folder is gone"));
 }
 
 PreparedRun prepareRun(Experiment experiment, const fs::path& source, const fs::path& parent,

@@ -33,7 +33,7 @@ void checkScenes(const Experiment& experiment, const std::filesystem::path& sour
 void adoptImages(Experiment& experiment, const std::filesystem::path& source,
                  const std::filesystem::path& run);
 
-/// Writes a whole new file. @throws UserError when it exists or cannot be written.
+/// Writes a whole new file, or none. @throws UserError when it exists or cannot be written.
 void writeNewFile(const std::filesystem::path& path, const std::string& text);
 
 /// "2026-01-31T12:00:00Z"

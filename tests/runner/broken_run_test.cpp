@@ -66,5 +66,23 @@ TEST_F(BrokenRun, ACtrlCTogetherWithTheLastReadyEndsIt) {
   EXPECT_THAT(processesWith(runs().string()), IsEmpty());
 }
 
+/// So quickly that there is no time to close the run: nothing can be written any more.
+TEST_F(BrokenRun, ADiskThatIsFullAtOnceKeepsTheReason) {
+  fs::create_directories(runs());
+  const std::string disk = runs().string();
+  const fs::path kept = folder.path() / "kept";
+  const Finished lab = run(
+      "exec unshare -Urm bash -c 'mount -t tmpfs -o size=170m none " + disk +
+      " && { sleep 6; dd if=/dev/zero of=" + disk + "/ballast bs=1M status=none; } & sleep 1; (" +
+      labRun(60) + "); code=$?; cp -r " + disk + "/abp-* " + kept.string() + "; exit $code'");
+
+  EXPECT_EQ(lab.exit_code, 3) << lab.output;
+  EXPECT_THAT(lab.output, HasSubstr("marked   the disk is full"));
+  EXPECT_TRUE(fs::exists(kept / "log.lcmlog")) << lab.output;
+  const fs::path provenance = kept / "provenance.json";
+  EXPECT_TRUE(!fs::exists(provenance) || fs::file_size(provenance) > 0) << lab.output;
+  EXPECT_FALSE(fs::exists(kept / "provenance.json.part"));
+}
+
 }  // namespace
 }  // namespace lab::system_test::broken_run_test
