@@ -223,8 +223,15 @@ class LiveRun {
   void watchDisk() {
     std::error_code error;
     const auto space = fs::space(run_.directory, error);
-    if (error || static_cast<std::int64_t>(space.available) > options_.disk_reserve) return;
-    closeEarly(fmt::format("the disk is full ({} MB left)", space.available / 1'000'000));
+    if (error) {
+      closeEarly(fmt::format("the run's folder {} cannot be reached: {}; its data are lost",
+                             run_.directory.string(), error.message()));
+    } else if (!fs::exists(run_.directory / files::kLog, error)) {
+      closeEarly(fmt::format("the log {} is gone: what was recorded is lost",
+                             (run_.directory / files::kLog).string()));
+    } else if (static_cast<std::int64_t>(space.available) <= options_.disk_reserve) {
+      closeEarly(fmt::format("the disk is full ({} MB left)", space.available / 1'000'000));
+    }
   }
 
   void over(Ending ending, const std::string& why) {

@@ -84,5 +84,28 @@ TEST_F(BrokenRun, ADiskThatIsFullAtOnceKeepsTheReason) {
   EXPECT_FALSE(fs::exists(kept / "provenance.json.part"));
 }
 
+TEST_F(BrokenRun, AFolderThatIsTakenAwayClosesTheRun) {
+  Background lab(labRun(600));
+  ASSERT_TRUE(waitUntilRunning(lab)) << lab.output();
+  fs::remove_all(theRun());
+
+  const Finished ended = lab.wait(seconds(20));
+
+  EXPECT_EQ(ended.exit_code, 3) << ended.output;
+  EXPECT_THAT(ended.output, HasSubstr("marked   the run's folder"));
+  EXPECT_THAT(processesWith(runs().string()), IsEmpty());
+}
+
+TEST_F(BrokenRun, ALogThatIsTakenAwayClosesTheRun) {
+  Background lab(labRun(600));
+  ASSERT_TRUE(waitUntilRunning(lab)) << lab.output();
+  fs::remove(theRun() / "log.lcmlog");
+
+  const Finished ended = lab.wait(seconds(20));
+
+  EXPECT_EQ(ended.exit_code, 3) << ended.output;
+  EXPECT_THAT(ended.output, HasSubstr("log.lcmlog is gone"));
+}
+
 }  // namespace
 }  // namespace lab::system_test::broken_run_test
