@@ -75,6 +75,7 @@ class LiveRun {
     guarded([this] { end(); });
     endProcesses();
     for (const std::string& fault : conductor_.faults()) outcome_.faults.push_back(fault);
+    supervisor_.sayHeld([this](const std::string& what) { outcome_.faults.push_back(what); });
     return outcome_;
   }
 

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <fstream>
 #include <thread>
+#include <utility>
 
 #include "common/experiment_file.hpp"
 #include "common/experiment_places.hpp"
@@ -32,21 +33,25 @@ Supervisor::Supervisor(const PreparedRun& run, const LiveOptions& options)
 
 fs::path Supervisor::logFolder() const { return run_.directory / files::kServiceLogs; }
 
+/// A restarted logger goes on in a file of its own: log.lcmlog.01, log.lcmlog.02 ...
+fs::path Supervisor::logFile() const {
+  return run_.directory / (logger_.restarts == 0
+                               ? files::kLog
+                               : fmt::format("{}.{:02}", files::kLog, logger_.restarts));
+}
+
 void Supervisor::startLogger() {
-  // A restarted logger goes on in a file of its own: log.lcmlog.01, log.lcmlog.02 ... Its options
-  // -l, --increment and --strftime are broken in LCM 1.3.1; --lcm-url= works.
-  const std::string name =
-      logger_.restarts == 0 ? files::kLog : fmt::format("{}.{:02}", files::kLog, logger_.restarts);
+  // Its options -l, --increment and --strftime are broken in LCM 1.3.1; --lcm-url= works.
   logger_.process = std::make_unique<ChildProcess>(
       logger_.name,
       std::vector<std::string>{options_.lcm_logger.string(), "-q", "--lcm-url=" + options_.url,
-                               (run_.directory / name).string()},
+                               logFile().string()},
       logFolder() / "lcm-logger.txt");
 }
 
 bool Supervisor::loggerWrites() const {
   std::error_code error;
-  const auto size = fs::file_size(run_.directory / files::kLog, error);
+  const auto size = fs::file_size(logFile(), error);
   return !error && size > 0;
 }
 
@@ -154,12 +159,22 @@ bool Supervisor::anyEnded() const {
 
 bool Supervisor::revive(const std::function<void(const std::string&)>& report,
                         const std::function<fs::path()>& resume) {
-  const auto died = [&report](Entry& entry) {
+  const bool all_up = reviveEach(resume);
+  if (!all_up || loggerWrites()) sayHeld(report);
+  return all_up;
+}
+
+void Supervisor::sayHeld(const std::function<void(const std::string&)>& report) {
+  for (const std::string& what : std::exchange(held_, {})) report(what);
+}
+
+bool Supervisor::reviveEach(const std::function<fs::path()>& resume) {
+  const auto died = [this](Entry& entry) {
     if (entry.process->running()) return false;
     const bool own_fault = entry.process->ending() != kWithItsHost;
     const bool again = (entry.restarts += own_fault ? 1 : 0) <= kMostRestarts;
-    report(fmt::format("{} died ({}) and {}", titleOf(entry.name, entry.host),
-                       entry.process->ending(), again ? "was restarted" : "is given up"));
+    held_.push_back(fmt::format("{} died ({}) and {}", titleOf(entry.name, entry.host),
+                                entry.process->ending(), again ? "was restarted" : "is given up"));
     return true;
   };
   if (died(logger_)) {

@@ -25,7 +25,7 @@ class Supervisor {
   void startGateways();
   void startServices();
 
-  /// Whether lcm-logger has written something: it says nothing itself.
+  /// Whether lcm-logger, the newest one, has written something: it says nothing itself.
   [[nodiscard]] bool loggerWrites() const;
 
   /// Takes note that a process of this machine says it is READY. Two hosts may have the same pid.
@@ -43,11 +43,15 @@ class Supervisor {
   /// What the processes printed, to look into.
   [[nodiscard]] std::filesystem::path logFolder() const;
 
-  /// Restarts what has died. @param report called with a sentence for each.
+  /// Restarts what has died. @param report called with a sentence for each, once there is a logger
+  /// that hears it.
   /// @param resume the experiment file for a restarted sim_svc, made when it is needed.
   /// @return false when something died so often that it is given up.
   [[nodiscard]] bool revive(const std::function<void(const std::string&)>& report,
                             const std::function<std::filesystem::path()>& resume);
+
+  /// Reports what no logger was there to hear.
+  void sayHeld(const std::function<void(const std::string&)>& report);
 
   void endServices();
   void endLogger();
@@ -66,6 +70,8 @@ class Supervisor {
       const Entry& entry, const std::filesystem::path& file) const;
   [[nodiscard]] std::unique_ptr<ServiceProcess> startThere(const Entry& entry,
                                                            const std::filesystem::path& file) const;
+  [[nodiscard]] bool reviveEach(const std::function<std::filesystem::path()>& resume);
+  [[nodiscard]] std::filesystem::path logFile() const;
   [[nodiscard]] std::vector<std::string> argumentsOf(const Entry& entry) const;
   [[nodiscard]] bool joinsBuses() const;
   [[nodiscard]] std::filesystem::path logOf(const Entry& entry) const;
@@ -75,6 +81,7 @@ class Supervisor {
   Entry logger_{"lcm-logger"};
   std::vector<Entry> services_;
   std::set<std::pair<std::string, pid_t>> ready_;
+  std::vector<std::string> held_;  ///< what is to be reported
 };
 
 }  // namespace lab::runner

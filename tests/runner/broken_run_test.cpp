@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
+#include <algorithm>
 #include <lab/experiment_event_t.hpp>
 
 #include "common/channels.hpp"
@@ -40,6 +41,22 @@ class BrokenRun : public testing::Test {
   static pid_t processOf(const Background& lab, const std::string& name) {
     const std::vector<pid_t> found = childrenWith(lab.pid(), "/" + name);
     return found.size() == 1 ? found.front() : -1;
+  }
+
+  /// What the run's logs hold as faults.
+  [[nodiscard]] std::vector<std::string> recordedFaults() const {
+    std::vector<fs::path> logs;
+    for (const auto& entry : fs::directory_iterator(theRun())) {
+      if (entry.path().filename().string().starts_with("log.lcmlog")) logs.push_back(entry.path());
+    }
+    std::sort(logs.begin(), logs.end());
+    std::vector<std::string> faults;
+    readLog(logs, [&faults](const Packet& packet) {
+      experiment_event_t event{};
+      if (packet.channel != channels::kExperimentEvent || !decode(packet.data, event)) return;
+      if (event.kind == experiment_event_t::FAULT) faults.push_back(event.text);
+    });
+    return faults;
   }
 
   static void pass(seconds time) {
@@ -105,6 +122,21 @@ TEST_F(BrokenRun, ALogThatIsTakenAwayClosesTheRun) {
 
   EXPECT_EQ(ended.exit_code, 3) << ended.output;
   EXPECT_THAT(ended.output, HasSubstr("log.lcmlog is gone"));
+}
+
+TEST_F(BrokenRun, TheLoggersDeathIsInTheLogOfTheOneThatFollows) {
+  Background lab(labRun(8));
+  ASSERT_TRUE(waitUntilRunning(lab)) << lab.output();
+  const pid_t logger = processOf(lab, "lcm-logger");
+  ASSERT_GT(logger, 0);
+  kill(logger, SIGKILL);
+
+  const Finished ended = lab.wait(seconds(60));
+
+  EXPECT_EQ(ended.exit_code, 0) << ended.output;
+  const std::string fault = "lcm-logger died (killed by signal 9) and was restarted";
+  EXPECT_THAT(ended.output, HasSubstr("marked   " + fault));
+  EXPECT_THAT(recordedFaults(), Contains(fault));
 }
 
 }  // namespace
