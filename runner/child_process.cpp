@@ -81,12 +81,14 @@ void ChildProcess::terminate() {
   if (running()) kill(pid_, SIGTERM);
 }
 
-void ChildProcess::waitOrKill(int patience_ms) {
+bool ChildProcess::waitOrKill(int patience_ms) {
   constexpr int kStep_ms = 5;
+  bool killed = false;
   for (int waited = 0; running(); waited += kStep_ms) {
-    if (waited == patience_ms) kill(pid_, SIGKILL);
+    if (waited >= patience_ms && !killed) killed = kill(pid_, SIGKILL) == 0;
     std::this_thread::sleep_for(std::chrono::milliseconds(kStep_ms));
   }
+  return killed;
 }
 
 }  // namespace lab::runner

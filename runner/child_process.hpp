@@ -41,7 +41,7 @@ class ChildProcess final : public ServiceProcess {
   void terminate() override;
 
   /// SIGKILL is never the first choice for lcm-logger.
-  void waitOrKill(int patience_ms) override;
+  bool waitOrKill(int patience_ms) override;
 
  private:
   std::string name_;

@@ -64,13 +64,18 @@ class RemoteService final : public ServiceProcess {
   void terminate() override {
     if (reachable()) host_.order("end", name_);
   }
-  void waitOrKill(int patience_ms) override {
+  bool waitOrKill(int patience_ms) override {
+    bool killed = false;
     for (int waited = 0; reachable() && running(); waited += kStep_ms) {
-      if (waited == patience_ms) host_.order("kill", name_);
+      if (waited >= patience_ms && !killed) {
+        host_.order("kill", name_);
+        killed = true;
+      }
       if (waited > 2 * patience_ms) break;
       std::this_thread::sleep_for(milliseconds(kStep_ms));
       host_.attend();
     }
+    return killed;
   }
 
  private:

@@ -54,9 +54,7 @@ class LiveRun {
                     [this] { finish(kPilotDone); });
     }
     node_.subscribe<service_status_t>(channels::kServiceStatus, [this](const auto& status) {
-      if (status.state == service_status_t::READY) {
-        supervisor_.noteReady(status.sender, status.pid);
-      }
+      supervisor_.noteBeat(status.sender, status.pid, status.state == service_status_t::READY);
     });
     if (hosts() != nullptr) {
       node_.subscribe<link_status_t>(channels::kLinkStatus,
@@ -189,8 +187,9 @@ class LiveRun {
 
   void endProcesses() {
     page_.reset();
-    supervisor_.endServices();
-    supervisor_.endLogger();
+    const auto report = [this](const std::string& what) { outcome_.faults.push_back(what); };
+    supervisor_.endServices(report);
+    supervisor_.endLogger(report);
     if (hosts() != nullptr) hosts()->leave();
   }
 
@@ -211,6 +210,9 @@ class LiveRun {
     const bool all_up = supervisor_.revive(
         [this](const std::string& what) { conductor_.fault(what); }, [this] { return resume(); });
     if (!all_up) closeEarly("a process would not stay up");
+    supervisor_.feelPulses(
+        loop_.now(), [this](const std::string& what) { conductor_.fault(what); },
+        [this](const std::string& what) { conductor_.mark(what); });
   }
 
   fs::path resume() {
@@ -266,7 +268,7 @@ class LiveRun {
   /// tail.
   void end() {
     show_(conductor_.progress());
-    supervisor_.endServices();
+    supervisor_.endServices([this](const std::string& what) { conductor_.fault(what); });
     if (seat_) seat_->end();
     node_.close();
     page_.reset();  // it has shown how the run ended
@@ -274,7 +276,7 @@ class LiveRun {
       bus_.drain();
       std::this_thread::sleep_for(std::chrono::milliseconds(kTick_ms));
     }
-    supervisor_.endLogger();
+    supervisor_.endLogger([this](const std::string& what) { outcome_.faults.push_back(what); });
   }
 
   const PreparedRun& run_;

@@ -30,8 +30,8 @@ class ServiceProcess {
   /// Asks it to end (SIGTERM), without waiting.
   virtual void terminate() = 0;
 
-  /// Waits this long for its end, then SIGKILL.
-  virtual void waitOrKill(int patience_ms) = 0;
+  /// Waits this long for its end, then SIGKILL. @return whether that was needed
+  virtual bool waitOrKill(int patience_ms) = 0;
 };
 
 }  // namespace lab::runner

@@ -47,6 +47,9 @@ void Supervisor::startLogger() {
       std::vector<std::string>{options_.lcm_logger.string(), "-q", "--lcm-url=" + options_.url,
                                logFile().string()},
       logFolder() / "lcm-logger.txt");
+  pulses_.expect(logger_.name);
+  log_size_ = 0;
+  beats_since_growth_ = 0;
 }
 
 bool Supervisor::loggerWrites() const {
@@ -59,6 +62,7 @@ void Supervisor::add(const std::string& name, const std::string& host, bool uses
   Entry& entry =
       services_.emplace_back(Entry{.name = name, .uses_ports = uses_ports, .host = host});
   entry.process = startService(entry, run_.directory / files::kExperiment);
+  if (host.empty()) pulses_.expect(name);
 }
 
 bool Supervisor::joinsBuses() const {
@@ -152,6 +156,42 @@ std::string Supervisor::missing() const {
   return names;
 }
 
+void Supervisor::noteBeat(const std::string& sender, pid_t pid, bool ready) {
+  if (ready) ready_.emplace(sender, pid);
+  for (const Entry& entry : services_) {
+    if (entry.name != sender || !entry.host.empty() || entry.process->localPid() != pid) continue;
+    pulses_.beat(sender);
+    ++beats_since_growth_;
+  }
+}
+
+/// A log grows by what the services say. Where they are silent too, nothing is known of the logger.
+void Supervisor::feelLogger() {
+  std::error_code error;
+  const auto size = fs::file_size(logFile(), error);
+  const bool grew = !error && size != log_size_;
+  if (!grew && beats_since_growth_ > 0) return;
+  pulses_.beat(logger_.name);
+  beats_since_growth_ = 0;
+  if (!error) log_size_ = size;
+}
+
+void Supervisor::feelPulses(std::int64_t now,
+                            const std::function<void(const std::string&)>& silent,
+                            const std::function<void(const std::string&)>& again) {
+  feelLogger();
+  for (const auto& [name, is_silent, silence_s] : pulses_.look(now)) {
+    const bool logger = name == logger_.name;
+    if (is_silent) {
+      silent(logger ? fmt::format("{} has written nothing for {} s", name, silence_s)
+                    : fmt::format("{} has not been heard of for {} s", name, silence_s));
+    } else {
+      again(logger ? fmt::format("{} writes again after {} s", name, silence_s)
+                   : fmt::format("{} is heard of again after {} s", name, silence_s));
+    }
+  }
+}
+
 bool Supervisor::anyEnded() const {
   const auto ended = [](const Entry& entry) { return entry.process && !entry.process->running(); };
   return ended(logger_) || std::any_of(services_.begin(), services_.end(), ended);
@@ -186,14 +226,21 @@ bool Supervisor::reviveEach(const std::function<fs::path()>& resume) {
     if (entry.restarts > kMostRestarts) return false;
     const fs::path file = entry.name == "sim_svc" ? resume() : run_.directory / files::kExperiment;
     entry.process = startService(entry, file);
+    if (entry.host.empty()) pulses_.expect(entry.name);
   }
   return true;
 }
 
-void Supervisor::endServices() {
-  const auto end = [](Entry& entry) {
+static std::string killedText(const std::string& title, int patience_ms) {
+  return fmt::format("{} did not end when it was asked to and was killed after {} s", title,
+                     patience_ms / 1000);
+}
+
+void Supervisor::endServices(const std::function<void(const std::string&)>& report) {
+  const auto end = [&report](Entry& entry) {
     entry.process->terminate();
-    entry.process->waitOrKill(kServicePatience_ms);
+    if (!entry.process->waitOrKill(kServicePatience_ms)) return;
+    report(killedText(titleOf(entry.name, entry.host), kServicePatience_ms));
   };
   // One after the other: their closing messages together would overflow the logger's queue. Last
   // who brings the messages of other hosts.
@@ -206,10 +253,12 @@ void Supervisor::endServices() {
   }
 }
 
-void Supervisor::endLogger() {
+void Supervisor::endLogger(const std::function<void(const std::string&)>& report) {
   if (!logger_.process) return;
   logger_.process->terminate();
-  logger_.process->waitOrKill(kLoggerPatience_ms);
+  if (logger_.process->waitOrKill(kLoggerPatience_ms)) {
+    report(killedText(logger_.name, kLoggerPatience_ms) + ": the log's end may be missing");
+  }
 }
 
 }  // namespace lab::runner

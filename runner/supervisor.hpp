@@ -1,6 +1,7 @@
 /// The processes of a live run.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <set>
@@ -9,6 +10,7 @@
 #include <vector>
 
 #include "runner/child_process.hpp"
+#include "runner/pulse_watch.hpp"
 #include "runner/run_live.hpp"
 
 namespace lab::runner {
@@ -28,8 +30,8 @@ class Supervisor {
   /// Whether lcm-logger, the newest one, has written something: it says nothing itself.
   [[nodiscard]] bool loggerWrites() const;
 
-  /// Takes note that a process of this machine says it is READY. Two hosts may have the same pid.
-  void noteReady(const std::string& sender, pid_t pid) { ready_.emplace(sender, pid); }
+  /// Takes note of a heartbeat, and whether it says READY. Two hosts may have the same pid.
+  void noteBeat(const std::string& sender, pid_t pid, bool ready);
 
   /// Names of the services that were started and have not said READY.
   [[nodiscard]] std::string missing() const;
@@ -50,11 +52,18 @@ class Supervisor {
   [[nodiscard]] bool revive(const std::function<void(const std::string&)>& report,
                             const std::function<std::filesystem::path()>& resume);
 
+  /// Looks, at least every PulseWatch::kLongestStep_us, whether the services of this machine are
+  /// heard of and the log grows. @param silent called with a sentence when not, once
+  /// @param again called with a sentence when they are again
+  void feelPulses(std::int64_t now, const std::function<void(const std::string&)>& silent,
+                  const std::function<void(const std::string&)>& again);
+
   /// Reports what no logger was there to hear.
   void sayHeld(const std::function<void(const std::string&)>& report);
 
-  void endServices();
-  void endLogger();
+  /// @param report called with a sentence for each that had to be killed
+  void endServices(const std::function<void(const std::string&)>& report);
+  void endLogger(const std::function<void(const std::string&)>& report);
 
  private:
   struct Entry {
@@ -65,6 +74,7 @@ class Supervisor {
     std::string host{};  ///< "": this machine
   };
 
+  void feelLogger();
   void add(const std::string& name, const std::string& host, bool uses_ports);
   [[nodiscard]] std::unique_ptr<ServiceProcess> startService(
       const Entry& entry, const std::filesystem::path& file) const;
@@ -82,6 +92,9 @@ class Supervisor {
   std::vector<Entry> services_;
   std::set<std::pair<std::string, pid_t>> ready_;
   std::vector<std::string> held_;  ///< what is to be reported
+  PulseWatch pulses_;
+  std::uintmax_t log_size_ = 0;  ///< when it was last looked at
+  int beats_since_growth_ = 0;   ///< which the log should have grown by
 };
 
 }  // namespace lab::runner

@@ -43,20 +43,20 @@ class BrokenRun : public testing::Test {
     return found.size() == 1 ? found.front() : -1;
   }
 
-  /// What the run's logs hold as faults.
-  [[nodiscard]] std::vector<std::string> recordedFaults() const {
+  /// What the run's logs hold of one kind of event.
+  [[nodiscard]] std::vector<std::string> recorded(std::int8_t kind) const {
     std::vector<fs::path> logs;
     for (const auto& entry : fs::directory_iterator(theRun())) {
       if (entry.path().filename().string().starts_with("log.lcmlog")) logs.push_back(entry.path());
     }
     std::sort(logs.begin(), logs.end());
-    std::vector<std::string> faults;
-    readLog(logs, [&faults](const Packet& packet) {
+    std::vector<std::string> texts;
+    readLog(logs, [&texts, kind](const Packet& packet) {
       experiment_event_t event{};
       if (packet.channel != channels::kExperimentEvent || !decode(packet.data, event)) return;
-      if (event.kind == experiment_event_t::FAULT) faults.push_back(event.text);
+      if (event.kind == kind) texts.push_back(event.text);
     });
-    return faults;
+    return texts;
   }
 
   static void pass(seconds time) {
@@ -136,7 +136,68 @@ TEST_F(BrokenRun, TheLoggersDeathIsInTheLogOfTheOneThatFollows) {
   EXPECT_EQ(ended.exit_code, 0) << ended.output;
   const std::string fault = "lcm-logger died (killed by signal 9) and was restarted";
   EXPECT_THAT(ended.output, HasSubstr("marked   " + fault));
-  EXPECT_THAT(recordedFaults(), Contains(fault));
+  EXPECT_THAT(recorded(experiment_event_t::FAULT), Contains(fault));
+}
+
+TEST_F(BrokenRun, AServiceThatHangsIsSaidAndThatItIsBackToo) {
+  Background lab(labRun(14));
+  ASSERT_TRUE(waitUntilRunning(lab)) << lab.output();
+  const pid_t simulator = processOf(lab, "sim_svc");
+  ASSERT_GT(simulator, 0);
+  kill(simulator, SIGSTOP);
+  pass(seconds(5));
+  kill(simulator, SIGCONT);
+
+  const Finished ended = lab.wait(seconds(60));
+
+  EXPECT_EQ(ended.exit_code, 0) << ended.output;
+  const std::string fault = "sim_svc has not been heard of for 3 s";
+  EXPECT_THAT(ended.output, HasSubstr("marked   " + fault));
+  EXPECT_THAT(recorded(experiment_event_t::FAULT), Contains(fault));
+  EXPECT_THAT(recorded(experiment_event_t::MARK), Contains(HasSubstr("sim_svc is heard of again")));
+}
+
+TEST_F(BrokenRun, AServiceThatHangsToTheEndIsKilledAndThatIsSaid) {
+  Background lab(labRun(8));
+  ASSERT_TRUE(waitUntilRunning(lab)) << lab.output();
+  const pid_t analyzer = processOf(lab, "analyzer");
+  ASSERT_GT(analyzer, 0);
+  kill(analyzer, SIGSTOP);
+
+  const Finished ended = lab.wait(seconds(60));
+
+  EXPECT_THAT(ended.output, HasSubstr("marked   analyzer has not been heard of for 3 s"));
+  const std::string fault = "analyzer did not end when it was asked to and was killed after 3 s";
+  EXPECT_THAT(ended.output, HasSubstr("marked   " + fault));
+  EXPECT_THAT(recorded(experiment_event_t::FAULT), Contains(fault));
+}
+
+TEST_F(BrokenRun, ALoggerThatHangsIsSaid) {
+  Background lab(labRun(8));
+  ASSERT_TRUE(waitUntilRunning(lab)) << lab.output();
+  const pid_t logger = processOf(lab, "lcm-logger");
+  ASSERT_GT(logger, 0);
+  kill(logger, SIGSTOP);
+
+  const Finished ended = lab.wait(seconds(60));
+
+  EXPECT_THAT(ended.output, HasSubstr("marked   lcm-logger has written nothing for 3 s"));
+  EXPECT_THAT(ended.output, HasSubstr("marked   lcm-logger did not end when it was asked to"));
+}
+
+/// Its services are heard of as before once it looks again.
+TEST_F(BrokenRun, ARunnerThatWasHaltedBlamesNobody) {
+  Background lab(labRun(12));
+  ASSERT_TRUE(waitUntilRunning(lab)) << lab.output();
+  lab.signal(SIGSTOP);
+  pass(seconds(6));
+  lab.signal(SIGCONT);
+
+  const Finished ended = lab.wait(seconds(60));
+
+  EXPECT_EQ(ended.exit_code, 0) << ended.output;
+  EXPECT_THAT(ended.output, Not(HasSubstr("heard of")));
+  EXPECT_THAT(ended.output, Not(HasSubstr("written nothing")));
 }
 
 }  // namespace

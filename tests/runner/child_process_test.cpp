@@ -29,13 +29,13 @@ TEST_F(ChildProcessTest, EndsWhenAsked) {
   ChildProcess dut("sleeper", {"/bin/sleep", "60"}, output);
   EXPECT_TRUE(dut.running());
   dut.terminate();
-  dut.waitOrKill(5000);
+  EXPECT_FALSE(dut.waitOrKill(5000));
   EXPECT_EQ(dut.ending(), "killed by signal 15");
 }
 
 TEST_F(ChildProcessTest, IsKilledWhenItDoesNotListen) {
   ChildProcess dut("deaf", {"/bin/sh", "-c", "trap '' TERM; while :; do sleep 0.05; done"}, output);
-  dut.waitOrKill(100);
+  EXPECT_TRUE(dut.waitOrKill(100));
   EXPECT_EQ(dut.ending(), "killed by signal 9");
 }
 
