@@ -47,7 +47,9 @@ ExitCode run(const RunOptions& options) {
   if (options.virtual_time && experiment.gateway.ros) {
     fmt::print(stderr, "lab: ROS 2 sees nothing of a run in virtual time (docs/ros2.md)\n");
   }
-  std::optional<ProgressLine> line(std::in_place, experiment.duration);
+  const double duration = experiment.duration;
+  double elapsed = 0;
+  std::optional<ProgressLine> line(std::in_place, duration);
   const Launched launched =
       launch({.file = options.file,
               .out = options.out,
@@ -56,10 +58,16 @@ ExitCode run(const RunOptions& options) {
               .virtual_time = options.virtual_time,
               .web = web,
               .web_address = options.web_address},
-             std::move(experiment), [&line](const Progress& progress) { line->show(progress); });
+             std::move(experiment), [&](const Progress& progress) {
+               elapsed = progress.elapsed;
+               line->show(progress);
+             });
 
   line.reset();
   const RunOutcome& outcome = launched.outcome;
+  if (outcome.interrupted) {
+    fmt::print("{} after {:.0f} s of {:.10g} s\n", outcome.ended_because, elapsed, duration);
+  }
   for (const std::string& fault : outcome.faults) fmt::print("marked   {}\n", fault);
   if (options.report) {
     try {

@@ -259,6 +259,7 @@ class LiveRun {
   void finish(const std::string& why) {
     if (finishing_) return;
     finishing_ = true;
+    outcome_.ended_because = why;
     conductor_.conclude(why);
     // The robots hear it and say so before their services end.
     loop_.at(loop_.now() + kRobotsStandPatience_ms * 1000, [this] { loop_.stop(); });

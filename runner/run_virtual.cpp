@@ -85,6 +85,7 @@ RunOutcome runVirtual(const PreparedRun& run, const ShowProgress& show,
   try {
     conductor.begin();
     loop.run();
+    outcome.ended_because = why;
     conductor.conclude(why);
     loop.runUntil(loop.now() + kSettle_us);
     for (Member& member : members) member.node.close();

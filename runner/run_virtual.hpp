@@ -16,6 +16,7 @@ struct RunOutcome {
   std::vector<std::string> faults;  ///< empty: nothing broke
   bool closed_early = false;        ///< the disk filled, or a service would not stay up
   bool interrupted = false;         ///< the user ended it
+  std::string ended_because;        ///< what the record's END says
 };
 
 using ShowProgress = std::function<void(const Progress&)>;

@@ -15,8 +15,8 @@ namespace lab::system_test::broken_run_test {
 namespace {
 
 using std::chrono::seconds;
-using testing::AllOf;
 using testing::Contains;
+using testing::ContainsRegex;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
@@ -65,6 +65,37 @@ class BrokenRun : public testing::Test {
 
   TemporaryFolder folder;
 };
+
+class EndedByTheUser : public BrokenRun, public testing::WithParamInterface<int> {};
+
+TEST_P(EndedByTheUser, SaysHowFarItCame) {
+  Background lab(labRun(600));
+  ASSERT_TRUE(waitUntilRunning(lab)) << lab.output();
+  pass(seconds(2));
+  lab.signal(GetParam());
+
+  const Finished ended = lab.wait(seconds(30));
+
+  EXPECT_EQ(ended.exit_code, 0) << ended.output;
+  EXPECT_THAT(ended.output, ContainsRegex("\nended by the user after [1-9] s of 600 s\n"));
+}
+
+TEST_P(EndedByTheUser, SaysSoInVirtualTimeToo) {
+  Background lab(labRun(100'000, "--virtual-time"));
+  ASSERT_TRUE(waitUntilRunning(lab)) << lab.output();
+  pass(seconds(1));
+  lab.signal(GetParam());
+
+  const Finished ended = lab.wait(seconds(30));
+
+  EXPECT_EQ(ended.exit_code, 0) << ended.output;
+  EXPECT_THAT(ended.output, ContainsRegex("\nended by the user after [1-9][0-9]* s of 100000 s\n"));
+}
+
+INSTANTIATE_TEST_SUITE_P(Each, EndedByTheUser, testing::Values(SIGINT, SIGTERM),
+                         [](const auto& parameter) {
+                           return parameter.param == SIGINT ? "CtrlC" : "Sigterm";
+                         });
 
 /// The runner sleeps while its services get ready: it finds their last READY and the Ctrl-C at
 /// once.
