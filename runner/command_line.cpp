@@ -31,7 +31,7 @@ void addRun(CLI::App& app, Chosen& chosen, const fs::path& programs) {
   addExperiment(*command, options->file);
   command->add_flag("--virtual-time", options->virtual_time,
                     "One process, as fast as the machine allows, the same to the bit");
-  command->add_option("--seed", options->seed, "Instead of the file's seed");
+  command->add_option("--seed", options->seed, "Instead of the file's seed")->check(wholeNumber());
   command->add_option("--out", options->out, "Where run folders are made")->capture_default_str();
   command->add_option("--set", options->set, "key=value: instead of the file's (repeatable)")
       ->allow_extra_args(false);
@@ -324,6 +324,9 @@ int runCommandLine(int argc, char** argv) {
   addCloneOnly(app, chosen);
   try {
     app.parse(argc, argv);
+  } catch (const CLI::RequiredError& error) {
+    requireCommand(app);
+    return app.exit(error) == 0 ? kDone : kBadInput;
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? kDone : kBadInput;
   }

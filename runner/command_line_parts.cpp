@@ -3,9 +3,14 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <charconv>
 #include <cstdint>
+#include <limits>
+#include <system_error>
+#include <vector>
 
 #include "common/installation.hpp"
+#include "runner/exit_code.hpp"
 #include "runner/experiment_lookup.hpp"
 
 namespace lab::runner {
@@ -18,6 +23,39 @@ CLI::Validator between(double low, double high) {
             return fmt::format("found {}, allowed {:g} to {:g}", text, low, high);
           },
           "NUMBER"};
+}
+
+CLI::Validator wholeNumber() {
+  return {[](const std::string& text) -> std::string {
+            std::int64_t value = 0;
+            const char* end = text.data() + text.size();
+            const auto [rest, error] = std::from_chars(text.data(), end, value);
+            if (error == std::errc{} && rest == end && value >= 0) return {};
+            return fmt::format("found {}, allowed whole numbers from 0 to {}", text,
+                               std::numeric_limits<std::int64_t>::max());
+          },
+          "NUMBER"};
+}
+
+void requireCommand(const CLI::App& app) {
+  const CLI::App* at = &app;
+  std::string typed;
+  while (!at->get_subcommands().empty()) {
+    at = at->get_subcommands().front();
+    typed += at->get_name() + " ";
+  }
+  if (at->get_require_subcommand_min() == 0) return;
+  std::string known;
+  for (const CLI::App* command : at->get_subcommands([](const CLI::App* each) {
+         return !each->get_group().empty();  // what no help speaks of
+       })) {
+    known += (known.empty() ? "" : ", ") + command->get_name();
+  }
+  const std::vector<std::string> rest = app.remaining(true);
+  throw UserError(fmt::format("{}found {}, expected one of {}; lab {}--help says what each does",
+                              typed.empty() ? "" : typed.substr(0, typed.size() - 1) + ": ",
+                              rest.empty() ? "no command" : "\"" + rest.front() + "\"", known,
+                              typed));
 }
 
 void addChoice(CLI::App& command, const std::string& names, std::optional<bool>& choice,

@@ -19,6 +19,13 @@ using Chosen = std::function<int()>;
 /// A number that is one: CLI11's own ranges let nan pass.
 CLI::Validator between(double low, double high);
 
+/// A whole number from 0 on, for the largest of which TOML has room: CLI11 takes -5 for 2^64 - 5.
+CLI::Validator wholeNumber();
+
+/// Names the word that is no command, and the commands there are: CLI11 only says that one is
+/// missing. @throws UserError where the parsed command line lacks a command.
+void requireCommand(const CLI::App& app);
+
 /// A flag that may be given, denied or left out: CLI11's own takes what is left out for denied.
 void addChoice(CLI::App& command, const std::string& names, std::optional<bool>& choice,
                const std::string& text);

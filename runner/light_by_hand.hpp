@@ -16,7 +16,8 @@ namespace lab::runner {
 /// A projector knows the images of its experiment; one that it does not know travels as a grid.
 /// @param known the images of the running experiment
 /// @param directory that the paths of image files are relative to
-/// @throws ExperimentError for layers that are wrong, UserError for a sequence of unknown images.
+/// @throws UserError for layers that are wrong, with what was typed, and for a sequence of unknown
+/// images.
 [[nodiscard]] std::vector<light::DrivenLayer> layersByHand(const std::vector<std::string>& texts,
                                                            const Experiment& experiment,
                                                            const light::ImageStore& known,

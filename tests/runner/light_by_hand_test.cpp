@@ -77,9 +77,32 @@ TEST(LightByHand, RefusesASequenceOfUnknownPictures) {
 }
 
 TEST(LightByHand, RefusesWhatAFileWouldRefuse) {
-  EXPECT_THROW((void)byHand({R"({kind = "disk", intensity = 1})"}), ExperimentError);
-  EXPECT_THROW((void)byHand({"2"}), ExperimentError);
-  EXPECT_THROW((void)byHand({R"({kind = "uniform", program = "bp"})"}), ExperimentError);
+  EXPECT_THROW((void)byHand({R"({kind = "disk", intensity = 1})"}), UserError);
+  EXPECT_THROW((void)byHand({"2"}), UserError);
+  EXPECT_THROW((void)byHand({R"({kind = "uniform", program = "bp"})"}), UserError);
+}
+
+TEST(LightByHand, NamesWhatWasTypedAndNoFile) {
+  const auto refusal = [](const std::vector<std::string>& typed) -> std::string {
+    try {
+      (void)byHand(typed);
+    } catch (const UserError& error) {
+      return error.what();
+    }
+    return {};
+  };
+  using testing::AllOf;
+  using testing::HasSubstr;
+  using testing::Not;
+  using testing::StartsWith;
+  const auto of_no_file =
+      AllOf(Not(HasSubstr("lab light:")), Not(HasSubstr("light.steps")), Not(HasSubstr("\n")));
+  EXPECT_THAT(refusal({"uniform"}), AllOf(StartsWith("light 'uniform': found no "),
+                                          HasSubstr("expected an intensity"), of_no_file));
+  EXPECT_THAT(refusal({"2"}), AllOf(StartsWith("light '2': intensity: found 2"), of_no_file));
+  const std::string wrong = R"({kind = "uniform", intensity = 1, brightness = 1})";
+  EXPECT_THAT(refusal({"0.5", wrong}),
+              AllOf(StartsWith("light '" + wrong + "': brightness: "), of_no_file));
 }
 
 }  // namespace
