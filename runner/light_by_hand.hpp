@@ -1,6 +1,7 @@
 /// Layers that somebody writes on the command line.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -22,6 +23,11 @@ namespace lab::runner {
                                                            const Experiment& experiment,
                                                            const light::ImageStore& known,
                                                            const std::filesystem::path& directory);
+
+/// Why the projector refused the command (sender, seq), as its LIGHT_STATUS says it; empty: its last
+/// refusal is that of another command, or there was none.
+[[nodiscard]] std::string refusalOf(const std::string& sender, std::int64_t seq,
+                                    const std::string& last_refusal);
 
 /// What an experiment has to say where the one that runs is not known.
 [[nodiscard]] Experiment experimentByHand();

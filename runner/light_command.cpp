@@ -39,7 +39,7 @@ std::vector<light::DrivenLayer> layersFor(const RunningLab& lab,
 
 light_command_t command(const LightOptions& options, const RunningLab& lab, std::int64_t now) {
   light_command_t command{};
-  command.seq = 1;
+  command.seq = now;  // another each time: a refusal names it
   command.priority = light_command_t::MANUAL;
   command.from_utime = now;
   command.ramp = options.ramp;
@@ -70,8 +70,8 @@ ExitCode light(const LightOptions& options) {
     const bool ours = status.commander == node.identity().name;
     const bool shown = ours && status.command_instance == node.identity().instance;
     if (options.release ? !ours && status.utime > wanted.from_utime : shown) done = true;
-    if (!status.last_refusal.empty()) refusal = status.last_refusal;
-    if (done) loop.stop();
+    refusal = refusalOf(node.identity().name, wanted.seq, status.last_refusal);
+    if (done || !refusal.empty()) loop.stop();
   });
   loop.onReadable(bus.fileDescriptor(), [&] { bus.drain(); });
   const std::int64_t start = loop.now();
