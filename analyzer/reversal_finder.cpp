@@ -383,6 +383,19 @@ void ReversalTeller::tell(RobotTelemetry& telemetry) {
   telemetry.reversing = telemetry.time < last.end;
 }
 
+double headingNoise(const std::vector<TrackPoint>& track) {
+  constexpr double kEven = 0.1;  // share of a step's time that the next may be longer or shorter
+  std::vector<double> scatter;
+  for (std::size_t i = 2; i < track.size(); ++i) {
+    const double before = track[i - 1].time - track[i - 2].time;
+    const double after = track[i].time - track[i - 1].time;
+    if (std::abs(after - before) > kEven * before) continue;
+    scatter.push_back(std::abs(
+        wrapped(track[i].theta - 2 * track[i - 1].theta + track[i - 2].theta)));
+  }
+  return kMadToSigma * median(std::move(scatter)) / std::sqrt(6);  // 1 + 4 + 1 variances
+}
+
 TrackFindings examineTrack(std::vector<TrackPoint>& track, const ReversalSearch& search) {
   return Finder(track, search).run();
 }

@@ -51,6 +51,11 @@ struct TrackFindings {
   std::int64_t sense_turns = 0;  ///< Stretches whose head was the tail all along.
 };
 
+/// The standard error of a track's headings as their second differences scatter, rad. Of even turns
+/// nothing is left in these, and their median heeds neither draws of another turn nor flips.
+/// @param track as for examineTrack()
+[[nodiscard]] double headingNoise(const std::vector<TrackPoint>& track);
+
 /// Mends the headings of a track, in place, and finds the reversals in it: for people whose robots
 /// told nothing. `track` holds one robot's valid points in strictly ascending time.
 ///

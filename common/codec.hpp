@@ -18,8 +18,8 @@ std::vector<std::uint8_t> encode(const Message& message) {
   return bytes;
 }
 
-/// Far more than any message of the lab has; lengths in bytes of what it may hold stay within an int.
-inline constexpr std::size_t kMostBytes = std::size_t{1} << 24;
+/// Eight bytes for each byte of a packet are still counted in an int.
+inline constexpr std::size_t kMostBytes = (std::size_t{1} << 28) - 1;
 
 template <class Message>
 bool decode(Bytes data, Message& message) noexcept {

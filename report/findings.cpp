@@ -302,8 +302,7 @@ std::vector<std::string> headlines(const RunRecord& record) {
     if (selected) {
       lines.push_back(fmt::format(
           "{} of {} left out: faster than wheels can drive or turn a robot, so what is left is "
-          "selected. Is the unit of x and y right (--scale-cm), are headings in radians, is their "
-          "noise below 0.1?",
+          "selected. Is the unit of x and y right (--scale-cm), are headings in radians?",
           groupedText(jumped), countText(poses.rows, "pose")));
     }
     for (const auto& [count, what] :

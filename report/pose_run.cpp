@@ -170,6 +170,10 @@ class PoseFeed {
     // Without a program there is no telling what it cannot drive.
     search.wanted = !experiment_.programs.empty() && reversal.on != ReverseOn::kNever;
     for (auto& [robot, track] : tracks) {
+      if (poses_.headings) {
+        const double noise = heading_noise_[robot] = analysis::headingNoise(track);
+        for (analysis::TrackPoint& point : track) point.sigma_theta = noise;
+      }
       const analysis::TrackFindings found = analysis::examineTrack(track, search);
       record.headings.flips += found.flips;
       record.headings.jumps += found.flip_jumps;
@@ -196,6 +200,8 @@ class PoseFeed {
         const auto theta = mended->second.find(frame.time);
         if (theta != mended->second.end()) pose.theta = theta->second;
       }
+      const auto noise = heading_noise_.find(pose.robot);
+      if (noise != heading_noise_.end()) pose.sigma_theta = noise->second;
       analysis::RobotTelemetry telemetry;
       telemetry.time = frame.time;
       telemetry.program_epoch = static_cast<std::int64_t>(next_step_);
@@ -236,6 +242,7 @@ class PoseFeed {
   double run_share_ = 1;
   std::map<int, analysis::ReversalTeller> tellers_;
   std::map<int, std::map<double, double>> mended_;  ///< by robot and time, where any was
+  std::map<int, double> heading_noise_;             ///< by robot [rad]
   std::size_t next_step_ = 0;
   double epoch_start_ = 0;
   analysis::Analysis analysis_;

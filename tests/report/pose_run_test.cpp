@@ -136,6 +136,24 @@ TEST(PoseRun, TakesTheFitsNoiseOutWhereThereAreNoHeadings) {
   EXPECT_EQ(wrong.results.front().result.verdict.kind, analysis::VerdictKind::kDisagrees);
 }
 
+// Between two frames 0.2 rad of noise are more than wheels can turn, and no jump all the same.
+TEST(PoseRun, TellsNoisyHeadingsFromJumps) {
+  PoseFile noisy = film(4, 300);
+  std::mt19937_64 random(11);
+  std::normal_distribution<double> noise(0, 0.2);
+  for (analysis::Frame& frame : noisy.frames) {
+    for (analysis::FramePose& pose : frame.poses) pose.theta += noise(random);
+  }
+
+  const RunRecord dut = poseRun(noisy, "film", abp());
+
+  const analysis::ProgramResult& pool = dut.results.front().result;
+  EXPECT_EQ(pool.lost, 0);
+  EXPECT_EQ(pool.segments, 4);
+  EXPECT_EQ(pool.verdict.kind, analysis::VerdictKind::kAgrees) << pool.verdict.max_z;
+  EXPECT_NEAR(pool.curves.angular_msd.front().noise, 2 * 0.2 * 0.2, 0.1 * 2 * 0.2 * 0.2);
+}
+
 TEST(PoseRun, SaysWhereMostOfAFilmIsNotJudged) {
   PoseFile wrong_unit = film(2, 60);
   for (analysis::Frame& frame : wrong_unit.frames) {
@@ -161,8 +179,9 @@ TEST(PoseRun, SaysWhereMostOfAFilmIsNotJudged) {
 }
 
 TEST(PoseRun, LeavesTheTumblesOpenWhereThePosesShowNone) {
-  const RunRecord dut =
-      poseRun(film(2, 60), "film", {"rtp", {"v_cm_s=3", "gamma_per_s=1", "tau_t_s=0.05", "robot.max_wheel_speed_cm_s=300"}});
+  const RunRecord dut = poseRun(
+      film(2, 60), "film",
+      {"rtp", {"v_cm_s=3", "gamma_per_s=1", "tau_t_s=0.05", "robot.max_wheel_speed_cm_s=300"}});
 
   EXPECT_TRUE(std::isnan(estimateOf(dut, "gamma").value));
   EXPECT_THAT(estimateOf(dut, "gamma").note, HasSubstr("fewer than three frames in a tumble"));
@@ -300,7 +319,8 @@ TEST(PoseRun, RefusesAProgramThatIsNone) {
     }
     return "none";
   };
-  EXPECT_THAT(problemOf({"zig", {}}), "--program: found \"zig\", expected one of abp, noisy_abp, bp, rtp");
+  EXPECT_THAT(problemOf({"zig", {}}),
+              "--program: found \"zig\", expected one of abp, noisy_abp, bp, rtp");
   EXPECT_THAT(problemOf({"abp", {"v_cm_s=3", "eta_rad_s=3"}}),
               testing::StartsWith("--set epsilon_s: found nothing, allowed 0.001"));
 }
