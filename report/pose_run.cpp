@@ -30,8 +30,8 @@ constexpr double kTouching = 0.001;  // [m] of a gap that cannot be told from no
 
 constexpr std::array<std::string_view, 4> kLaws{"abp", "noisy_abp", "bp", "rtp"};
 
-/// What is wrong with a program, by the names that its user typed: the file that is checked below is
-/// none of his.
+/// What is wrong with a program, by the names that were typed: nobody wrote the file that is checked
+/// below.
 [[noreturn]] void refuse(const ExperimentError& error, const std::string& model) {
   std::vector<std::string> problems;
   const std::string key = "programs." + model + ".";
