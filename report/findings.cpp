@@ -261,10 +261,11 @@ std::string lossText(const RunRecord& record) {
 
 std::vector<std::string> headlines(const RunRecord& record) {
   std::vector<std::string> lines;
+  const auto findings = findingsOf(record);
   std::int64_t jumped = 0;
-  for (const Finding& finding : findingsOf(record)) jumped += finding.pool->result.lost;
+  for (const Finding& finding : findings) jumped += finding.pool->result.lost;
   const bool selected = record.poses && jumped * kMuchOneIn > record.poses->rows;
-  for (const Finding& finding : findingsOf(record)) {
+  for (const Finding& finding : findings) {
     const ProgramResult& result = finding.pool->result;
     std::string line = fmt::format("{}: {}", finding.name, verdictText(result));
     if (result.verdict.kind != VerdictKind::kUndecided) {

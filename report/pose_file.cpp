@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "common/units.hpp"
+#include "report/pose_frames.hpp"
 #include "report/report_error.hpp"
 
 namespace lab::report {
@@ -26,10 +27,6 @@ namespace {
 using units::kNan;
 
 constexpr double kLeastConfidence = 0.5;  // as for poses from the bus
-constexpr std::int64_t kBadTimesOneIn = 20;
-constexpr std::int64_t kContradictedOneIn = 20;
-constexpr double kClockStep = 3;  // frames
-constexpr double kDrift = 0.01;   // share: clocks of cameras are not exact, and frames jitter
 
 using Fields = std::vector<std::string_view>;
 
@@ -64,13 +61,6 @@ struct Column {
   [[nodiscard]] explicit operator bool() const { return !name.empty(); }
 };
 
-struct Row {
-  std::int64_t line = 0;
-  std::int64_t frame = 0;
-  double time = 0;  ///< [s]
-  analysis::FramePose pose;
-};
-
 class Reader {
  public:
   Reader(std::string name, const PoseFileOptions& options)
@@ -101,7 +91,7 @@ class Reader {
       throw ReportError(fmt::format("{}: found no pose in {} rows; expected at least one robot",
                                     name_, file_.rows));
     }
-    collectFrames();
+    collectFrames(std::move(rows_), {name_, id_ ? id_.name : "id", timeName(), timeHint()}, file_);
     return std::move(file_);
   }
 
@@ -211,13 +201,13 @@ class Reader {
     theta_ = find({"ANGLE", "ANGLE#head", "ANGLE#pcentroid", "ANGLE#wcentroid", "ANGLE#centroid"});
   }
 
-  /// nan for an empty field, for "nan" and for "inf".
   /// Where a time comes from, and the way out where it is none.
   [[nodiscard]] std::string timeName() const { return time_ ? time_.name : "--fps"; }
   [[nodiscard]] const char* timeHint() const {
     return time_ ? "; times in other units: leave the column out and give --fps" : "";
   }
 
+  /// nan for an empty field, for "nan" and for "inf".
   [[nodiscard]] double number(const Column& column) const {
     const std::string_view text = fields_[column.index];
     if (text.empty() || text == "nan" || text == "NaN" || text == "NA") return kNan;
@@ -251,7 +241,7 @@ class Reader {
                               columns_));
     }
     ++file_.rows;
-    Row row;
+    PoseRow row;
     row.line = line_;
     row.frame = whole(frame_);
     const bool seen = !missing_ || number(missing_) == 0;
@@ -288,121 +278,10 @@ class Reader {
     }
   }
 
-  /// Rows of one frame whose times differ: which of them is wrong nobody knows.
-  void checkTimes(const Row& row) const {
-    if (row.time == file_.frames.back().time) return;
-    fail(row.line, fmt::format("{}: found {} s, expected {} s as in the other rows of frame {}",
-                               time_.name, row.time, file_.frames.back().time, row.frame));
-  }
-
-  /// Takes out robots that come twice in a frame; the rows are sorted by frame and robot.
-  void takeOutTwins() {
-    const auto sameRobot = [](const Row& a, const Row& b) {
-      return a.frame == b.frame && a.pose.robot == b.pose.robot;
-    };
-    const Row* first = nullptr;  // that contradicts another
-    std::vector<Row> kept;
-    kept.reserve(rows_.size());
-    for (std::size_t i = 0; i < rows_.size();) {
-      std::size_t end = i + 1;
-      const Row* other = nullptr;
-      for (; end < rows_.size() && sameRobot(rows_[i], rows_[end]); ++end) {
-        const analysis::FramePose& a = rows_[i].pose;
-        const analysis::FramePose& b = rows_[end].pose;
-        if (a.x != b.x || a.y != b.y || a.theta != b.theta || rows_[i].time != rows_[end].time) {
-          other = &rows_[end];
-        }
-      }
-      if (other == nullptr) {
-        file_.repeated += static_cast<std::int64_t>(end - i - 1);
-        kept.push_back(rows_[i]);
-      } else {
-        ++file_.contradicted;
-        if (first == nullptr || other->line < first->line) first = other;
-      }
-      i = end;
-    }
-    const auto all = static_cast<std::int64_t>(kept.size()) + file_.contradicted;
-    if (file_.contradicted * kContradictedOneIn > all) {
-      fail(first->line,
-           fmt::format("{}: found {} twice, and not alike, in frame {}, expected every robot once a "
-                       "frame; so it is with {} of {} poses. Do two robots bear one number, or "
-                       "frames of two films?",
-                       id_ ? id_.name : "id", first->pose.robot, first->frame, file_.contradicted,
-                       all));
-    }
-    rows_ = std::move(kept);
-  }
-
-  void collectFrames() {
-    std::stable_sort(rows_.begin(), rows_.end(), [](const Row& a, const Row& b) {
-      return std::pair(a.frame, a.pose.robot) < std::pair(b.frame, b.pose.robot);
-    });
-    takeOutTwins();
-    const Row* bad = nullptr;  // the first one whose time does not go on
-    std::int64_t left_out = std::numeric_limits<std::int64_t>::min();
-    for (const Row& row : rows_) {
-      if (row.frame == left_out) continue;
-      if (!file_.frames.empty() && file_.frames.back().frame == row.frame) {
-        checkTimes(row);
-        file_.frames.back().poses.push_back(row.pose);
-        continue;
-      }
-      if (!file_.frames.empty() && !(row.time > file_.frames.back().time)) {
-        if (bad == nullptr) bad = &row;
-        left_out = row.frame;
-        ++file_.bad_times;
-        continue;
-      }
-      file_.frames.push_back({row.time, row.frame, {row.pose}});
-    }
-    const auto all = static_cast<std::int64_t>(file_.frames.size()) + file_.bad_times;
-    if (bad != nullptr && file_.bad_times * kBadTimesOneIn > all) {
-      const std::string where = fmt::format("{}: found {} s in frame {}", time_.name, bad->time,
-                                            bad->frame);
-      fail(bad->line, fmt::format("{}, expected more than in the frames before it; so it is in {} of "
-                                  "{} frames. Without --fps nothing tells when they were taken: "
-                                  "leave the column of times out",
-                                  where, file_.bad_times, all));
-    }
-    measurePeriod();
-  }
-
-  /// The period, the gaps in the frame numbers and the steps of the clock.
-  void measurePeriod() {
-    std::int64_t least_step = std::numeric_limits<std::int64_t>::max();
-    std::vector<double> periods;
-    for (std::size_t i = 1; i < file_.frames.size(); ++i) {
-      least_step = std::min(least_step, file_.frames[i].frame - file_.frames[i - 1].frame);
-      periods.push_back(file_.frames[i].time - file_.frames[i - 1].time);
-    }
-    if (periods.empty()) return;
-    std::vector<double> sorted = periods;
-    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-    std::nth_element(sorted.begin(), middle, sorted.end());
-    file_.frame_period = *middle;
-    constexpr double kShortest = 0.9e-6;  // a utime knows no less than a microsecond
-    if (file_.frame_period < kShortest) {
-      fail(1, fmt::format("{}: found {} s from frame to frame, expected 1e-6 s or more{}", timeName(),
-                          file_.frame_period, timeHint()));
-    }
-    // A film of which every n-th picture was tracked is whole.
-    const std::int64_t span = file_.frames.back().frame - file_.frames.front().frame;
-    file_.missing_frames = span / least_step + 1 -
-                           static_cast<std::int64_t>(file_.frames.size()) - file_.bad_times;
-    for (std::size_t i = 0; i < periods.size(); ++i) {
-      const std::int64_t frames = file_.frames[i + 1].frame - file_.frames[i].frame;
-      const double expected = static_cast<double>(frames / least_step) * file_.frame_period;
-      if (std::abs(periods[i] - expected) > kClockStep * file_.frame_period + kDrift * expected) {
-        file_.clock_steps.push_back(file_.frames[i + 1].time);
-      }
-    }
-  }
-
   std::string name_;
   const PoseFileOptions& options_;
   PoseFile file_;
-  std::vector<Row> rows_;
+  std::vector<PoseRow> rows_;
   Fields fields_;
   std::size_t columns_ = 0;
   std::int64_t line_ = 0;
