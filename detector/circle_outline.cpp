@@ -165,7 +165,7 @@ bool CircleSearch::weigh(const Plane& plane, const Candidate& candidate, Spot& s
   const float size = std::sqrt(area / std::numbers::pi_v<float>);
   if (size > kMostSize * sizes.big) return false;
   const float between = std::sqrt(sizes.big * sizes.small);
-  spot = {x, y, white, size > between * kSurelySmall, size < between / kSurelySmall};
+  spot = {x, y, white, size > between * kSurelySmall, size < between / kSurelySmall, size};
   return true;
 }
 
@@ -186,6 +186,7 @@ bool CircleSearch::settle(const Plane& plane, const Candidate& candidate, Spot& 
     return false;
   }
   spot = as_big >= as_small ? big : small;
+  spot.size = as_big >= as_small ? candidate.sizes.big : candidate.sizes.small;
   // What a light edge leaves of an outline says little about its size; the fit will tell.
   spot.can_be_big = true;
   spot.can_be_small = true;
@@ -265,6 +266,7 @@ CircleSearch::Shape CircleSearch::shapeAround(const Plane& plane, const Candidat
   spot.can_be_big = size > between * kSurelySmall;
   spot.can_be_small = size < between / kSurelySmall;
   spot.white = static_cast<float>(candidate.white - black_);
+  spot.size = size;
   const bool fits = size > kLeastSize * sizes.small && size < kMostSize * sizes.big;
   return fits ? Shape::kRound : Shape::kOther;
 }

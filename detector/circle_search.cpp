@@ -10,15 +10,13 @@
 namespace lab::detector {
 namespace {
 
-constexpr double kToNeighbour = 1.25;  // [big radii] outside of both circles, inside the cap
-constexpr double kRowsPerRadius = 0.8;  // of the small circle, between tested rows
-constexpr double kReach = 2.65;        // [big radii] from a candidate to the farthest pixel, and
-constexpr double kReachMore = 5;       // [px] on top
-constexpr float kSigmas = 3.3F;        // of read noise that no candidate is made of
-constexpr float kJunk = 0.9F;          // [big radii] around it in which nothing else is looked at
-constexpr int kStandOut = 3;           // [noise / 4] of means around over means inside
-constexpr int kLine = 64;              // [bytes] that come from memory together
-constexpr int kAhead = 4;              // [tested rows] that are asked for before they are needed
+constexpr double kToNeighbour = 1.3;     // [big radii] outside of both circles, inside the cap
+constexpr double kRowsPerRadius = 1.1;  // of the small circle, between tested rows
+constexpr double kReach = 2.65;          // [big radii] from a candidate to the farthest pixel, and
+constexpr double kReachMore = 5;         // [px] on top
+constexpr float kSigmas = 3.3F;          // of read noise that no candidate is made of
+constexpr int kLine = 64;                // [bytes] that come from memory together
+constexpr int kAhead = 4;                // [tested rows] that are asked for before they are needed
 constexpr int kBits = 64;
 // Opposite directions one after the other, the four axes first: junk is soon known for it.
 constexpr int kOrder[16] = {0, 8, 4, 12, 2, 10, 6, 14, 1, 9, 5, 13, 3, 11, 7, 15};
@@ -93,7 +91,7 @@ void CircleSearch::addSizes(const ScaleMap& scale, const optics::CapGeometry& ca
 void CircleSearch::find(const optics::GreyView& picture, std::span<const Region> regions,
                         std::vector<Spot>& spots, std::vector<Refused>* refused) {
   findRound(picture, regions, spots, refused);
-  findRest(spots, refused);
+  findRest(Rows::kAll, spots, refused);
 }
 
 void CircleSearch::findRound(const optics::GreyView& picture, std::span<const Region> regions,
@@ -114,21 +112,23 @@ void CircleSearch::findRound(const optics::GreyView& picture, std::span<const Re
     top = std::min(top, std::max(region.top, 0));
     bottom = std::max(bottom, std::min(region.bottom, picture.height - 1));
   }
+  first_row_ = top + padding_;
+  last_row_ = bottom + padding_;
   if (top > bottom) return;
   glance_.look(picture, levels_, top, bottom);
-  const int last = bottom + padding_;
-  for (int y = top + padding_; y <= last; ++y) {
+  for (int y = first_row_; y <= last_row_; ++y) {
     // In little light single pixels say less: more of them.
     if (y % step_ != 0 && !glance_.anyFaint(y - padding_)) continue;
-    testRow(y, std::min(kAhead * step_, last - y) * picture.stride);
+    testRow(y, std::min(kAhead * step_, last_row_ - y) * picture.stride);
   }
   bringBack(spots, 0);
 }
 
-void CircleSearch::findRest(std::vector<Spot>& spots, std::vector<Refused>* refused) {
+void CircleSearch::findRest(Rows rows, std::vector<Spot>& spots, std::vector<Refused>* refused) {
   const std::size_t first = spots.size();
   spots_ = &spots;
   refused_ = refused;
+  if (rows == Rows::kAll) testBetween();
   for (const Candidate& candidate : rest_) {
     if (claims_.isCovered(candidate.x, candidate.y)) continue;
     const auto x = static_cast<float>(candidate.x);
@@ -253,144 +253,55 @@ void CircleSearch::mark(const optics::GreyView& picture, const Region& region) {
 void CircleSearch::testRow(int y, std::ptrdiff_t ahead) {
   const std::size_t blocks = edge_words_.size();
   const std::uint64_t* marks = marks_.data() + static_cast<std::size_t>(y) * blocks;
-  const std::size_t first = static_cast<std::size_t>(y / kBand) * word_starts_.size();
-  const bool at_edge = y < padding_ + near_ || y >= height_ - padding_ - near_;
   for (std::size_t block = 0; block < blocks; ++block) {
-    const std::uint64_t wanted =
-        marks[block] & (y % step_ == 0 ? glance_.words(y - padding_, block)
-                                       : glance_.faintWords(y - padding_, block));
-    if (wanted == 0) continue;
-    const std::uint64_t edge = at_edge ? wanted : wanted & edge_words_[block];
-    const int* starts = word_starts_.data() + block * kBits;
-    const Neighbours* to = neighbours_.data() + first + block * kBits;
-    int found = 0;
-    if (edge != 0) {
-      for (std::uint64_t rest = edge; rest != 0; rest &= rest - 1) {
-        const int x = starts[std::countr_zero(rest)];
-        padded_.need({x - near_, y - near_, x + kWord + near_, y + near_});
+    const std::uint64_t may = y % step_ == 0 ? glance_.words(y - padding_, block)
+                                             : glance_.faintWords(y - padding_, block);
+    if ((marks[block] & may) != 0) testWords(y, block, marks[block] & may, ahead);
+  }
+}
+
+void CircleSearch::testBetween() {
+  const std::size_t blocks = edge_words_.size();
+  for (int y = first_row_; y <= last_row_; ++y) {
+    if (y % step_ == 0) continue;
+    for (std::size_t block = 0; block < blocks; ++block) {
+      std::uint64_t may = marks_[static_cast<std::size_t>(y) * blocks + block] &
+                          glance_.words(y - padding_, block) &
+                          ~glance_.faintWords(y - padding_, block);
+      for (std::uint64_t rest = may; rest != 0; rest &= rest - 1) {
+        const int word = std::countr_zero(rest);
+        const int x = word_starts_[block * kBits + static_cast<std::size_t>(word)];
+        if (claims_.isCovered(x, x + kWord - 1, y)) may &= ~(std::uint64_t{1} << word);
       }
-      found = darkWords(edges_.view.row(y), edges_.view.stride, starts, to, edge, 0, levels_,
-                        dark_.data());
-    }
-    if (edge != wanted) {
-      found += darkWords(inner_.view.row(y), inner_.view.stride, starts, to, wanted & ~edge,
-                         ahead, levels_, dark_.data() + found);
-    }
-    for (int i = 0; i < found; ++i) {
-      DarkWord& word = dark_[static_cast<std::size_t>(i)];
-      word.number += static_cast<int>(block) * kBits;
-      takeWord(word, y);
+      if (may != 0) testWords(y, block, may, 0);
     }
   }
 }
 
-void CircleSearch::takeWord(const DarkWord& word, int y) {
-  const auto number = static_cast<std::size_t>(word.number);
-  const std::size_t place = static_cast<std::size_t>(y / kBand) * word_starts_.size() + number;
-  Candidate candidate{.y = y, .to = neighbours_[place], .sizes = sizes_[place]};
-  std::uint32_t dark = word.dark;
-  int done = 0;
-  while (dark != 0) {
-    const int begin = std::countr_zero(dark);
-    const int length = std::countr_one(dark >> begin);
-    const int middle = done + begin + (length - 1) / 2;
-    candidate.x = word_starts_[number] + middle;
-    candidate.white = word.white[middle];
-    candidate.dark = inner_.view.row(y)[candidate.x];
-    if (!isClaimed(static_cast<float>(candidate.x), static_cast<float>(y), candidate.dark)) {
-      if (!takeRound(candidate)) rest_.push_back(candidate);
+void CircleSearch::testWords(int y, std::size_t block, std::uint64_t wanted,
+                             std::ptrdiff_t ahead) {
+  const bool at_edge = y < padding_ + near_ || y >= height_ - padding_ - near_;
+  const std::uint64_t edge = at_edge ? wanted : wanted & edge_words_[block];
+  const std::size_t first = static_cast<std::size_t>(y / kBand) * word_starts_.size();
+  const int* starts = word_starts_.data() + block * kBits;
+  const Neighbours* to = neighbours_.data() + first + block * kBits;
+  int found = 0;
+  if (edge != 0) {
+    for (std::uint64_t rest = edge; rest != 0; rest &= rest - 1) {
+      const int x = starts[std::countr_zero(rest)];
+      padded_.need({x - near_, y - near_, x + kWord + near_, y + near_});
     }
-    const int end = begin + length;
-    dark = end < kWord ? dark >> end : 0;
-    done += end;
+    found = darkWords(edges_.view.row(y), edges_.view.stride, starts, to, edge, 0, levels_,
+                      dark_.data());
   }
-}
-
-bool CircleSearch::takeRound(const Candidate& candidate) {
-  Spot spot;
-  if (candidate.white - candidate.dark < kFaint * noise_ ||
-      !isRound(planeAt(candidate.x, candidate.y, near_), candidate) ||
-      shapeAround(planeAt(candidate.x, candidate.y, reach_), candidate, spot) != Shape::kRound) {
-    return false;
+  if (edge != wanted) {
+    found += darkWords(inner_.view.row(y), inner_.view.stride, starts, to, wanted & ~edge, ahead,
+                       levels_, dark_.data() + found);
   }
-  if (!isClaimed(spot.x, spot.y, candidate.dark)) add(spot, candidate.sizes);
-  return true;
-}
-
-bool CircleSearch::isRound(const Plane& plane, const Candidate& candidate) {
-  const std::uint8_t* at = plane.view.row(candidate.y) + candidate.x;
-  const std::ptrdiff_t stride = plane.view.stride;
-  const std::ptrdiff_t near = candidate.to.near;
-  const std::ptrdiff_t across = candidate.to.across;
-  const std::ptrdiff_t diagonal = candidate.to.diagonal;
-  const int level = (candidate.dark + candidate.white) / 2;
-  int inside = 0;
-  for (const std::ptrdiff_t to : {near, near * stride}) {
-    inside = std::max<int>(inside, std::max(at[to], at[-to]));
+  for (int i = 0; i < found; ++i) {
+    dark_[static_cast<std::size_t>(i)].number += static_cast<int>(block) * kBits;
   }
-  int outside = 255;
-  for (const std::ptrdiff_t to :
-       {across, across * stride, diagonal * (stride + 1), diagonal * (stride - 1)}) {
-    outside = std::min<int>(outside, std::min(at[to], at[-to]));
-  }
-  return inside < level && level < outside;
-}
-
-void CircleSearch::take(const Candidate& candidate) {
-  const Plane& plane = planeAt(candidate.x, candidate.y, reach_);
-  const bool faint = candidate.white - candidate.dark < kFaint * noise_;
-  if (faint && !standsOut(plane, candidate, noise_)) return;
-  Spot spot;
-  const Shape shape = shapeAround(plane, candidate, spot);
-  if (shape == Shape::kLong) {
-    // The next rows would only say the same again.
-    claims_.claim(static_cast<float>(candidate.x), static_cast<float>(candidate.y),
-                  kJunk * candidate.sizes.big, candidate.dark - black_);
-    return;
-  }
-  if (shape == Shape::kThin) return;
-  if (faint) {
-    if (!weigh(plane, candidate, spot)) return;
-  } else if (shape == Shape::kOther && !settle(plane, candidate, spot)) {
-    return;
-  }
-  if (!isClaimed(spot.x, spot.y, candidate.dark)) add(spot, candidate.sizes);
-}
-
-void CircleSearch::add(Spot spot, const Sizes& sizes) {
-  spots_->push_back(spot);
-  claims_.claim(spot.x, spot.y, (spot.can_be_big ? sizes.big : sizes.small) + 1, 0);
-}
-
-bool CircleSearch::isDark(const Plane& plane, Candidate& candidate) const {
-  const std::uint8_t* at = plane.view.row(candidate.y) + candidate.x;
-  const std::ptrdiff_t stride = plane.view.stride;
-  const std::ptrdiff_t across = candidate.to.across;
-  const std::ptrdiff_t diagonal = candidate.to.diagonal;
-  candidate.dark = at[0];
-  candidate.white = 0;
-  for (const std::ptrdiff_t to :
-       {across, across * stride, diagonal * (stride + 1), diagonal * (stride - 1)}) {
-    candidate.white = std::max<int>(candidate.white, std::min(at[to], at[-to]));
-  }
-  return 2 * (candidate.dark - black_) + noise_ <= candidate.white - black_ &&
-         candidate.white - candidate.dark >= kFaint * noise_;
-}
-
-bool CircleSearch::standsOut(const Plane& plane, const Candidate& candidate, int noise) {
-  const std::uint8_t* at = plane.view.row(candidate.y) + candidate.x;
-  const std::ptrdiff_t stride = plane.view.stride;
-  const std::ptrdiff_t near = candidate.to.near;
-  const std::ptrdiff_t across = candidate.to.across;
-  const std::ptrdiff_t diagonal = candidate.to.diagonal;
-  const int inner = at[0] + at[near] + at[-near] + at[near * stride] + at[-near * stride];
-  int outer = 0;
-  for (const std::ptrdiff_t to :
-       {across, across * stride, diagonal * (stride + 1), diagonal * (stride - 1)}) {
-    outer += at[to] + at[-to];
-  }
-  // The mean of eight less the mean of five, in units of 1/40 DN.
-  return 5 * outer - 8 * inner >= 40 * kStandOut * noise / 4;
+  takeWords({dark_.data(), static_cast<std::size_t>(found)}, y);
 }
 
 }  // namespace lab::detector

@@ -25,6 +25,7 @@ struct Spot {
   float white = 0;  ///< [DN] around it, black level taken off
   bool can_be_big = false;
   bool can_be_small = false;
+  float size = 0;  ///< [px] radius, as well as the search can tell
 };
 
 /// Something dark that was looked at and is no circle.
@@ -35,7 +36,10 @@ struct Refused {
   float wanted = 0;
 };
 
-/// Every few rows, each pixel is held against its neighbours at a bit more than the big radius, in
+/// Which rows are tested.
+enum class Rows : std::uint8_t { kSome, kAll };
+
+/// Every few rows, some two across the small circle, each pixel is held against its neighbours at a bit more than the big radius, in
 /// four directions through it: less than half as bright as both in at least one direction makes a
 /// candidate. A light edge beside or across a circle leaves at least one direction that lies along
 /// it. Candidates are then centred on the outline around them.
@@ -55,7 +59,8 @@ class CircleSearch {
   /// known: most of it is the rims and sides of caps.
   void findRound(const optics::GreyView& picture, std::span<const Region> regions,
                  std::vector<Spot>& spots, std::vector<Refused>* refused);
-  void findRest(std::vector<Spot>& spots, std::vector<Refused>* refused);
+  /// @param rows all where light edges may leave of a circle what a row just misses
+  void findRest(Rows rows, std::vector<Spot>& spots, std::vector<Refused>* refused);
 
   /// Nothing is left to be found here.
   /// @param radius [px]
@@ -110,11 +115,16 @@ class CircleSearch {
   [[nodiscard]] const Plane& planeAt(int x, int y, int around);
   void mark(const optics::GreyView& picture, const Region& region);
   void testRow(int y, std::ptrdiff_t ahead);
-  void takeWord(const DarkWord& word, int y);
-  [[nodiscard]] bool takeRound(const Candidate& candidate);
+  /// The rows between those that were tested, where no cap is known.
+  void testBetween();
+  void testWords(int y, std::size_t block, std::uint64_t wanted, std::ptrdiff_t ahead);
+  void takeWords(std::span<const DarkWord> words, int y);
+  [[nodiscard]] bool takeRound(Candidate candidate);
   void take(const Candidate& candidate);
   void add(Spot spot, const Sizes& sizes);
   void bringBack(std::vector<Spot>& spots, std::size_t first) const;
+  /// To the middle of what is dark in its column: a row may cross a circle anywhere.
+  static void moveToMiddle(const Plane& plane, Candidate& candidate);
   /// Dark inside of the small circle and bright around the big one, on all sides.
   [[nodiscard]] static bool isRound(const Plane& plane, const Candidate& candidate);
   [[nodiscard]] static bool standsOut(const Plane& plane, const Candidate& candidate, int noise);
@@ -136,6 +146,8 @@ class CircleSearch {
   int width_ = 0;    // [px] with padding
   int height_ = 0;
   int step_ = 3;     // [rows] between tested ones, where there is light
+  int first_row_ = 0;  // of the regions
+  int last_row_ = -1;
   int near_ = 0;     // [px] that darkWords() looks to the sides, at most
   int reach_ = 0;    // [px] around a candidate in which pixels are looked at
   int black_ = 0;    // [DN]

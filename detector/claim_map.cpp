@@ -49,6 +49,12 @@ void ClaimMap::cover(float x, float y, float radius) {
   }
 }
 
+bool ClaimMap::isCovered(int first, int last, int y) const {
+  const auto row = covered_.begin() + y / kCell * columns_;
+  return std::all_of(row + first / kCell, row + last / kCell + 1,
+                     [](std::uint8_t covered) { return covered != 0; });
+}
+
 void ClaimMap::claim(float x, float y, float reach, int dark) {
   if (claims_.size() >= std::numeric_limits<std::int16_t>::max()) return;
   Claim claim{.x = x, .y = y, .reach = reach, .dark = dark};

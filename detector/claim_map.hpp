@@ -20,6 +20,8 @@ class ClaimMap {
   /// @param radius [px]
   void cover(float x, float y, float radius);
   [[nodiscard]] bool isCovered(int x, int y) const { return covered_[cellAt(x, y)] != 0; }
+  /// All of a row's pixels from first to last.
+  [[nodiscard]] bool isCovered(int first, int last, int y) const;
 
   /// A circle, or something long, that was found.
   /// @param reach [px] around it

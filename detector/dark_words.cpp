@@ -16,9 +16,10 @@ struct Paired {
   int number;
   const std::uint8_t* at;
   Bytes here;
-  Bytes best;   ///< the darker end of the brightest pair
-  Bytes worst;  ///< the brighter end of the darkest pair
-  Bytes dark;   ///< pixels that are left
+  Bytes best;     ///< the darker end of the brightest pair
+  Bytes worst;    ///< the brighter end of the darkest pair
+  Bytes darkest;  ///< of all ends
+  Bytes dark;     ///< pixels that are left
 };
 
 /// Pixels that are dark a bit beside them too, and not to both ends of a pair as in something long.
@@ -28,10 +29,12 @@ struct Paired {
   const Bytes fifth = (contrast >> 3) + (contrast >> 4);
   const Bytes above = fifth > levels.noise ? fifth : Bytes{} + levels.noise;
   const auto ends = (word.here + above <= word.worst) | (contrast < levels.faint);
-  Bytes beside{};
-  for (const std::ptrdiff_t near : {static_cast<std::ptrdiff_t>(to.near), to.near * stride}) {
-    beside = brighterOf(beside, brighterOf(loadBytes(word.at - near), loadBytes(word.at + near)));
-  }
+  const std::ptrdiff_t near = to.near;
+  const std::ptrdiff_t down = near * stride;
+  const Bytes along = brighterOf(loadBytes(word.at - near), loadBytes(word.at + near));
+  // The row that is tested may lie above the middle, or below.
+  const Bytes across = darkerOf(loadBytes(word.at - down), loadBytes(word.at + down));
+  const Bytes beside = brighterOf(along, across);
   const auto quarter = static_cast<std::uint8_t>(levels.black / 4);
   const auto round = ends & (beside <= word.best - (word.best >> 2) + quarter);
   return word.dark & reinterpret_cast<Bytes>(round);
@@ -97,7 +100,7 @@ __attribute__((target_clones("avx2", "default"))) int darkWords(
     const auto dark = (least <= darkest) & (here <= most) & (here + here + clear <= best);
     const auto left = reinterpret_cast<Bytes>(dark);
     const int kept = anyTopBit(left) ? 1 : 0;
-    paired[pairs] = {number, at, here, best, worst, left};
+    paired[pairs] = {number, at, here, best, worst, darkest, left};
     pairs += kept;
   }
   int count = 0;
@@ -109,6 +112,8 @@ __attribute__((target_clones("avx2", "default"))) int darkWords(
     const Bytes white = word.best & dark;
     std::memcpy(out.white, &white, sizeof white);
     out.dark = topBits(dark);
+    const Bytes clearly = word.here + ((word.best - word.here) >> 3);
+    out.round = topBits(dark & reinterpret_cast<Bytes>(clearly <= word.darkest));
     count += out.dark != 0 ? 1 : 0;
   }
   return count;

@@ -36,6 +36,8 @@ struct Levels {
 struct DarkWord {
   int number = 0;
   std::uint32_t dark = 0;            ///< bit i: pixel i
+  std::uint32_t round = 0;           ///< those of them that all eight neighbours outshine by an
+                                     ///< eighth of the contrast: may be of a whole circle
   std::uint8_t white[kWord] = {};    ///< [DN] of each such pixel's best pair of neighbours, the
                                      ///< darker end; 0 elsewhere
 };

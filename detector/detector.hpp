@@ -132,6 +132,8 @@ class Detector {
   /// For circles that are left alone, some hundred of them at most: their partners, where the rim
   /// says that they are.
   void lookBeside(const optics::GreyView& picture, std::vector<Rejection>* rejected);
+  /// As far as the caps that are known say.
+  [[nodiscard]] bool isLightEven() const;
   /// Whether a cap that is known leaves no room for another one there.
   [[nodiscard]] bool isByCap(optics::Place place) const;
   /// A lone spot's circle, and partners for it.
@@ -157,6 +159,8 @@ class Detector {
   [[nodiscard]] float leastRim(const Couple& couple) const;
   /// Fits the couples, and adds the best of them to what is seen.
   void settleCouples(const optics::GreyView& picture, std::vector<Rejection>* rejected);
+  void settle(std::vector<Couple>& couples, const optics::GreyView& picture,
+              std::vector<Rejection>* rejected);
   [[nodiscard]] bool overlapsSeen(const Detection& pose) const;
   /// [m] from an axis, as far as no middle of another cap's circle can be.
   [[nodiscard]] double alone() const;
@@ -195,6 +199,8 @@ class Detector {
   std::vector<Refused> refused_;
   std::vector<Circle> circles_;  // two for each spot: as a big one, as a small one
   std::vector<Couple> couples_;
+  std::vector<Couple> doubtful_;  // of them: they wait for others
+  std::vector<float> clearest_;   // by spot: the rim of its couples
   std::vector<char> taken_;      // by spot: it belongs to a cap
   std::vector<std::size_t> order_;  // of spots, by row
   std::vector<Region> regions_;

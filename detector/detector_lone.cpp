@@ -140,9 +140,7 @@ void Detector::lookBeside(const optics::GreyView& picture, std::vector<Rejection
   int in_vain = 0;
   const std::size_t known = spots_.size();
   for (const bool aside : {false, true}) {  // what is found at once needs not be looked for
-    // Even light leads nothing astray.
-    const auto crossed = [](const Detection& cap) { return (cap.used & kUsedEdge) != 0; };
-    if (aside && !seen_.empty() && std::ranges::none_of(seen_, crossed)) return;
+    if (aside && isLightEven()) return;  // which leads nothing astray
     const int most_in_vain =
         aside ? std::min(in_vain + kMostInVainAside, kMostInVain) : kMostInVain;
     if (aside) hints = std::min(hints, kMostHintsAside);
@@ -171,6 +169,12 @@ void Detector::lookBeside(const optics::GreyView& picture, std::vector<Rejection
       }
     }
   }
+}
+
+bool Detector::isLightEven() const {
+  return !seen_.empty() && std::ranges::none_of(seen_, [](const Detection& cap) {
+    return (cap.used & kUsedEdge) != 0;
+  });
 }
 
 bool Detector::isByCap(optics::Place place) const {

@@ -29,9 +29,10 @@ constexpr std::size_t kBeside = 1;  // words before the first and behind the las
 
 /// What a row of cells is told from.
 struct CellRow {
-  const std::uint8_t* top;  ///< the first row that is looked at
-  std::ptrdiff_t down;      ///< [bytes] from one to the next
-  std::ptrdiff_t ahead;     ///< [bytes] to what will be read next
+  const std::uint8_t* top;   ///< the first row that is looked at
+  std::ptrdiff_t down;       ///< [bytes] from one to the next
+  const std::uint8_t* soon;  ///< the first row of the next cells
+  int soon_rows;             ///< of them
 };
 
 /// Darkest and brightest two pixels side by side of each cell.
@@ -40,12 +41,15 @@ struct CellRow {
                                               std::uint8_t* bright) {
   const std::size_t words = starts.size();
   for (std::size_t i = 0; i < words; ++i) {
+    // Not all the way: the processor has room for few lines on their way to the first cache.
+    for (int k = 0; k < row.soon_rows; ++k) {
+      __builtin_prefetch(row.soon + k * row.down + starts[i], 0, 2);
+    }
     const std::uint8_t* at = row.top + starts[i];
     Bytes darkest = ~Bytes{};
     Bytes brightest{};
 #pragma GCC unroll 4
     for (int k = 0; k < rows; ++k, at += row.down) {
-      __builtin_prefetch(at + row.ahead);
       const Bytes one = loadBytes(at);
       const Bytes other = loadBytes(at + 1);
       darkest = darkerOf(darkest, brighterOf(one, other));
@@ -99,15 +103,19 @@ void FirstGlance::look(const optics::GreyView& picture, const Levels& levels, in
   compare(levels, first, last);
 }
 
-void FirstGlance::lookAtRow(const optics::GreyView& picture, int cell) {
+FirstGlance::Span FirstGlance::rowsOf(int cell) const {
   const int begin = std::max(cell * kTall - first_, 0);
   const int top = first_ + (begin + step_ - 1) / step_ * step_;
   const int end = std::min((cell + 1) * kTall, height_);
-  const int rows = std::max((end - top + step_ - 1) / step_, 0);
-  const int next = std::min(top + kTall, height_ - 1 - (rows - 1) * step_);
-  const CellRow row{picture.row(top), step_ * picture.stride,
-                    rows > 0 ? (next - top) * picture.stride : 0};
-  lookAtCells(row, rows, starts_, dark_.data() + placeOf(cell),
+  return {top, std::max((end - top + step_ - 1) / step_, 0)};
+}
+
+void FirstGlance::lookAtRow(const optics::GreyView& picture, int cell) {
+  const Span here = rowsOf(cell);
+  const Span next = rowsOf(std::min(cell + 1, cells_ - 1));
+  const CellRow row{picture.row(here.top), step_ * picture.stride,
+                    picture.row(next.count > 0 ? next.top : here.top), next.count};
+  lookAtCells(row, here.count, starts_, dark_.data() + placeOf(cell),
               bright_.data() + kBeside + placeOf(cell));
 }
 

@@ -51,6 +51,11 @@ class FirstGlance {
   [[nodiscard]] std::size_t placeOf(int cell) const {
     return static_cast<std::size_t>(cell) * width_;
   }
+  struct Span {  // rows that are looked at
+    int top = 0;
+    int count = 0;
+  };
+  [[nodiscard]] Span rowsOf(int cell) const;
   void lookAtRow(const optics::GreyView& picture, int cell);
   void compare(const Levels& levels, int top, int bottom);
 

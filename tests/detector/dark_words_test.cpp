@@ -17,9 +17,13 @@ namespace {
 
 constexpr int kMargin = 12;
 
-/// The darker end of the best pair of neighbours; 0: the pixel is of no circle.
-int whiteBeside(const optics::GreyView& picture, int x, int y, const Neighbours& to,
-                const Levels& levels) {
+struct Pixel {
+  int white = 0;  // the darker end of the best pair of neighbours; 0: the pixel is of no circle
+  bool round = false;
+};
+
+Pixel lookAt(const optics::GreyView& picture, int x, int y, const Neighbours& to,
+             const Levels& levels) {
   const auto at = [&](int dx, int dy) { return static_cast<int>(picture.row(y + dy)[x + dx]); };
   const int here = std::max<int>(at(0, 0), levels.black);
   const int ends[4][2] = {{to.across, 0}, {0, to.across}, {to.diagonal, to.diagonal},
@@ -34,14 +38,14 @@ int whiteBeside(const optics::GreyView& picture, int x, int y, const Neighbours&
     least = std::min(least, std::min(one, other));
     worst = std::min(worst, std::max(one, other));
   }
-  const int beside =
-      std::max({at(to.near, 0), at(-to.near, 0), at(0, to.near), at(0, -to.near)});
-  if (here > levels.most || least < here + here / 8 + levels.barely) return 0;
-  if (best < 2 * here + levels.clear || beside > best - best / 4 + levels.black / 4) return 0;
+  const int beside = std::max({at(to.near, 0), at(-to.near, 0),
+                               std::min(at(0, to.near), at(0, -to.near))});
+  if (here > levels.most || least < here + here / 8 + levels.barely) return {};
+  if (best < 2 * here + levels.clear || beside > best - best / 4 + levels.black / 4) return {};
   const int contrast = best - here;
   const int above = std::max<int>(contrast / 8 + contrast / 16, levels.noise);
-  if (contrast >= levels.faint && worst < here + above) return 0;
-  return best;
+  if (contrast >= levels.faint && worst < here + above) return {};
+  return {best, least >= here + contrast / 8};
 }
 
 TEST(DarkWords, AreThoseWithPixelsThatPassEveryTest) {
@@ -86,14 +90,16 @@ TEST(DarkWords, AreThoseWithPixelsThatPassEveryTest) {
       DarkWord expected;
       for (int i = 0; i < kWord; ++i) {
         if ((wanted >> word & 1U) == 0 || to[number].across == 0) continue;
-        const int white = whiteBeside(picture, starts[number] + i, kMargin, to[number], levels);
-        expected.white[i] = static_cast<std::uint8_t>(white);
-        if (white > 0) expected.dark |= 1U << i;
+        const Pixel pixel = lookAt(picture, starts[number] + i, kMargin, to[number], levels);
+        expected.white[i] = static_cast<std::uint8_t>(pixel.white);
+        if (pixel.white > 0) expected.dark |= 1U << i;
+        if (pixel.round) expected.round |= 1U << i;
       }
       if (expected.dark == 0) continue;
       ASSERT_LT(next, count);
       EXPECT_EQ(found[next].number, word);
       EXPECT_EQ(found[next].dark, expected.dark);
+      EXPECT_EQ(found[next].round, expected.round);
       EXPECT_TRUE(std::equal(expected.white, expected.white + kWord, found[next].white));
       ++next;
       ++dark;

@@ -160,6 +160,26 @@ TEST(CircleSearch, FindsACircleAroundAPlaceInIt) {
   }
 }
 
+TEST(CircleSearch, SeesAWholeCircleAtFirstSightWhereverRowsAndWordsMeetIt) {
+  const optics::CapGeometry cap;
+  const ScaleMap map(camera(), cap);
+  CircleSearch search(map, cap, {}, kWidth, kHeight);
+  const Region all{0, 0, kWidth - 1, kHeight - 1};
+  for (const double radius : {cap.big_radius, cap.small_radius}) {
+    for (int i = 0; i < 24; ++i) {
+      const optics::Pixel at{256 + 1.4 * i, 200 + 0.7 * i};  // over a word and more, and its rows
+      const optics::Place place = camera().toPlane(at, cap.height).value();
+      optics::GreyImage image(kWidth, kHeight, 200);
+      paintDisc(image, place.x, place.y, radius, 18);
+      std::vector<Spot> spots;
+      search.findRound(image.view(), {&all, 1}, spots, nullptr);
+      ASSERT_EQ(spots.size(), 1U) << radius << " m at " << at.x << ", " << at.y;
+      EXPECT_NEAR(static_cast<double>(spots[0].x), at.x, 0.4);
+      EXPECT_NEAR(static_cast<double>(spots[0].y), at.y, 0.4);
+    }
+  }
+}
+
 TEST(CircleSearch, LooksNoCloserWhereACapIsKnown) {
   const optics::CapGeometry cap;
   const ScaleMap map(camera(), cap);
@@ -184,7 +204,7 @@ TEST(CircleSearch, LooksNoCloserWhereACapIsKnown) {
   search.findRound(image.view(), {&all, 1}, spots, nullptr);
   EXPECT_TRUE(spots.empty());
   search.cover(one.x, one.y, 3 * cap.big_radius * static_cast<double>(map.at(one.x, one.y).mean));
-  search.findRest(spots, nullptr);
+  search.findRest(Rows::kSome, spots, nullptr);
   ASSERT_EQ(spots.size(), 1U);
   EXPECT_NEAR(static_cast<double>(spots[0].x), other.x, 3);
   search.find(image.view(), {&all, 1}, spots, nullptr);  // forgotten with the next picture
