@@ -186,7 +186,7 @@ void RemoteHost::take(const Json& said) {
     if (const auto hello = helloFrom(said)) meet(*hello);
   } else if (what == "pong" && state_ == State::kCalling) {
     measure(said);
-  } else if (what == "begun" && state_ == State::kMet) {
+  } else if (what == "begun" && state_ == State::kBeginning) {
     warning_ = said.value("warning", "");
     state_ = State::kBegun;
   } else if (what == "line") {
@@ -198,7 +198,7 @@ void RemoteHost::take(const Json& said) {
     told_[service].how = said.value("how", "ended");
   } else if (what == "trouble") {
     trouble_ = "host " + spec_.name + ": " + said.value("text", "");
-    if (state_ == State::kMet || state_ == State::kCalling) state_ = State::kRefused;
+    if (state_ < State::kBegun) state_ = State::kRefused;
     write("host-agent", said.value("text", ""));
   }
 }
@@ -226,6 +226,7 @@ void RemoteHost::measure(const Json& pong) {
 }
 
 void RemoteHost::begin(const Beginning& beginning) {
+  state_ = State::kBeginning;
   logs_ = beginning.logs;
   if (!logs_.empty()) fs::create_directories(logs_);
   say({{"do", "begin"},

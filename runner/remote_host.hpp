@@ -24,11 +24,12 @@ namespace lab::runner {
 class RemoteHost {
  public:
   enum class State {
-    kCalling,  ///< ssh is on its way, versions and clocks are compared
-    kMet,      ///< the same lab, and clocks that agree
-    kBegun,    ///< it has its files
-    kGone,     ///< ssh has ended: trouble() says why
-    kRefused,  ///< it must not take part: trouble() says why
+    kCalling,    ///< ssh is on its way, versions and clocks are compared
+    kMet,        ///< the same lab, and clocks that agree
+    kBeginning,  ///< its files are on their way; the agent before it may still have to end
+    kBegun,      ///< it has its files
+    kGone,       ///< ssh has ended: trouble() says why
+    kRefused,    ///< it must not take part: trouble() says why
   };
 
   /// @param max_clock_offset [s]

@@ -297,6 +297,31 @@ def sshd_dies(hosts):
     hosts.nothing_left()
 
 
+def slow_agent(hosts):
+    """The agent of a lost connection takes its time to end: the next one gets the files once."""
+    lab = hosts.lab(experiment(duration=16))
+    started(lab, hosts)
+    first = hosts.pids_on('bench', 'lab')
+    for pid in first:
+        os.kill(pid, signal.SIGSTOP)
+    hosts.daemons['bench'].kill()
+    for pid in hosts.pids_on('bench', 'sshd'):
+        os.kill(pid, signal.SIGKILL)
+    hosts.start_sshd('bench')
+    deadline = time.time() + 15
+    while not set(hosts.pids_on('bench', 'lab')) - set(first):
+        assert time.time() < deadline, 'no second agent'
+        time.sleep(0.05)
+    time.sleep(1.5)
+    for pid in first:
+        os.kill(pid, signal.SIGCONT)
+    finished(lab, within=180)
+    summary = summary_of(hosts)
+    assert any('host bench is back after' in m for m in texts(summary, 'marks')), summary['marks']
+    assert not any('exit code' in f for f in texts(summary, 'faults')), summary['faults']
+    hosts.nothing_left()
+
+
 def interrupted(hosts):
     """Ctrl-C ends all hosts."""
     lab = hosts.lab(experiment(duration=60), start_new_session=True)
