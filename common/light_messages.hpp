@@ -1,6 +1,7 @@
 /// The light field as messages and back.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <lab/light_command_t.hpp>
 #include <lab/light_drive_t.hpp>
@@ -42,6 +43,15 @@ void setLayers(light_command_t& command, const std::vector<light::DrivenLayer>& 
 /// The field on the arena, as its status says.
 [[nodiscard]] light::Field toField(const light_status_t& status,
                                    const light::ImageStore& images = {});
+
+/// How LIGHT_STATUS says that a command was refused, in `last_refusal`.
+[[nodiscard]] std::string sayRefused(const std::string& sender, std::int64_t seq,
+                                     const std::string& reason);
+
+/// Why the command (sender, seq) was refused, by `last_refusal`; empty: that is of another command,
+/// or there was none.
+[[nodiscard]] std::string refusalOf(const std::string& sender, std::int64_t seq,
+                                    const std::string& last_refusal);
 
 /// The images that an experiment's light script names.
 struct ExperimentImages {

@@ -21,6 +21,9 @@ class UniformLight {
 
   [[nodiscard]] bool isShown() const { return showing_; }
 
+  /// Of the command that is sent now.
+  [[nodiscard]] std::int64_t seq() const { return command_.seq; }
+
  private:
   light_command_t command_{};
   std::int64_t until_utime_ = 0;  ///< 0: for good

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/light_messages.hpp"
 #include "common/units.hpp"
 #include "dashboard/json.hpp"
 #include "dashboard/timeline_view.hpp"
@@ -130,7 +131,8 @@ void Controls::take(const experiment_status_t& status, std::int64_t now) {
 
 void Controls::take(const light_status_t& status, std::int64_t now) {
   if (light_wish_.empty()) return;
-  if (!status.last_refusal.empty()) light_refusal_ = status.last_refusal;
+  const std::string refusal = refusalOf(sender_, light_.seq(), status.last_refusal);
+  if (!refusal.empty()) light_refusal_ = refusal;
   const bool ours = status.commander == sender_ && status.command_instance == instance_;
   if (ours != light_.isShown() || status.utime < light_utime_) return;
   note(light_wish_, light_.isShown() ? "shown" : "the script's light is back", now);

@@ -39,10 +39,10 @@ struct Refused {
 /// Which rows are tested.
 enum class Rows : std::uint8_t { kSome, kAll };
 
-/// Every few rows, some two across the small circle, each pixel is held against its neighbours at a bit more than the big radius, in
-/// four directions through it: less than half as bright as both in at least one direction makes a
-/// candidate. A light edge beside or across a circle leaves at least one direction that lies along
-/// it. Candidates are then centred on the outline around them.
+/// Every few rows, some two to the small circle, each pixel is held against its neighbours at a bit
+/// more than the big radius, in four directions through it: less than half as bright as both in at
+/// least one direction makes a candidate. A light edge beside or across a circle leaves at least one
+/// direction that lies along it. Candidates are then centred on the outline around them.
 class CircleSearch {
  public:
   /// @param width,height of the pictures [px]

@@ -11,6 +11,7 @@
 
 #include "common/channels.hpp"
 #include "common/light_file.hpp"
+#include "common/light_messages.hpp"
 #include "common/projector_file.hpp"
 #include "common/experiment_messages.hpp"
 #include "common/units.hpp"
@@ -94,8 +95,7 @@ void ProjectorService::applyUntil(std::int64_t utime) {
     const LightCommand& command = arrivals_[applied].command;
     const Answer answer = core_.apply(command, arrivals_[applied].utime);
     if (answer.verdict == Verdict::kRefused) {
-      const std::string refusal = "LIGHT_COMMAND " + std::to_string(command.seq) + " of " +
-                                  command.sender + ": " + answer.reason;
+      const std::string refusal = sayRefused(command.sender, command.seq, answer.reason);
       if (refusal != last_refusal_) {
         node_.noteError(refusal);
         last_refusal_ = refusal;

@@ -95,10 +95,4 @@ std::vector<light::DrivenLayer> layersByHand(const std::vector<std::string>& tex
   return layers;
 }
 
-std::string refusalOf(const std::string& sender, std::int64_t seq,
-                      const std::string& last_refusal) {
-  const std::string ours = fmt::format("LIGHT_COMMAND {} of {}: ", seq, sender);
-  return last_refusal.starts_with(ours) ? last_refusal.substr(ours.size()) : std::string();
-}
-
 }  // namespace lab::runner

@@ -24,11 +24,6 @@ namespace lab::runner {
                                                            const light::ImageStore& known,
                                                            const std::filesystem::path& directory);
 
-/// Why the projector refused the command (sender, seq), as its LIGHT_STATUS says it; empty: its last
-/// refusal is that of another command, or there was none.
-[[nodiscard]] std::string refusalOf(const std::string& sender, std::int64_t seq,
-                                    const std::string& last_refusal);
-
 /// What an experiment has to say where the one that runs is not known.
 [[nodiscard]] Experiment experimentByHand();
 

@@ -96,5 +96,14 @@ TEST(ExperimentImages, ThatAreMissingAreNamed) {
   EXPECT_THROW((void)loadImages(experiment, testing::TempDir()), std::runtime_error);
 }
 
+TEST(LightMessages, ARefusalIsOfOneCommand) {
+  const std::string said = sayRefused("lab_light", 7, "layers[0].stale = nan s");
+  EXPECT_EQ(said, "LIGHT_COMMAND 7 of lab_light: layers[0].stale = nan s");
+  EXPECT_EQ(lab::refusalOf("lab_light", 7, said), "layers[0].stale = nan s");
+  EXPECT_EQ(lab::refusalOf("lab_light", 8, said), "");
+  EXPECT_EQ(lab::refusalOf("lab", 7, said), "");
+  EXPECT_EQ(lab::refusalOf("lab_light", 7, ""), "");
+}
+
 }  // namespace
 }  // namespace lab

@@ -3,12 +3,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "common/light_messages.hpp"
 #include "messages.hpp"
 
 namespace lab::dashboard {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 
 experiment_status_t conducted(std::int8_t phase = experiment_status_t::SCRIPT) {
   experiment_status_t status{};
@@ -143,6 +146,26 @@ TEST(Controls, LightIsWatchedUntilItIsShown) {
   ASSERT_EQ(desk.dut.wish(ShowLight{0.5, 0}, kNow + 3 * kSecond), "");
   EXPECT_TRUE(desk.dut.due(kNow + 7 * kSecond).light);
   EXPECT_THAT(desk.note(), HasSubstr("the projector does not show it"));
+}
+
+TEST(Controls, LightSaysWhyItIsRefusedAndNotWhyThatOfOthersIs) {
+  Desk desk;
+  ASSERT_EQ(desk.dut.wish(ShowLight{0.25, 0}, kNow), "");
+  const std::int64_t seq = desk.dut.due(kNow).light.value().seq;
+  light_status_t status{};
+  status.utime = kNow + 20'000;
+  status.last_refusal = sayRefused("lab_light", seq, "somebody else's");
+  desk.dut.take(status, kNow + 20'000);
+  EXPECT_TRUE(desk.dut.due(kNow + 4 * kSecond).light);
+  EXPECT_THAT(desk.note(), AllOf(HasSubstr("the projector does not show it"),
+                                 Not(HasSubstr("somebody else's"))));
+  ASSERT_EQ(desk.dut.wish(ShowLight{0.5, 0}, kNow + 5 * kSecond), "");
+  status.utime = kNow + 5 * kSecond;
+  status.last_refusal =
+      sayRefused("dashboard", desk.dut.due(status.utime).light.value().seq, "its own");
+  desk.dut.take(status, status.utime);
+  EXPECT_TRUE(desk.dut.due(kNow + 9 * kSecond).light);
+  EXPECT_THAT(desk.note(), HasSubstr("the projector does not show it: its own"));
 }
 
 }  // namespace

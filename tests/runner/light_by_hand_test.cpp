@@ -105,13 +105,5 @@ TEST(LightByHand, NamesWhatWasTypedAndNoFile) {
               AllOf(StartsWith("light '" + wrong + "': brightness: "), of_no_file));
 }
 
-TEST(LightByHand, TakesOnlyItsOwnRefusal) {
-  const std::string said = "LIGHT_COMMAND 7 of lab_light: layers[0].stale = nan s";
-  EXPECT_EQ(refusalOf("lab_light", 7, said), "layers[0].stale = nan s");
-  EXPECT_EQ(refusalOf("lab_light", 8, said), "");
-  EXPECT_EQ(refusalOf("lab", 7, said), "");
-  EXPECT_EQ(refusalOf("lab_light", 7, ""), "");
-}
-
 }  // namespace
 }  // namespace lab::runner
