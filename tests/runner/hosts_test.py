@@ -102,6 +102,15 @@ class Hosts:
         with open(log.name, encoding='utf8', errors='replace') as said:
             raise AssertionError(f'sshd does not let us in: {probe.stderr}{said.read()[-2000:]}')
 
+    def end_sshd(self, name):
+        """With all of its connections."""
+        self.daemons[name].kill()
+        for pid in self.pids_on(name, 'sshd'):
+            try:
+                os.kill(pid, signal.SIGKILL)
+            except ProcessLookupError:
+                pass
+
     def lab(self, experiment, *options, **more):
         """The runner, on A."""
         file = self.path('hosts.toml')
@@ -281,12 +290,7 @@ def sshd_dies(hosts):
     """ssh ends: the agent there ends everything; the runner calls again and starts it anew."""
     lab = hosts.lab(experiment(duration=16))
     started(lab, hosts)
-    hosts.daemons['bench'].kill()
-    for pid in hosts.pids_on('bench', 'sshd'):
-        try:
-            os.kill(pid, signal.SIGKILL)
-        except ProcessLookupError:
-            pass
+    hosts.end_sshd('bench')
     hosts.nothing_left()
     hosts.start_sshd('bench')
     finished(lab, within=180)
@@ -304,9 +308,7 @@ def slow_agent(hosts):
     first = hosts.pids_on('bench', 'lab')
     for pid in first:
         os.kill(pid, signal.SIGSTOP)
-    hosts.daemons['bench'].kill()
-    for pid in hosts.pids_on('bench', 'sshd'):
-        os.kill(pid, signal.SIGKILL)
+    hosts.end_sshd('bench')
     hosts.start_sshd('bench')
     deadline = time.time() + 15
     while not set(hosts.pids_on('bench', 'lab')) - set(first):
