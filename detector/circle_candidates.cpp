@@ -45,7 +45,7 @@ void CircleSearch::takeWords(std::span<const DarkWord> words, int y) {
 }
 
 bool CircleSearch::takeRound(Candidate candidate) {
-  if (candidate.white - candidate.dark < kFaint * noise_) return false;
+  if (isFaint(candidate)) return false;
   const Plane& plane = planeAt(candidate.x, candidate.y, reach_);
   if (!isRound(plane, candidate)) {
     moveToMiddle(plane, candidate);
@@ -91,7 +91,7 @@ bool CircleSearch::isRound(const Plane& plane, const Candidate& candidate) {
 }
 
 void CircleSearch::take(const Candidate& candidate) {
-  const bool faint = candidate.white - candidate.dark < kFaint * noise_;
+  const bool faint = isFaint(candidate);
   if (faint && !standsOut(planeAt(candidate.x, candidate.y, near_), candidate, noise_)) return;
   const Plane& plane = planeAt(candidate.x, candidate.y, reach_);
   Spot spot;
@@ -128,7 +128,7 @@ bool CircleSearch::isDark(const Plane& plane, Candidate& candidate) const {
     candidate.white = std::max<int>(candidate.white, std::min(at[to], at[-to]));
   }
   return 2 * (candidate.dark - black_) + noise_ <= candidate.white - black_ &&
-         candidate.white - candidate.dark >= kFaint * noise_;
+         !isFaint(candidate);
 }
 
 bool CircleSearch::standsOut(const Plane& plane, const Candidate& candidate, int noise) {

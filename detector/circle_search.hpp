@@ -137,6 +137,10 @@ class CircleSearch {
   [[nodiscard]] bool weigh(const Plane& plane, const Candidate& candidate, Spot& spot) const;
   [[nodiscard]] bool settle(const Plane& plane, const Candidate& candidate, Spot& spot);
   [[nodiscard]] int centre(const Plane& plane, float x, float y, float radius, Spot& spot) const;
+  /// Single pixels say little about it.
+  [[nodiscard]] bool isFaint(const Candidate& candidate) const {
+    return candidate.white - candidate.dark < kFaint * noise_;
+  }
   [[nodiscard]] bool isClaimed(float x, float y, int dark) const {
     return claims_.isClaimed(x, y, dark - black_, noise_);
   }
