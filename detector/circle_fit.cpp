@@ -118,9 +118,14 @@ bool hasAnotherSize(const Outcome& o, const fit::Constants& constants) {
          o.believed > kOtherBelieved && misfitOf(o, constants) < kMostMisfit;
 }
 
+// The disc is right, whatever else may be there.
+bool isSound(const Outcome& o) {
+  return o.good && o.believed >= kOddBelieved && std::abs(o.scale - 1) <= kOddScale;
+}
+
 bool isOdd(const Outcome& o, const Task& task, const Window& window) {
   if (hasAnotherSize(o, task.constants)) return false;
-  if (!o.good || o.believed < kOddBelieved || std::abs(o.scale - 1) > kOddScale) return true;
+  if (!isSound(o)) return true;
   if (o.correlation <= kOddCorrelation) return false;
   const float misfit = misfitOf(o, task.constants);
   if (task.constants.compressed && misfit <= 0) return false;
@@ -189,7 +194,7 @@ CircleFit fitCircle(const optics::GreyView& picture, optics::Pixel start, const 
   std::optional<GridPoint> point;
   Outcome best = plainFrom(task, shape_at, fit::nearest(start), window, point);
   const bool odd = isOdd(best, task, window);
-  if (odd && !(best.good && !fit::edgeMayCross(task, best, window))) {
+  if (odd && !(best.good && !fit::edgeMayCross(task, best, isSound(best), window))) {
     const GridPoint first = fit::nearest(start);
     Task wider = task;
     wider.setMargin(fit::kMarginLit);

@@ -203,7 +203,7 @@ bool isClean(const Outcome& outcome) {
 }
 
 Outcome fitLit(const Task& task, Window& window, const Disc& rough) {
-  const Surroundings around(window, task.constants, rough);
+  const Surroundings around(window, task.constants, rough, Pick::kAll);
   LitFit best;
   std::size_t count = 1;  // lines of the best
   bool is_last = true;    // so that what it leaves in the window is there
@@ -248,12 +248,12 @@ Outcome fitLit(const Task& task, Window& window, const Disc& rough) {
 
 }  // namespace
 
-bool edgeMayCross(const Task& task, const Outcome& plain, const Window& window) {
+bool edgeMayCross(const Task& task, const Outcome& plain, bool sound, const Window& window) {
   Disc disc;  // the one expected: with an edge across it the fit may say anything
   disc.sigma = task.sigma;
   const Constants& c = task.constants;
   const float grain = plain.white * plain.white * c.texture;
-  return Surroundings(window, c, disc)
+  return Surroundings(window, c, disc, sound ? Pick::kBelieved : Pick::kAll)
       .uneven(c.floor_variance + c.shot_gain * std::max(0.0F, plain.white) + grain);
 }
 

@@ -16,6 +16,8 @@ std::optional<GridPoint> settleLit(const Task& task, GridPoint start, Window& wi
 /// Whether the white around the circle leaves room for a light edge: a look that costs a tenth of a
 /// fit with one.
 /// @param plain the fit without edges, `window` as it left it
-bool edgeMayCross(const Task& task, const Outcome& plain, const Window& window);
+/// @param sound it has the disc right: what it does not believe lies beside the circle, as a dot on
+///   the cap does, and leads to no edge
+bool edgeMayCross(const Task& task, const Outcome& plain, bool sound, const Window& window);
 
 }  // namespace lab::detector::fit

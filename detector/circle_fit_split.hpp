@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 
 #include "detector/circle_fit_edge_model.hpp"
 
@@ -21,10 +22,13 @@ struct TwoLines {
   Split crossing;  ///< two lines at a right angle: the corner of a checker
 };
 
+/// Which pixels around a circle: all, or those that the fit before believed.
+enum class Pick : std::uint8_t { kAll, kBelieved };
+
 /// The pixels around a circle that are just white.
 class Surroundings {
  public:
-  Surroundings(const Window& window, const Constants& constants, const Disc& disc);
+  Surroundings(const Window& window, const Constants& constants, const Disc& disc, Pick pick);
 
   /// Whether the light on them differs by more than noise of this variance [DN^2], and by enough to
   /// matter. A light edge that crosses the circle crosses them as well.

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <cstring>
 #include <limits>
 
 namespace lab::detector {
@@ -17,7 +16,7 @@ ClaimMap::ClaimMap(int width, int height)
     : columns_(width / kCell + 1),
       rows_(height / kCell + 1),
       cells_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_), -1),
-      covered_(cells_.size(), 0) {}
+      covered_(cells_.size(), -1) {}
 
 void ClaimMap::forget() {
   for (const Claim& claim : claims_) {
@@ -28,14 +27,18 @@ void ClaimMap::forget() {
     }
   }
   claims_.clear();
-  std::fill(covered_.begin(), covered_.end(), std::uint8_t{0});
+  if (!covers_.empty()) std::fill(covered_.begin(), covered_.end(), std::int16_t{-1});
+  covers_.clear();
 }
 
 void ClaimMap::cover(float x, float y, float radius) {
-  // Cells whose middle lies within.
+  if (covers_.size() >= std::numeric_limits<std::int16_t>::max()) return;
+  const auto number = static_cast<std::int16_t>(covers_.size());
+  covers_.push_back({x, y, radius * radius});
+  // Cells whose middle lies within, or half a cell outside: the others have few such pixels.
   const float at_x = x / kCell - 0.5F;
   const float at_y = y / kCell - 0.5F;
-  const float reach = radius / kCell;
+  const float reach = radius / kCell + 0.5F;
   const int top = std::max(static_cast<int>(std::ceil(at_y - reach)), 0);
   const int bottom = std::min(static_cast<int>(at_y + reach), rows_ - 1);
   for (int j = top; j <= bottom; ++j) {
@@ -44,15 +47,18 @@ void ClaimMap::cover(float x, float y, float radius) {
     const int first = std::clamp(static_cast<int>(std::ceil(at_x - half)), 0, columns_);
     const int last = std::min(static_cast<int>(at_x + half), columns_ - 1);
     if (first > last) continue;
-    std::memset(covered_.data() + j * columns_ + first, 1,
-                static_cast<std::size_t>(last - first + 1));
+    const auto row = covered_.begin() + j * columns_;
+    std::fill(row + first, row + last + 1, number);
   }
 }
 
-bool ClaimMap::isCovered(int first, int last, int y) const {
-  const auto row = covered_.begin() + y / kCell * columns_;
-  return std::all_of(row + first / kCell, row + last / kCell + 1,
-                     [](std::uint8_t covered) { return covered != 0; });
+bool ClaimMap::isCovered(int x, int y) const {
+  const int number = covered_[cellAt(x, y)];
+  if (number < 0) return false;
+  const Cover& cover = covers_[static_cast<std::size_t>(number)];
+  const float dx = static_cast<float>(x) - cover.x;
+  const float dy = static_cast<float>(y) - cover.y;
+  return dx * dx + dy * dy < cover.square;
 }
 
 void ClaimMap::claim(float x, float y, float reach, int dark) {

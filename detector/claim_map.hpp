@@ -19,9 +19,13 @@ class ClaimMap {
   /// Nothing is left to be found within.
   /// @param radius [px]
   void cover(float x, float y, float radius);
-  [[nodiscard]] bool isCovered(int x, int y) const { return covered_[cellAt(x, y)] != 0; }
-  /// All of a row's pixels from first to last.
-  [[nodiscard]] bool isCovered(int first, int last, int y) const;
+  /// May say no where two of those places overlap.
+  [[nodiscard]] bool isCovered(int x, int y) const;
+  /// A row's pixels from first to last: a place that holds both holds all between them.
+  [[nodiscard]] bool isCovered(int first, int last, int y) const {
+    return isCovered(first, y) && isCovered(last, y) &&
+           covered_[cellAt(first, y)] == covered_[cellAt(last, y)];
+  }
 
   /// A circle, or something long, that was found.
   /// @param reach [px] around it
@@ -43,6 +47,10 @@ class ClaimMap {
     int dark = 0;
     int left = 0, top = 0, right = 0, bottom = 0;  // cells
   };
+  struct Cover {
+    float x, y;
+    float square;  // of the radius
+  };
 
   [[nodiscard]] std::size_t cellAt(int x, int y) const {
     return static_cast<std::size_t>(y / kCell * columns_ + x / kCell);
@@ -51,8 +59,9 @@ class ClaimMap {
   int columns_ = 0;
   int rows_ = 0;
   std::vector<Claim> claims_;
-  std::vector<std::int16_t> cells_;     // which claim, -1: none
-  std::vector<std::uint8_t> covered_;
+  std::vector<Cover> covers_;
+  std::vector<std::int16_t> cells_;    // which claim, -1: none
+  std::vector<std::int16_t> covered_;  // which cover, -1: none
 };
 
 }  // namespace lab::detector

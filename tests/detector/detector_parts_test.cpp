@@ -9,6 +9,7 @@
 
 #include "detector/cap_check.hpp"
 #include "detector/circle_search.hpp"
+#include "detector/claim_map.hpp"
 #include "detector/pairing.hpp"
 #include "detector/scale_map.hpp"
 #include "optics/simulated_camera.hpp"
@@ -41,6 +42,27 @@ void paintDisc(optics::GreyImage& image, double x, double y, double radius, doub
       pixel = static_cast<std::uint8_t>(std::lround(pixel + (value - pixel) * inside / 64.0));
     }
   }
+}
+
+TEST(ClaimMap, CoversACircleToThePixelAndNothingBeyond) {
+  ClaimMap map(320, 240);
+  map.cover(100.3F, 90.7F, 37);
+  int covered = 0;
+  int within = 0;
+  for (int y = 0; y < 240; ++y) {
+    for (int x = 0; x < 320; ++x) {
+      const bool is_within = std::hypot(x - 100.3, y - 90.7) < 37;
+      within += is_within ? 1 : 0;
+      if (!map.isCovered(x, y)) continue;
+      ++covered;
+      EXPECT_TRUE(is_within) << x << ", " << y;
+    }
+  }
+  EXPECT_GT(covered, 0.99 * within);
+  EXPECT_TRUE(map.isCovered(70, 130, 91));
+  EXPECT_FALSE(map.isCovered(70, 150, 91));
+  map.forget();
+  EXPECT_FALSE(map.isCovered(100, 90));
 }
 
 TEST(ScaleMap, DrawsTheOutlineThatTheCameraSees) {
