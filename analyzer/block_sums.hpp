@@ -29,6 +29,9 @@ struct BlockSums {
   double sideways2 = 0;  ///< Sum of squares of one-frame displacements across the heading, m^2.
   double steps = 0;      ///< Their number.
   double joins = 0;      ///< Removed reversals.
+  double lost = 0;       ///< Frames missing in gaps of up to 2 s.
+  double lost2 = 0;      ///< Sum of the squares of their numbers, gap by gap.
+  double unseen = 0;     ///< Of these gaps, what is not in the observed time, s.
   double segments = 0;   ///< Begun in it: no window lies in two of them.
   double run_time = 0;   ///< In runs (RTP), s.
   double run_span = 0;   ///< The time in which runs were counted, s.

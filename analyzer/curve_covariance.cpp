@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "analyzer/track_stitcher.hpp"
 #include "analyzer/window_choice.hpp"
 
 namespace lab::analysis {
@@ -25,12 +26,34 @@ double columnError(const SimulatedCurves& curves, std::size_t column) {
 
 }  // namespace
 
+std::vector<int> stretchesSeen(const LostFrames& lost, double every, double longest,
+                               std::size_t frames, std::uint64_t seed) {
+  // What selecting windows does to a mean goes as the time that each gap takes.
+  const double length = std::max(1.0, lost.length / every);
+  const double odds = lost.share / (1 - lost.share) * lost.length / (length * every);
+  Random random(seed);
+  std::vector<int> stretches(frames, -1);
+  int stretch = 0;
+  std::size_t last = 0;
+  bool is_seen = random.uniform() * (1 + odds) >= odds;
+  for (std::size_t i = 0; i < frames; ++i) {
+    if (is_seen) {
+      if (static_cast<double>(i - last) > longest) ++stretch;
+      stretches[i] = stretch;
+      last = i;
+    }
+    is_seen = random.uniform() >= (is_seen ? odds : length - 1) / length;
+  }
+  return stretches;
+}
+
 std::vector<double> filmCurves(const FilmPoses& poses, const std::vector<int>& lags) {
-  return filmCurves(poses, lags, lags, 1);
+  return filmCurves(poses, lags, lags, 1, {});
 }
 
 std::vector<double> filmCurves(const FilmPoses& poses, const std::vector<int>& lags,
-                               const std::vector<int>& measured, double every) {
+                               const std::vector<int>& measured, double every,
+                               const std::vector<int>& stretches) {
   const std::size_t n = lags.size();
   const std::size_t frames = poses.x.size();
   const int coarser = static_cast<int>(std::lround(std::log2(every)));
@@ -40,14 +63,19 @@ std::vector<double> filmCurves(const FilmPoses& poses, const std::vector<int>& l
     double r2 = 0;
     double a2 = 0;
     std::size_t windows = 0;
+    std::size_t angular_windows = 0;
     const auto add = [&](std::size_t start) {
       const std::size_t end = start + lag;
+      const bool all = stretches.empty();
+      if (!all && (stretches[start] < 0 || stretches[end] < 0)) return;
       const double dx = poses.x[end] - poses.x[start];
       const double dy = poses.y[end] - poses.y[start];
-      const double turn = poses.theta[end] - poses.theta[start];
       r2 += dx * dx + dy * dy;
-      a2 += turn * turn;
       ++windows;
+      if (!all && stretches[start] != stretches[end]) return;
+      const double turn = poses.theta[end] - poses.theta[start];
+      a2 += turn * turn;
+      ++angular_windows;
     };
     if (measured[i] < kDenseLags) {
       const int step = std::max(0, static_cast<int>(stepOf(measured[i])) - coarser);
@@ -61,17 +89,15 @@ std::vector<double> filmCurves(const FilmPoses& poses, const std::vector<int>& l
         add(static_cast<std::size_t>(start));
       }
     }
-    if (windows > 0) {
-      curves[i] = r2 / static_cast<double>(windows);
-      curves[n + i] = a2 / static_cast<double>(windows);
-    }
+    if (windows > 0) curves[i] = r2 / static_cast<double>(windows);
+    if (angular_windows > 0) curves[n + i] = a2 / static_cast<double>(angular_windows);
   }
   return curves;
 }
 
 SimulatedCurves simulateCurves(const BootstrapPlan& plan) {
   SimulatedCurves result;
-  result.duration = plan.duration;
+  result.duration = plan.duration * (1 - plan.lost.unseen);
   result.films = plan.films;
   // The films' period is a bit longer than whole frames, so that it locks to nothing.
   const double every = std::max(1.0, std::round(plan.period / plan.frame_period));
@@ -91,9 +117,15 @@ SimulatedCurves simulateCurves(const BootstrapPlan& plan) {
   }
   const FilmPlan film{plan.law, plan.duration, plan.period, plan.sigma, plan.sigma_theta, 0};
   FilmPoses poses;
+  std::vector<int> stretches;
+  const double longest = StitcherConfig{}.max_angular_gap / plan.period;
   for (int i = 0; i < plan.films; ++i) {
-    simulateFilm(film, plan.seed + static_cast<std::uint64_t>(i), poses);
-    const std::vector<double> curves = filmCurves(poses, frames, measured, every);
+    const std::uint64_t seed = plan.seed + static_cast<std::uint64_t>(i);
+    simulateFilm(film, seed, poses);
+    if (plan.lost.share > 0) {
+      stretches = stretchesSeen(plan.lost, every, longest, poses.x.size(), ~seed);
+    }
+    const std::vector<double> curves = filmCurves(poses, frames, measured, every, stretches);
     result.values.insert(result.values.end(), curves.begin(), curves.end());
   }
   return result;

@@ -7,6 +7,21 @@
 
 namespace lab::analysis {
 
+/// Frames that a film lacks between others.
+struct LostFrames {
+  double share = 0;   ///< Of all frames.
+  double length = 1;  ///< So many one after the other, on average, if lengths fall geometrically.
+  double unseen = 0;  ///< Share of the time that is in gaps too long to count as observed.
+};
+
+/// Which frames of a film there are, if it loses them by chance: -1 for one that is lost, else in
+/// which stretch the frame lies through which the heading can be followed.
+/// @param every the loss is of a film with so many times as many frames: there a window's
+///   neighbours are as good as itself, so that fewer are lost here, which matter as much
+/// @param longest [frames] from one to the next across which a heading can be followed
+[[nodiscard]] std::vector<int> stretchesSeen(const LostFrames& lost, double every, double longest,
+                                             std::size_t frames, std::uint64_t seed);
+
 /// MSD and angular MSD of a film at lags of whole frames: overlapping windows, chosen as
 /// MsdAccumulator chooses them (window_choice.hpp). The result is [MSD(lags), angular MSD(lags)],
 /// nan where the film is shorter than the lag.
@@ -15,14 +30,16 @@ namespace lab::analysis {
 /// The same, chosen as the windows of a measured film are.
 /// @param measured the lags there [frames of that film]
 /// @param every of its frames, to one of `poses`
+/// @param stretches of the frames of `poses`, as stretchesSeen() gives them; empty: all are there
 [[nodiscard]] std::vector<double> filmCurves(const FilmPoses& poses, const std::vector<int>& lags,
-                                             const std::vector<int>& measured, double every);
+                                             const std::vector<int>& measured, double every,
+                                             const std::vector<int>& stretches);
 
 /// Curves of many simulated films of one program, the parametric bootstrap: their scatter is the
 /// error of a measured curve, their covariance how the lags err together.
 struct SimulatedCurves {
   std::vector<double> lags;  ///< s, ascending.
-  double duration = 0;       ///< Of each film, s.
+  double duration = 0;       ///< Of each film, as far as it counts as observed, s.
   int films = 0;
   std::vector<double> values;  ///< films rows of [MSD(lags), angular MSD(lags)], SI units.
   std::vector<double> law;     ///< The exact law at the lags with the noise's offsets, same order.
@@ -37,7 +54,8 @@ struct BootstrapPlan {
   double sigma = 0;          ///< Tracker noise per axis, m.
   double sigma_theta = 0;    ///< rad.
   double period = 0;         ///< Of the films' frames, s: a part of the shortest lag.
-  double frame_period = 0;   ///< Of the measured film, s, whose choice of windows they follow.
+  double frame_period = 0;   ///< Of the measured film, s, whose choice of windows they follow,
+  LostFrames lost;           ///< and whose frames are lost.
   std::vector<double> lags;  ///< s; taken at the nearest whole number of periods.
   double duration = 0;       ///< Of each film, s.
   int films = 500;

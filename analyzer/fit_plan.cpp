@@ -57,6 +57,7 @@ SimulatedCurves simulateForFit(const ProgramLaw& law, double offset, double angu
   films.sigma_theta = std::sqrt(std::max(0.0, angular_offset / 2));
   films.period = plan.period;
   films.frame_period = curves.frame_period;
+  films.lost = curves.lost;
   films.duration = plan.duration;
   films.films = options.films;
   films.seed = options.seed;

@@ -88,6 +88,12 @@ MeasuredCurves measuredCurves(const ProgramLaw& law, const BlockData& data) {
   curves.segments = std::max(curves.tracks, total.segments);
   curves.offset = finiteOrZero(live[kPositionOffset]);
   curves.angular_offset = finiteOrZero(live[kHeadingOffset]);
+  if (total.lost > 0) {
+    // Of gaps whose lengths fall geometrically the mean square is 2 length^2 - length.
+    const double all = total.time + total.unseen;
+    curves.lost = {total.lost * data.frame_period / all, 0.5 * (total.lost2 / total.lost + 1),
+                   total.unseen / all};
+  }
   const double joins = total.joins / total.time * data.frame_period;
   for (std::size_t i = 0; i < data.lags.size(); ++i) {
     const LagSums& lag = total.lags[i];
@@ -116,6 +122,7 @@ SimulatedCurves simulateForTest(const ProgramLaw& law, const MeasuredCurves& cur
   plan.sigma_theta = std::sqrt(std::max(0.0, curves.angular_offset / 2));
   plan.period = hold / kFramesPerHold * kDrift;
   plan.frame_period = curves.frame_period;
+  plan.lost = curves.lost;
   plan.duration = duration();
   plan.films = films;
   plan.seed = seed;

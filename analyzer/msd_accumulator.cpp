@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kFirstBlock = 0.25;  // s
 constexpr double kLongestStep = 0.3;  // s between frames that still counts as observed
+constexpr double kLongestGap = 2;     // s of one that is counted: the film goes on after it
 constexpr double kSameTime = 1e-3;    // frame periods: a reversal may last a whole number of them
 constexpr int kFraction = 24;         // bits of a slot behind the point
 constexpr std::size_t kBegin = FrameHistory::kHistory;
@@ -131,8 +132,15 @@ bool MsdAccumulator::resume(const Sample& sample, double dt) {
   if (frames < 1) {
     return false;  // just after a join: nearer to the last slot than to the next one
   }
-  blocks_.addTime(dt > std::max(kLongestStep, 1.5 * period_) ? period_ : dt);
+  const bool is_hole = dt > std::max(kLongestStep, 1.5 * period_);
+  blocks_.addTime(is_hole ? period_ : dt);
   const bool join = sample.piece != last_.piece;
+  if (!join && frames > 1 && dt <= kLongestGap) {
+    BlockSums& block = blocks_.open();
+    block.lost += frames - 1;
+    block.lost2 += (frames - 1) * (frames - 1);
+    if (is_hole) block.unseen += dt - period_;
+  }
   addStep({0, sample.free_time, sample.x, sample.y, sample.theta}, frames, join);
   first_step_done_ = true;
   frames_.lose(static_cast<std::int64_t>(frames) - 1);

@@ -25,7 +25,15 @@ inline StitchedFilm stitch(const Film& film) {
   StitchedFilm result;
   TrackStitcher stitcher{StitcherConfig{}};
   Walker walker(film);
-  walker.on_frame = [&](const TrackPoint& point) { stitcher.addFrame(point, result.samples); };
+  std::mt19937_64 random(film.seed + 1);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  bool is_lost = false;
+  walker.on_frame = [&](const TrackPoint& point) {
+    const double stays = 1 - 1 / film.missing_length;
+    const double begins = film.missing / (1 - film.missing) / film.missing_length;
+    is_lost = uniform(random) < (is_lost ? stays : begins);
+    if (!is_lost) stitcher.addFrame(point, result.samples);
+  };
   walker.on_telemetry = [&](const RobotTelemetry& telemetry) {
     stitcher.addTelemetry(telemetry, result.samples);
   };

@@ -72,6 +72,29 @@ TEST(LawFit, SaysHowWellItFitsAtEveryFrameRate) {
   }
 }
 
+// With frames lost each lag lacks other windows, so that neighbouring lags err together less.
+TEST(LawFit, SaysHowWellItFitsWhereFramesAreLost) {
+  struct Loss {
+    double share, length, fps;
+  };
+  for (const Loss loss : {Loss{0.05, 1.05, 20.3}, {0.2, 3, 20.3}, {0.05, 1.05, 121}}) {
+    SCOPED_TRACE(loss.share);
+    SCOPED_TRACE(loss.fps);
+    Film film = fitFilm(abpLaw(3, 0.47), 300);
+    film.fps = loss.fps;
+    film.sigma = 0.0005;
+    film.sigma_theta = 0.0175;
+    film.missing = loss.share;
+    film.missing_length = loss.length;
+    const FitScatter dut = fitFilms(film, 40, 5, false, true);
+    EXPECT_EQ(dut.refused, 0);
+    EXPECT_LE(dut.unlikely, 4);  // 0.4 expected; 5 by chance once in 10^4
+    EXPECT_LE(dut.exact_rejected, 4);
+    EXPECT_LT(std::abs(dut.numbers.at("D_r").relative.z(0)), 4);
+    expectFitCoverage(dut, "D_r");
+  }
+}
+
 TEST(LawFit, IsTheSameToTheBitAgain) {
   const Film film = fitFilm(abpLaw(3, 0.5), 120);
   const MeasuredCurves curves = curvesOfFilm(film, 10);

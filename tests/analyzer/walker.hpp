@@ -21,6 +21,8 @@ struct Film {
   double telemetry_rate = 50;  ///< 1/s.
   double sigma = 0;            ///< Tracker noise per axis, m.
   double sigma_theta = 0;      ///< rad.
+  double missing = 0;         ///< Share of frames that are lost,
+  double missing_length = 1;  ///< so many in a row, on average.
   bool walls = false;          ///< 0.9 m x 1.2 m with reversals; otherwise an endless plane.
   std::uint64_t seed = 1;
 };
