@@ -74,6 +74,7 @@ void BlockData::pool(const BlockData& other) {
     return;
   }
   tracks.insert(tracks.end(), other.tracks.begin(), other.tracks.end());
+  segments += other.segments;
   for (std::size_t i = 0; i < lag_times.size(); ++i) {
     lag_times[i] += other.lag_times[i];
   }

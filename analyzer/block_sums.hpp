@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "analyzer/film_gaps.hpp"
+
 namespace lab::analysis {
 
 /// The windows of one lag: powers of the displacement r and of the rotation a.
@@ -47,6 +49,7 @@ struct BlockData {
   double frame_period = 0;        ///< s.
   std::vector<double> lag_times;  ///< Sum of the windows' true durations, one a lag, s.
   std::vector<std::vector<BlockSums>> tracks;  ///< Per robot, in time order.
+  SegmentLengths segments;
 
   /// Adds the robots of another data set; their blocks stay independent blocks.
   void pool(const BlockData& other);

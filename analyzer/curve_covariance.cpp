@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "analyzer/track_stitcher.hpp"
 #include "analyzer/window_choice.hpp"
 
 namespace lab::analysis {
@@ -24,28 +23,11 @@ double columnError(const SimulatedCurves& curves, std::size_t column) {
   return std::sqrt((sum2 - sum * sum / n) / (n - 1));
 }
 
-}  // namespace
-
-std::vector<int> stretchesSeen(const LostFrames& lost, double every, double longest,
-                               std::size_t frames, std::uint64_t seed) {
-  // What selecting windows does to a mean goes as the time that each gap takes.
-  const double length = std::max(1.0, lost.length / every);
-  const double odds = lost.share / (1 - lost.share) * lost.length / (length * every);
-  Random random(seed);
-  std::vector<int> stretches(frames, -1);
-  int stretch = 0;
-  std::size_t last = 0;
-  bool is_seen = random.uniform() * (1 + odds) >= odds;
-  for (std::size_t i = 0; i < frames; ++i) {
-    if (is_seen) {
-      if (static_cast<double>(i - last) > longest) ++stretch;
-      stretches[i] = stretch;
-      last = i;
-    }
-    is_seen = random.uniform() >= (is_seen ? odds : length - 1) / length;
-  }
-  return stretches;
+bool joined(const std::vector<int>& stretches, std::size_t start, std::size_t end) {
+  return stretches.empty() || (stretches[start] >= 0 && stretches[start] == stretches[end]);
 }
+
+}  // namespace
 
 std::vector<double> filmCurves(const FilmPoses& poses, const std::vector<int>& lags) {
   return filmCurves(poses, lags, lags, 1, {});
@@ -53,7 +35,7 @@ std::vector<double> filmCurves(const FilmPoses& poses, const std::vector<int>& l
 
 std::vector<double> filmCurves(const FilmPoses& poses, const std::vector<int>& lags,
                                const std::vector<int>& measured, double every,
-                               const std::vector<int>& stretches) {
+                               const FilmStretches& stretches) {
   const std::size_t n = lags.size();
   const std::size_t frames = poses.x.size();
   const int coarser = static_cast<int>(std::lround(std::log2(every)));
@@ -66,13 +48,12 @@ std::vector<double> filmCurves(const FilmPoses& poses, const std::vector<int>& l
     std::size_t angular_windows = 0;
     const auto add = [&](std::size_t start) {
       const std::size_t end = start + lag;
-      const bool all = stretches.empty();
-      if (!all && (stretches[start] < 0 || stretches[end] < 0)) return;
+      if (!joined(stretches.of_places, start, end)) return;
       const double dx = poses.x[end] - poses.x[start];
       const double dy = poses.y[end] - poses.y[start];
       r2 += dx * dx + dy * dy;
       ++windows;
-      if (!all && stretches[start] != stretches[end]) return;
+      if (!joined(stretches.of_headings, start, end)) return;
       const double turn = poses.theta[end] - poses.theta[start];
       a2 += turn * turn;
       ++angular_windows;
@@ -97,8 +78,8 @@ std::vector<double> filmCurves(const FilmPoses& poses, const std::vector<int>& l
 
 SimulatedCurves simulateCurves(const BootstrapPlan& plan) {
   SimulatedCurves result;
-  result.duration = plan.duration * (1 - plan.lost.unseen);
-  result.films = plan.films;
+  result.duration = plan.duration * (1 - plan.gaps.unseen);
+  result.cut = plan.gaps.cut;
   // The films' period is a bit longer than whole frames, so that it locks to nothing.
   const double every = std::max(1.0, std::round(plan.period / plan.frame_period));
   std::vector<int> frames;
@@ -117,26 +98,28 @@ SimulatedCurves simulateCurves(const BootstrapPlan& plan) {
   }
   const FilmPlan film{plan.law, plan.duration, plan.period, plan.sigma, plan.sigma_theta, 0};
   FilmPoses poses;
-  std::vector<int> stretches;
-  const double longest = StitcherConfig{}.max_angular_gap / plan.period;
+  FilmStretches stretches;
   for (int i = 0; i < plan.films; ++i) {
     const std::uint64_t seed = plan.seed + static_cast<std::uint64_t>(i);
     simulateFilm(film, seed, poses);
-    if (plan.lost.share > 0) {
-      stretches = stretchesSeen(plan.lost, every, longest, poses.x.size(), ~seed);
+    if (plan.gaps.lost > 0 || plan.gaps.cut) {
+      stretches = drawStretches(plan.gaps, plan.frame_period, plan.period, poses.x.size(), ~seed);
     }
     const std::vector<double> curves = filmCurves(poses, frames, measured, every, stretches);
+    // Without a window of some lag it says nothing of how the lags err together.
+    if (std::any_of(curves.begin(), curves.end(), [](double v) { return std::isnan(v); })) continue;
+    ++result.films;
     result.values.insert(result.values.end(), curves.begin(), curves.end());
   }
   return result;
 }
 
-double errorScale(double simulated, double observed, double segments, double tau) {
+double errorScale(const SimulatedCurves& films, double observed, double segments, double tau) {
   // A share of the film at the least, so that lags near a whole segment keep a finite error: half
   // of one segment; of many, some of which are longer than the mean, less.
   const double least = (segments > 1 ? 0.1 : 0.5) * observed;
-  const double covered = std::max(observed - segments * tau, least);
-  return std::sqrt(std::max(simulated - tau, 0.5 * simulated) / covered);
+  const double covered = films.cut ? observed : std::max(observed - segments * tau, least);
+  return std::sqrt(std::max(films.duration - tau, 0.5 * films.duration) / covered);
 }
 
 double relativeError(const SimulatedCurves& curves, bool angular, double tau, double observed,
@@ -151,7 +134,7 @@ double relativeError(const SimulatedCurves& curves, bool angular, double tau, do
   const std::size_t column = angular ? n : 0;
   const double error = std::exp((1 - share) * std::log(columnError(curves, column + low)) +
                                 share * std::log(columnError(curves, column + high)));
-  return error * errorScale(curves.duration, observed, segments, tau);
+  return error * errorScale(curves, observed, segments, tau);
 }
 
 }  // namespace lab::analysis

@@ -3,24 +3,10 @@
 #include <cstdint>
 #include <vector>
 
+#include "analyzer/film_gaps.hpp"
 #include "analyzer/synthetic_film.hpp"
 
 namespace lab::analysis {
-
-/// Frames that a film lacks between others.
-struct LostFrames {
-  double share = 0;   ///< Of all frames.
-  double length = 1;  ///< So many one after the other, on average, if lengths fall geometrically.
-  double unseen = 0;  ///< Share of the time that is in gaps too long to count as observed.
-};
-
-/// Which frames of a film there are, if it loses them by chance: -1 for one that is lost, else in
-/// which stretch the frame lies through which the heading can be followed.
-/// @param every the loss is of a film with so many times as many frames: there a window's
-///   neighbours are as good as itself, so that fewer are lost here, which matter as much
-/// @param longest [frames] from one to the next across which a heading can be followed
-[[nodiscard]] std::vector<int> stretchesSeen(const LostFrames& lost, double every, double longest,
-                                             std::size_t frames, std::uint64_t seed);
 
 /// MSD and angular MSD of a film at lags of whole frames: overlapping windows, chosen as
 /// MsdAccumulator chooses them (window_choice.hpp). The result is [MSD(lags), angular MSD(lags)],
@@ -30,10 +16,10 @@ struct LostFrames {
 /// The same, chosen as the windows of a measured film are.
 /// @param measured the lags there [frames of that film]
 /// @param every of its frames, to one of `poses`
-/// @param stretches of the frames of `poses`, as stretchesSeen() gives them; empty: all are there
+/// @param stretches of the frames of `poses`; empty: all are there
 [[nodiscard]] std::vector<double> filmCurves(const FilmPoses& poses, const std::vector<int>& lags,
                                              const std::vector<int>& measured, double every,
-                                             const std::vector<int>& stretches);
+                                             const FilmStretches& stretches);
 
 /// Curves of many simulated films of one program, the parametric bootstrap: their scatter is the
 /// error of a measured curve, their covariance how the lags err together.
@@ -41,6 +27,7 @@ struct SimulatedCurves {
   std::vector<double> lags;  ///< s, ascending.
   double duration = 0;       ///< Of each film, as far as it counts as observed, s.
   int films = 0;
+  bool cut = false;            ///< They lack what the cuts of the measured film take.
   std::vector<double> values;  ///< films rows of [MSD(lags), angular MSD(lags)], SI units.
   std::vector<double> law;     ///< The exact law at the lags with the noise's offsets, same order.
 
@@ -55,7 +42,7 @@ struct BootstrapPlan {
   double sigma_theta = 0;    ///< rad.
   double period = 0;         ///< Of the films' frames, s: a part of the shortest lag.
   double frame_period = 0;   ///< Of the measured film, s, whose choice of windows they follow,
-  LostFrames lost;           ///< and whose frames are lost.
+  FilmGaps gaps;             ///< and what it lacks.
   std::vector<double> lags;  ///< s; taken at the nearest whole number of periods.
   double duration = 0;       ///< Of each film, s.
   int films = 500;
@@ -65,10 +52,12 @@ struct BootstrapPlan {
 [[nodiscard]] SimulatedCurves simulateCurves(const BootstrapPlan& plan);
 
 /// The factor by which the standard error of a mean over overlapping windows of lag tau shrinks
-/// from one simulated film to `observed` seconds in `segments` pieces, which no window leaves: the windows cover
-/// observed - segments * tau. The covariance goes as 1/T once the film is long against lag and memory; for
-/// films as long as the observed ones no scaling is needed and the factor is 1.
-[[nodiscard]] double errorScale(double simulated, double observed, double segments, double tau);
+/// from one simulated film to `observed` seconds in `segments` pieces, which no window leaves: the
+/// windows cover observed - segments * tau, or as much of it as those of films with cuts. The
+/// covariance goes as 1/T once the film is long against lag and memory; for films as long as the
+/// observed ones no scaling is needed and the factor is 1.
+[[nodiscard]] double errorScale(const SimulatedCurves& films, double observed, double segments,
+                                double tau);
 
 /// The standard error of one column relative to the law, interpolated in log lag between the
 /// simulated lags, for `observed` seconds in `segments` pieces; nan outside them.

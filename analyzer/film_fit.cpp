@@ -13,11 +13,14 @@ constexpr std::uint64_t kTestSeed = 40210;
 struct ProgramFilms {
   SimulatedCurves fit;
   SimulatedCurves test;
+  FilmGaps gaps;  ///< That they have.
 };
 
 void complete(ProgramResult& result, const BlockData& data, CurveOptions options,
               ProgramFilms& films, bool first) {
-  const MeasuredCurves curves_now = measuredCurves(result.law, data);
+  MeasuredCurves curves_now = measuredCurves(result.law, data);
+  if (first) films.gaps = curves_now.gaps;
+  curves_now.gaps = films.gaps;
   FitOptions fit_options;
   fit_options.systematic_floor = options.systematic_floor;
   fit_options.longest_lag = options.unbiased_lag;

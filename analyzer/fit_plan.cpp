@@ -29,6 +29,7 @@ FitPlan planFit(const ProgramLaw& law, const MeasuredCurves& curves, const FitOp
   const double base = std::max(changeTime(law), dt);
   double longest = std::min(std::max(longestChange(law), 8 * dt), track / kLagsPerTrack);
   if (options.longest_lag > 0) longest = std::min(longest, options.longest_lag);
+  while (curves.gaps.covered(longest / dt) < kLeastCovered) longest *= 0.9;
   std::vector<double> wanted;
   for (const double part : {0.2, 0.3, 0.44, 0.67}) wanted.push_back(part * base);
   for (double lag = base; lag <= 1.02 * longest; lag *= std::sqrt(2.0)) wanted.push_back(lag);
@@ -41,7 +42,8 @@ FitPlan planFit(const ProgramLaw& law, const MeasuredCurves& curves, const FitOp
     if (near && (plan.lags.empty() || best > plan.lags.back())) plan.lags.push_back(best);
   }
   if (plan.lags.empty()) return plan;
-  plan.duration = std::min(track, kFilmLags * curves.lags[plan.lags.back()]);
+  const double last = curves.lags[plan.lags.back()];
+  plan.duration = std::min(track, kFilmLags * last / curves.gaps.covered(last / dt));
   const double every = std::max({1.0, std::floor(base / kHoldFrames / dt + 1e-9),
                                  std::ceil(plan.duration / dt / kMostFrames)});
   plan.period = every * dt * kDrift;
@@ -57,7 +59,7 @@ SimulatedCurves simulateForFit(const ProgramLaw& law, double offset, double angu
   films.sigma_theta = std::sqrt(std::max(0.0, angular_offset / 2));
   films.period = plan.period;
   films.frame_period = curves.frame_period;
-  films.lost = curves.lost;
+  films.gaps = curves.gaps;
   films.duration = plan.duration;
   films.films = options.films;
   films.seed = options.seed;

@@ -88,11 +88,14 @@ MeasuredCurves measuredCurves(const ProgramLaw& law, const BlockData& data) {
   curves.segments = std::max(curves.tracks, total.segments);
   curves.offset = finiteOrZero(live[kPositionOffset]);
   curves.angular_offset = finiteOrZero(live[kHeadingOffset]);
+  curves.gaps.segments = data.segments;
+  curves.gaps.cut = data.segments.number() > curves.tracks;
   if (total.lost > 0) {
-    // Of gaps whose lengths fall geometrically the mean square is 2 length^2 - length.
     const double all = total.time + total.unseen;
-    curves.lost = {total.lost * data.frame_period / all, 0.5 * (total.lost2 / total.lost + 1),
-                   total.unseen / all};
+    curves.gaps.lost = total.lost * data.frame_period / all;
+    // Of lengths that fall geometrically the mean square is 2 length^2 - length.
+    curves.gaps.lost_length = 0.5 * (total.lost2 / total.lost + 1);
+    curves.gaps.unseen = total.unseen / all;
   }
   const double joins = total.joins / total.time * data.frame_period;
   for (std::size_t i = 0; i < data.lags.size(); ++i) {
@@ -111,8 +114,10 @@ SimulatedCurves simulateForTest(const ProgramLaw& law, const MeasuredCurves& cur
   const double hold = changeTime(law);
   const double track = curves.observed / curves.tracks;
   double longest = std::min(curves.lags.back(), track / kFilmsPerTrack);
+  const auto covered = [&] { return curves.gaps.covered(longest / curves.frame_period); };
+  while (covered() < kLeastCovered) longest *= 0.9;
   const auto duration = [&] {
-    return std::min(track, std::max(kSimulatedLags * longest, kLeastEvents * hold));
+    return std::min(track, std::max(kSimulatedLags * longest / covered(), kLeastEvents * hold));
   };
   const double event = isHeldNoise(law.kind) ? law.epsilon : 0.5 * (1 / law.gamma + law.tau_t);
   while (films * duration() / event > kMostEvents && longest > 8 * hold) longest /= 2;
@@ -122,7 +127,7 @@ SimulatedCurves simulateForTest(const ProgramLaw& law, const MeasuredCurves& cur
   plan.sigma_theta = std::sqrt(std::max(0.0, curves.angular_offset / 2));
   plan.period = hold / kFramesPerHold * kDrift;
   plan.frame_period = curves.frame_period;
-  plan.lost = curves.lost;
+  plan.gaps = curves.gaps;
   plan.duration = duration();
   plan.films = films;
   plan.seed = seed;
@@ -171,7 +176,7 @@ LawTest testLaw(TestedLaw tested, const ProgramLaw& law, const MeasuredCurves& c
     const double lag = simulated.lags[c.simulated];
     const double truth = c.angular ? exact.angularMsd(lag) : exact.msd(lag);
     const double simulated_offset = simulated.law[column] - truth;
-    const double scale = errorScale(simulated.duration, curves.observed, curves.segments, lag);
+    const double scale = errorScale(simulated, curves.observed, curves.segments, lag);
     for (int film = 0; film < simulated.films; ++film) {
       // Scaled to the measured time first, so that the cube root's own shift is that time's.
       const double ratio = (simulated.value(film, column) - simulated_offset) / truth;

@@ -19,7 +19,7 @@ struct MeasuredCurves {
   double observed = 0;         ///< Free time, s.
   double tracks = 1;           ///< Of so many robots,
   double segments = 1;         ///< in so many pieces that no window leaves.
-  LostFrames lost;
+  FilmGaps gaps;
   double offset = 0;           ///< 4 sigma^2 as the live estimator has it, m^2.
   double angular_offset = 0;   ///< 2 sigma_theta^2, rad^2.
 };

@@ -79,8 +79,9 @@ BlockData MsdAccumulator::data() const {
     all.flush();
     return all.data();
   }
-  BlockData data{lags_, frame_period_, lag_times_, {}};
+  BlockData data{lags_, frame_period_, lag_times_, {}, segments_};
   data.tracks.push_back(blocks_.blocks());
+  if (!empty_) data.segments.add(segmentFrames());
   return data;
 }
 
@@ -109,8 +110,14 @@ void MsdAccumulator::add(const Sample& sample) {
   last_ = sample;
 }
 
+double MsdAccumulator::segmentFrames() const {
+  return (last_.free_time - segment_begin_) / period_ + 1;
+}
+
 void MsdAccumulator::beginSegment(const Sample& sample) {
   flush();
+  if (!empty_) segments_.add(segmentFrames());
+  segment_begin_ = sample.free_time;
   frames_.forget();
   segment_first_ = frames_.first();
   piece_first_ = frames_.first();

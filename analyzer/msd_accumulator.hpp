@@ -70,6 +70,7 @@ class MsdAccumulator {
   };
 
   void beginSegment(const Sample& sample);
+  [[nodiscard]] double segmentFrames() const;
   /// Takes what is more than the next frame: frames lost, a join, a cut of the angle.
   /// @return false: the sample falls onto the last slot
   bool resume(const Sample& sample, double dt);
@@ -98,7 +99,9 @@ class MsdAccumulator {
   std::vector<Level> levels_;
   std::vector<Cursor> cursors_;  ///< By lag, from dense_lags_ on.
 
+  SegmentLengths segments_;  ///< That have ended.
   Sample last_;
+  double segment_begin_ = 0;  ///< Free time, s.
   Sample counted_;  ///< Its runs and tumbles and those before are in the blocks.
   Fix previous_;    ///< The frame before the collection, if it lies in the same segment.
   std::int64_t segment_first_ = 0;

@@ -166,8 +166,12 @@ std::vector<std::string> reservations(const ProgramResult& result) {
   if (result.contact_share > 0) {
     remarks.push_back(fmt::format(
         "{:.1f} % of the frames were cut because a body touched a robot or a wall. What remains is "
-        "motion between contacts, which favours places with room.",
-        result.contact_share * kPercents));
+        "motion between contacts, which favours places with room{}.",
+        result.contact_share * kPercents,
+        result.law.kind == analysis::ProgramKind::kRtp
+            ? ", and tumbles, since contacts end runs: in a crowd gamma comes out too high and the law "
+              "is rejected"
+            : ""));
   }
   if (result.lost > 0) {
     remarks.push_back(fmt::format(

@@ -21,6 +21,27 @@ struct StitchedFilm {
   ProgramTally tally;
 };
 
+/// Takes a second out every now and then; no window crosses it.
+inline void cut(std::vector<Sample>& samples, double every, std::mt19937_64& random) {
+  std::exponential_distribution<double> wait(1 / every);
+  double next = wait(random);
+  int cuts = 0;
+  std::vector<Sample> left;
+  for (Sample sample : samples) {
+    while (sample.time > next + 1) {
+      next += 1 + wait(random);
+      ++cuts;
+    }
+    if (sample.time > next) continue;
+    sample.segment += cuts;
+    sample.angular_segment += cuts;
+    sample.piece += cuts;
+    sample.free_time -= cuts;
+    left.push_back(sample);
+  }
+  samples = std::move(left);
+}
+
 inline StitchedFilm stitch(const Film& film) {
   StitchedFilm result;
   TrackStitcher stitcher{StitcherConfig{}};
@@ -39,6 +60,7 @@ inline StitchedFilm stitch(const Film& film) {
   };
   walker.run();
   stitcher.flush(result.samples);
+  if (film.cut_every > 0) cut(result.samples, film.cut_every, random);
   result.counters = stitcher.counters();
   result.tally = stitcher.tally(0);
   return result;

@@ -95,6 +95,25 @@ TEST(LawFit, SaysHowWellItFitsWhereFramesAreLost) {
   }
 }
 
+// So do films of robots that meet others, which are left out: of long lags little is left, and other
+// windows than of short ones.
+TEST(LawFit, SaysHowWellItFitsInACrowd) {
+  for (const double every : {2.0, 6.0}) {
+    SCOPED_TRACE(every);
+    Film film = fitFilm(abpLaw(3, 0.5), 400);
+    film.fps = 20.3;
+    film.sigma = 0.0005;
+    film.sigma_theta = 0.0175;
+    film.cut_every = every;
+    const FitScatter dut = fitFilms(film, 60, 5, false, true);
+    EXPECT_EQ(dut.refused, 0);
+    EXPECT_LE(dut.unlikely, 5);  // 0.6 expected; 6 by chance once in 10^4
+    EXPECT_LE(dut.exact_rejected, 5);
+    EXPECT_LT(std::abs(dut.numbers.at("D_r").relative.z(0)), 4);
+    expectFitCoverage(dut, "D_r");
+  }
+}
+
 TEST(LawFit, IsTheSameToTheBitAgain) {
   const Film film = fitFilm(abpLaw(3, 0.5), 120);
   const MeasuredCurves curves = curvesOfFilm(film, 10);

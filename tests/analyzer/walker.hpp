@@ -23,6 +23,7 @@ struct Film {
   double sigma_theta = 0;      ///< rad.
   double missing = 0;         ///< Share of frames that are lost,
   double missing_length = 1;  ///< so many in a row, on average.
+  double cut_every = 0;       ///< s between cuts, as by contacts, on average; 0: none.
   bool walls = false;          ///< 0.9 m x 1.2 m with reversals; otherwise an endless plane.
   std::uint64_t seed = 1;
 };
