@@ -104,6 +104,8 @@ Estimator::Estimator(const ProgramLaw& law, const BlockData& data) : law_(law) {
     mean_part_.push_back(unit_law.msd(tau) - noise_part_.back());
   }
   first_lag_ = lag_times_.front();
+  const bool dense = data.lags.size() > 2 && data.lags[0] == 1 && data.lags[2] == 3;
+  third_lag_ = dense ? 2 : 0;
   const double turn = held ? law.epsilon : law.tau_t;
   hold_ = nearestLag(data.lags, turn / data.frame_period);
   two_holds_ = nearestLag(data.lags, 2 * turn / data.frame_period);
@@ -150,10 +152,27 @@ void Estimator::measureNoise(const BlockSums& sums, Quantities& q) const {
   const double across = sums.steps > 0 ? sums.sideways2 / sums.steps : kNan;
   // The heading's own noise turns a part of the forward step sideways.
   q[kPositionOffset] = 2 * (across - 0.5 * heading_noise * (msd(sums, 0) - 2 * across));
-  // The chord of an arc is shorter than the arc (an RTP does not move while it turns).
-  const double turned = law_.kind == ProgramKind::kRtp ? 0 : angular(sums, 0) - 2 * heading_noise;
-  const double correction = turned / 24 + heading_noise / 4;
+  double correction = heading_noise / 4;
+  if (law_.kind == ProgramKind::kNone) {
+    correction = chordOfUnknownTurning(sums);
+  } else if (law_.kind != ProgramKind::kRtp) {
+    // The chord of an arc is shorter than the arc (an RTP does not move while it turns).
+    correction += (angular(sums, 0) - 2 * heading_noise) / 24;
+  }
   q[kSpeed] = sums.forward_time > 0 ? sums.forward / sums.forward_time * (1 + correction) : kNan;
+}
+
+/// Of a motion that is not known the heading may turn evenly within a frame or at random. The one has
+/// an angular MSD of a n^2 over n frames, the other one of b n, and noise c for any n. An even turn
+/// takes a/24 off the step along the mean of both headings; a random one, as noise does, b/8.
+double Estimator::chordOfUnknownTurning(const BlockSums& sums) const {
+  const double one = angular(sums, 0);
+  const double even =
+      third_lag_ > 0
+          ? 0.5 * (angular(sums, third_lag_) - 2 * angular(sums, third_lag_ - 1) + one)
+          : kNan;
+  if (!std::isfinite(even)) return one / 24;
+  return one / 8 - std::clamp(even, 0.0, one) / 12;
 }
 
 Quantities Estimator::operator()(const BlockSums& sums) const {

@@ -67,9 +67,11 @@ class Estimator {
   [[nodiscard]] double angular(const BlockSums& sums, std::size_t i) const;
   void measureTurning(const BlockSums& sums, Quantities& q) const;
   void measureNoise(const BlockSums& sums, Quantities& q) const;
+  [[nodiscard]] double chordOfUnknownTurning(const BlockSums& sums) const;
 
   ProgramLaw law_;
   double first_lag_ = 0;       ///< s.
+  std::size_t third_lag_ = 0;  ///< Which one is three frames; 0: none.
   std::size_t hold_ = 0;       ///< Index of the lag nearest to epsilon.
   std::size_t two_holds_ = 0;  ///< Of the one nearest to 2 epsilon.
   std::size_t slope_begin_ = 0;

@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 #include <string>
+#include <utility>
 
 #include "film_ensemble.hpp"
 #include "programs.hpp"
@@ -61,6 +63,46 @@ TEST(Estimates, AreAbsentWithoutDataOrLaw) {
   const ProgramAnalysis empty(abpLaw(3, 0.5), 0.02, 10);
   EXPECT_TRUE(estimate(abpLaw(3, 0.5), empty.data()).empty());
   EXPECT_TRUE(curves(abpLaw(3, 0.5), empty.data(), CurveOptions{}).msd.empty());
+}
+
+/// Ten minutes at 20 frames a second, 3 cm/s, of a heading that turns evenly and at random.
+Estimate speedOfUnknown(double turn_rate, double rotational_diffusivity) {
+  constexpr double kPeriod = 0.05;
+  constexpr int kSteps = 50;  // a frame
+  constexpr double kStep = kPeriod / kSteps;
+  ProgramAnalysis analysis(ProgramLaw{}, kPeriod, 1);
+  std::mt19937_64 random(7);
+  std::normal_distribution<double> normal;
+  Sample pose;
+  for (int frame = 0; frame < 12'000; ++frame) {
+    Sample seen = pose;
+    seen.time = seen.free_time = kPeriod * frame;
+    seen.theta += 0.01 * normal(random);
+    analysis.add(seen);
+    for (int i = 0; i < kSteps; ++i) {
+      const double before = pose.theta;
+      pose.theta += turn_rate * kStep + std::sqrt(2 * rotational_diffusivity * kStep) * normal(random);
+      const double between = 0.5 * (before + pose.theta);
+      pose.x += 0.03 * kStep * std::cos(between);
+      pose.y += 0.03 * kStep * std::sin(between);
+    }
+  }
+  for (const Estimate& estimate :
+       analyse(ProgramLaw{}, analysis.data(), ProgramTally{}, CurveOptions{}).estimates) {
+    if (estimate.name == "v") return estimate;
+  }
+  return {};
+}
+
+TEST(Estimates, KnowTheSpeedHoweverTheHeadingTurns) {
+  for (const auto& [rate, diffusivity] : {std::pair{0.0, 2.0}, {4.0, 0.0}, {3.0, 0.5}, {0.0, 0.0}}) {
+    SCOPED_TRACE(rate);
+    SCOPED_TRACE(diffusivity);
+    const Estimate dut = speedOfUnknown(rate, diffusivity);
+    EXPECT_NEAR(dut.value, 0.03, 0.03 * 6e-4);
+    EXPECT_LT(dut.low95, 0.03);
+    EXPECT_GT(dut.high95, 0.03);
+  }
 }
 
 TEST(Verdict, DisagreesWithANeighbouringProgram) {
