@@ -141,6 +141,7 @@ tracker::TrackerSettings trackerSettings(const CameraCalibration& calibration) {
   settings.arena_width = calibration.arena_width;
   settings.arena_height = calibration.arena_height;
   settings.robot_radius = calibration.cap.robot_radius;
+  settings.strangers = true;
   return settings;
 }
 

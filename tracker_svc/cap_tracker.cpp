@@ -15,6 +15,8 @@ constexpr double kPlaceSlack = 0.003;  // [m] of a place, from noise and calibra
 constexpr double kTouch = 0.006;       // [m] nearer than that two may touch
 constexpr double kLost = 0.5;          // [s]
 constexpr double kLostReach = 0.15;    // [m]
+constexpr double kShownFaster = 2;     // [1] than the speed it has shown: freed from a wall, say
+constexpr double kStride = 0.5;        // [s] over which it shows one: noise of places is none
 constexpr double kBriefly = 1;         // [s] what was hardly seen is followed at least so long
 constexpr double kOutside = 0.3;       // [m] beyond the walls nothing is followed
 constexpr double kNewCaps = 1e-3;      // [1/s] how often caps are put into the arena
@@ -52,6 +54,10 @@ struct CapTracker::Follow {
   Wheels speeds;    ///< [m/s] under the cap
   int votes = 1;    ///< pictures that agree with the heading, less those that do not
   int misses = 0;   ///< lit pictures without it since it was last seen
+  int blanks = 0;   ///< pictures of any kind without it since then
+  dynamics::Pose begun_at;  ///< of the stride that it is in
+  double begun = 0;         ///< [s]
+  double shown = 0;         ///< [m/s] the highest mean speed of a stride
   int chosen = -1;  ///< detection of this picture
   Evidence evidence;
 };
@@ -71,6 +77,26 @@ void CapTracker::take(std::span<const WheelReport> wheels) {
 
 double CapTracker::reachOf(double unseen) const {
   return kFaster * settings_.max_wheel_speed * unseen + kPlaceSlack;
+}
+
+/// The median of the highest speeds that caps have shown: no hand that carries one counts.
+double CapTracker::usualSpeed() const {
+  if (follows_.empty()) return 0;
+  std::vector<double> speeds;
+  for (const Follow& follow : follows_) speeds.push_back(follow.shown);
+  const auto middle = speeds.begin() + static_cast<std::ptrdiff_t>(speeds.size() / 2);
+  std::ranges::nth_element(speeds, middle);
+  return *middle;
+}
+
+/// How far from where it was last seen it may come back and be the same.
+double CapTracker::returnOf(const Follow& follow, double time, double usual) const {
+  const double unseen = std::max(0.0, time - follow.last);
+  const double by_hand = 2 * reachOf(unseen);
+  // Without a picture in between it was not missed: films may have one a second.
+  if (!settings_.strangers || follow.blanks == 0 || unseen <= kLost) return by_hand;
+  const double speed = std::max(follow.shown, usual);
+  return std::min(by_hand, kShownFaster * speed * unseen + settings_.robot_radius);
 }
 
 double CapTracker::turnOf(double unseen) const {
@@ -180,9 +206,10 @@ void CapTracker::matchRest(double time) {
   }
   if (columns.empty()) return;
   std::vector<std::size_t> rows;
+  const double usual = settings_.strangers ? usualSpeed() : 0;
   for (std::size_t i = 0; i < follows_.size(); ++i) {
     if (follows_[i].chosen >= 0) continue;
-    const double reach = 2 * reachOf(std::max(0.0, time - follows_[i].last));
+    const double reach = returnOf(follows_[i], time, usual);
     if (std::any_of(columns.begin(), columns.end(), [&](std::size_t j) {
           return distance2(follows_[i].pose, found_[j]) <= reach * reach;
         })) {
@@ -200,7 +227,9 @@ void CapTracker::matchRest(double time) {
                           kFaster * settings_.max_wheel_speed);
     const double missed = kMissed[follow.misses == 0 ? 0 : follow.misses < kMissedLong ? 1 : 2];
     assignment_.setAlone(i, -std::log(missed));
+    const double farthest = returnOf(follow, time, usual);
     for (std::size_t j = 0; j < columns.size(); ++j) {
+      if (distance2(follow.pose, found_[columns[j]]) > farthest * farthest) continue;
       const double density = outlook.logDensity(found_[columns[j]]);
       if (density > -100) {
         assignment_.allow(i, j, -std::log(1 - missed) - density + std::log(new_density));
@@ -240,12 +269,22 @@ void CapTracker::see(Follow& follow, double time, detector::Detection detection)
     };
     follow.speeds = {blend(follow.speeds.left, way.left), blend(follow.speeds.right, way.right)};
   }
+  if (span > kLost && follow.blanks > 0) {  // where it was meanwhile tells no speed
+    follow.begun = time;
+    follow.begun_at = pose;
+  } else if (sharp && time - follow.begun >= kStride) {
+    const double way = std::hypot(pose.x - follow.begun_at.x, pose.y - follow.begun_at.y);
+    follow.shown = std::max(follow.shown, way / (time - follow.begun));
+    follow.begun = time;
+    follow.begun_at = pose;
+  }
   follow.pose = pose;
   follow.covariance = detection.covariance;
   follow.detection = detection;
   follow.last = time;
   follow.seen = true;
   follow.misses = 0;
+  follow.blanks = 0;
 }
 
 void CapTracker::correctFlip(Follow& follow, double time, detector::Detection& detection) {
@@ -291,6 +330,7 @@ void CapTracker::miss(Follow& follow, double time, bool lit) {
   detection.spacing = 0;
   follow.seen = false;
   if (lit) ++follow.misses;
+  ++follow.blanks;
 }
 
 void CapTracker::start(double time, const detector::Detection& detection) {
@@ -301,6 +341,8 @@ void CapTracker::start(double time, const detector::Detection& detection) {
   follow.detection = detection;
   follow.first = time;
   follow.last = time;
+  follow.begun = time;
+  follow.begun_at = follow.pose;
   follow.evidence.pairs.resize(binding_.robots());
   follows_.push_back(std::move(follow));
 }

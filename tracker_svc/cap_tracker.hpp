@@ -35,6 +35,11 @@ struct TrackerSettings {
   double arena_width = 1.20;      ///< [m] caps are not followed far outside
   double arena_height = 0.90;     ///< [m]
   double robot_radius = 0.0375;   ///< [m] two robots cannot be nearer than twice this
+  /// Caps may be taken out and others put in, as in films of which nothing else is known: one that
+  /// was missed for longer than half a second is itself only within a robot's radius, and as far as
+  /// twice its speed takes it: the highest that it has shown over half a second, at least the
+  /// median of all tracks' highest (a wall may have held it).
+  bool strangers = false;
 };
 
 struct TrackerCounts {
@@ -114,6 +119,8 @@ class CapTracker {
   void publish(double time);
   [[nodiscard]] Reckoning reckon(const Follow& follow, double time);
   [[nodiscard]] double reachOf(double unseen) const;
+  [[nodiscard]] double returnOf(const Follow& follow, double time, double usual) const;
+  [[nodiscard]] double usualSpeed() const;
   [[nodiscard]] double turnOf(double unseen) const;
 
   TrackerSettings settings_;

@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -137,6 +138,23 @@ TEST_F(TrackCommand, BelievesTheCalibrationOverThePictures) {
   EXPECT_EQ(track(options_), kDone);
   EXPECT_THAT(testing::internal::GetCapturedStdout(), AllOf(HasSubstr("no robot was found"),
                     HasSubstr("with a gamma of 5, as the calibration says")));
+}
+
+TEST_F(TrackCommand, GivesARobotThatIsPutInWhereAnotherWasTakenOutAnIdOfItsOwn) {
+  fs::create_directory(folder_ / "two");
+  PaintedFilm film;
+  for (int k = 0; k < 12; ++k) {  // at rest for 3 s, nothing for 2 s, then another 45 cm away
+    std::vector<sim::PaintedRobot> robots;
+    if (k < 6) robots = {{0.62, 0.54, 1}};
+    if (k >= 10) robots = {{0.17, 0.54, 1}};
+    writePng(folder_ / fmt::format("two/f{:04}.png", k), film.paint(robots, k));
+  }
+  options_.source = (folder_ / "two").string();
+  options_.fps = 2;
+
+  EXPECT_EQ(track(options_), kDone);
+
+  EXPECT_THAT(textOf(options_.out), AllOf(HasSubstr("\n5,1,"), HasSubstr("\n10,2,")));
 }
 
 TEST_F(TrackCommand, TakesEverySecondPictureWhenToldTo) {

@@ -89,6 +89,78 @@ TEST(CapTracker, DegradedPosesTellNothingOfMotion) {
   }
 }
 
+/// The number of a cap that drives along x, is hidden in pictures, and is then seen at `back`.
+std::int64_t numberAfter(bool strangers, double speed, double hidden, double back, double fps = 30) {
+  TrackerSettings settings;
+  settings.strangers = strangers;
+  CapTracker dut(settings, {});
+  const int begin = static_cast<int>(std::max(2.0, 2 * fps));
+  double time = 0;
+  double x = 0.2;
+  for (int k = 0; k < begin; ++k, time += 1 / fps, x += speed / fps) {
+    const detector::Detection cap = capAt(x, 0.4, 0);
+    static_cast<void>(dut.update(time, {&cap, 1}));
+  }
+  const double last = x - speed / fps;
+  for (const double end = time + hidden - 1e-9; time < end; time += 1 / fps) {
+    static_cast<void>(dut.update(time, {}));
+  }
+  const detector::Detection cap = capAt(last + back, 0.4, 0);
+  const std::vector<Track>& tracks = dut.update(time, {&cap, 1});
+  const auto seen = std::ranges::find_if(tracks, [](const Track& track) { return track.seen; });
+  return seen == tracks.end() ? 0 : seen->number;
+}
+
+TEST(CapTracker, TakesACapForAStrangerThatTheLostOneCannotBeAsItDrove) {
+  EXPECT_EQ(numberAfter(true, 0, 2, 0.448), 2) << "at rest, and elsewhere after an empty floor";
+  EXPECT_EQ(numberAfter(true, 0, 2, 0.05), 2);
+  EXPECT_EQ(numberAfter(true, 0.05, 2, 0.25), 2) << "two and a half times as fast as ever";
+  EXPECT_EQ(numberAfter(false, 0, 2, 0.448), 1) << "whose robots are known waits for them";
+}
+
+TEST(CapTracker, KnowsALostCapAgainWhereItsOwnSpeedCanHaveTakenIt) {
+  EXPECT_EQ(numberAfter(true, 0, 2, 0), 1);
+  EXPECT_EQ(numberAfter(true, 0, 2, 0.03), 1) << "within its radius";
+  EXPECT_EQ(numberAfter(true, 0.05, 2, 0.1), 1);
+  EXPECT_EQ(numberAfter(true, 0.05, 2, -0.1), 1) << "it may have turned";
+  EXPECT_EQ(numberAfter(true, 0, 0.3, 0.08), 1) << "a short drop-out, and it begins to drive";
+  EXPECT_EQ(numberAfter(true, 0.1, 0, 0.1, 1), 1) << "a picture a second, none without it";
+  EXPECT_EQ(numberAfter(true, 0.1, 1, 0.2, 1), 1) << "and one without";
+}
+
+/// Numbers that 20 robots without reports have after two seconds of black pictures.
+std::set<std::int64_t> numbersAfterBlack(bool strangers, std::size_t program, std::uint64_t seed) {
+  CrowdSettings settings;
+  settings.seed = seed;
+  settings.reports = false;
+  settings.frame_loss = 0.01;
+  settings.dropout = 0.02;
+  Crowd crowd(settings, programs()[program]);
+  TrackerSettings tracker;
+  tracker.strangers = strangers;
+  CapTracker dut(tracker, {});
+  std::set<std::int64_t> after;
+  while (crowd.time() < 20) {
+    crowd.advance(dut);
+    if (crowd.isLost()) continue;
+    const bool black = crowd.time() > 10 && crowd.time() < 12;
+    const auto caps = black ? std::vector<detector::Detection>{} : crowd.detections();
+    for (const Track& track : dut.update(crowd.time(), caps)) {
+      if (crowd.time() > 19) after.insert(track.number);
+    }
+  }
+  return after;
+}
+
+TEST(CapTracker, KeepsADrivingCrowdOverBlackPicturesAmongStrangersToo) {
+  for (std::size_t program = 0; program < programs().size(); ++program) {
+    for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+      const std::set<std::int64_t> known = numbersAfterBlack(false, program, seed);
+      EXPECT_EQ(numbersAfterBlack(true, program, seed), known) << program << ", seed " << seed;
+    }
+  }
+}
+
 // The hard bar: one hundredth of the pictures lost, one cap in 500 missed, and two seconds a minute
 // with six times the noise, as under the light that a black projector leaves.
 void runCrowd(std::size_t program, std::uint64_t seed, double minutes) {
