@@ -58,13 +58,16 @@ void SpacingCheck::add(double time, double x, double y, double spacing, double s
   here.y += weight * (y - settings_.arena_height / 2);
 }
 
+double SpacingCheck::varianceOf(const Place& place) const {
+  return 1 / place.weight + squared(settings_.place_error / settings_.spacing);
+}
+
 SpacingCheck::Fit SpacingCheck::fitOf(const std::vector<Place>& places, Place& middle) const {
   Fit fit;
   for (const Place& place : places) {
     if (place.weight <= 0) continue;
-    const double variance =
-        1 / place.weight + squared(settings_.place_error / settings_.spacing);
-    const Vector slopes(1, place.x / place.weight, place.y / place.weight);
+    const double variance = varianceOf(place);
+    const Vector slopes = place.slopes();
     const double error = place.error / place.weight;
     fit.information += slopes * slopes.transpose() / variance;
     fit.gradient += slopes * error / variance;
@@ -114,22 +117,50 @@ void SpacingCheck::closeWindows(double time) {
   take(fit);
 }
 
-void SpacingCheck::take(const Fit& window) {
-  const Vector value = window.value();
-  const Matrix covariance = window.covariance() * widening();
-  last_.slope_x = value[1];
-  last_.slope_y = value[2];
-
-  // Against the calibration: what the caps and the calibration itself may be off by comes on top.
+/// Against the calibration: what the caps and the calibration itself may be off by comes on top.
+bool SpacingCheck::misfits(const Vector& value, const Matrix& covariance,
+                           SpacingReport& report) const {
+  report.slope_x = value[1];
+  report.slope_y = value[2];
   Matrix allowed = covariance;
   allowed(0, 0) += squared(settings_.common_error);
   allowed(1, 1) += squared(settings_.uneven_error);
   allowed(2, 2) += squared(settings_.uneven_error);
-  last_.position_error = shiftOf(value, covariance);
-  last_.position_sigma = std::sqrt(shiftWeights().dot(covariance.diagonal()));
-  const bool misfit = value.dot(allowed.inverse() * value) > kMisfitChi2 &&
-                      last_.position_error > settings_.most_shift;
-  misfits_ = misfit ? misfits_ + 1 : 0;
+  report.position_error = shiftOf(value, covariance);
+  report.position_sigma = std::sqrt(shiftWeights().dot(covariance.diagonal()));
+  return value.dot(allowed.inverse() * value) > kMisfitChi2 &&
+         report.position_error > settings_.most_shift;
+}
+
+SpacingReport SpacingCheck::whole() const {
+  SpacingReport report;
+  Place middle;
+  const Fit fit = fitOf(places_, middle);
+  const Vector value = fit.value();
+  double chi2 = 0;
+  double dof = -3;
+  for (const Place& place : places_) {
+    if (place.weight <= 0) continue;
+    const double miss = place.error / place.weight - place.slopes().dot(value);
+    chi2 += squared(miss) / varianceOf(place);
+    dof += 1;
+  }
+  if (dof < 1) return report;
+  // What is known of the scatter from few places may be too little by far.
+  const double wider = std::max(1.0, chi2 / dof) * limitFor(dof) / kChi2;
+  report.known = true;
+  report.scale = middle.error / middle.weight;
+  report.mean_error = report.scale * settings_.spacing;
+  report.sigma = settings_.spacing * std::sqrt(wider / middle.weight);
+  report.fits = !misfits(value, fit.covariance() * wider, report);
+  describe(report);
+  return report;
+}
+
+void SpacingCheck::take(const Fit& window) {
+  const Vector value = window.value();
+  const Matrix covariance = window.covariance() * widening();
+  misfits_ = misfits(value, covariance, last_) ? misfits_ + 1 : 0;
   last_.fits = misfits_ < kNeeded;
 
   bool differs = false;
@@ -160,11 +191,12 @@ void SpacingCheck::describe(SpacingReport& report) const {
         1e3 * report.shift, 100 * report.scale, 100 * report.slope_x, 100 * report.slope_y);
   } else if (!report.fits) {
     report.text = fmt::format(
-        "the calibration does not fit: circles are {:.2f} mm apart, known {:.2f}, positions are "
-        "off by about {:.1f} mm (rms): was the camera moved, or the caps changed? calibrate it "
-        "again (lab calibrate camera)",
+        "the calibration does not fit: circles are {:.2f} mm apart, known {:.2f}, and that changes "
+        "by {:+.2f} and {:+.2f} %/m along x and y: positions are off by about {:.1f} mm (rms): was "
+        "the camera moved, tilted or zoomed, are R or cx and cy wrong, or the caps others? "
+        "calibrate it again (lab calibrate camera)",
         1e3 * (settings_.spacing + report.mean_error), 1e3 * settings_.spacing,
-        1e3 * report.position_error);
+        100 * report.slope_x, 100 * report.slope_y, 1e3 * report.position_error);
   }
 }
 

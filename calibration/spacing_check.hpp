@@ -67,6 +67,11 @@ class SpacingCheck {
 
   [[nodiscard]] SpacingReport report(double time);
 
+  /// What all that was added says, as one window, of a recording: `window` must be longer than it
+  /// is. Errors are widened by the scatter of places about the fit, so that a codec's, which stay
+  /// from frame to frame, are no slope; with three places or fewer nothing is known.
+  [[nodiscard]] SpacingReport whole() const;
+
  private:
   using Vector = Eigen::Vector3d;  // scale, slope along x, slope along y
   using Matrix = Eigen::Matrix3d;
@@ -76,6 +81,7 @@ class SpacingCheck {
     double error = 0;   // weighted sums: of relative errors, and of where they were taken
     double x = 0;
     double y = 0;
+    [[nodiscard]] Vector slopes() const { return {1, x / weight, y / weight}; }
   };
   struct Fit {
     Matrix information = Matrix::Zero();
@@ -87,7 +93,10 @@ class SpacingCheck {
   void closeWindows(double time);
   void take(const Fit& window);
   [[nodiscard]] Fit fitOf(const std::vector<Place>& places, Place& middle) const;
+  [[nodiscard]] double varianceOf(const Place& place) const;
   [[nodiscard]] double widening() const;
+  [[nodiscard]] bool misfits(const Vector& value, const Matrix& covariance,
+                             SpacingReport& report) const;
   [[nodiscard]] Vector shiftWeights() const;
   [[nodiscard]] double shiftOf(const Vector& change, const Matrix& covariance) const;
   void describe(SpacingReport& report) const;

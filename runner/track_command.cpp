@@ -6,6 +6,7 @@
 #include <csignal>
 #include <cstring>
 #include <fstream>
+#include <limits>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -20,6 +21,7 @@
 #include "runner/film_overlay.hpp"
 #include "runner/film_progress.hpp"
 #include "runner/named_files.hpp"
+#include "tracker_svc/cap_spacings.hpp"
 #include "tracker_svc/film_tracking.hpp"
 
 namespace lab::runner {
@@ -156,6 +158,49 @@ std::unique_ptr<FilmOverlay> openOverlay(const TrackOptions& options,
        .cap = calibration.cap});
 }
 
+/// A film is judged as a whole.
+calibration::SpacingCheck spacingCheck(const CameraCalibration& calibration) {
+  calibration::SpacingSettings settings = tracker::spacingSettings(calibration);
+  settings.window = std::numeric_limits<double>::infinity();
+  return calibration::SpacingCheck(settings);
+}
+
+/// Robots whose axis is farther beyond a wall than a robot is wide: no wall lets them.
+struct Beyond {
+  std::int64_t poses = 0;
+  double farthest = 0;  ///< [m] behind the wall
+
+  void add(const detector::Detection& pose, const CameraCalibration& calibration) {
+    const double out = std::max({-pose.x, pose.x - calibration.arena_width, -pose.y,
+                                 pose.y - calibration.arena_height});
+    if (out <= calibration.cap.robot_radius) return;
+    ++poses;
+    farthest = std::max(farthest, out);
+  }
+};
+
+/// What the poses themselves say against the calibration.
+void tellCalibration(const FilmSummary& film, const CameraCalibration& calibration,
+                     const calibration::SpacingReport& spacing, const Beyond& beyond) {
+  const double expected = calibration.cap.spacing();
+  if (!spacing.fits) {
+    fmt::print("warning  {}\n", spacing.text);
+  } else if (film.spacing > 0 && std::abs(film.spacing / expected - 1) > kSpacingTolerance) {
+    fmt::print(
+        "warning  the circles of a cap are {:.4f} cm apart, the calibration says {:.4f} cm: was "
+        "the camera moved, or its zoom? Calibrate it again (docs/calibration.md)\n",
+        film.spacing * kCm, expected * kCm);
+  }
+  if (beyond.poses > 0) {
+    fmt::print(
+        "warning  {:.1f} % of the poses are outside the arena of {:g} x {:g} cm, by up to {:.1f} "
+        "cm: is the calibration of this camera where it was, and of this arena (size, corner, "
+        "axes)?\n",
+        kPercents * static_cast<double>(beyond.poses) / static_cast<double>(film.rows),
+        calibration.arena_width * kCm, calibration.arena_height * kCm, beyond.farthest * kCm);
+  }
+}
+
 void tell(const FilmSummary& film, const CameraCalibration& calibration, std::int64_t dropped,
           double seconds) {
   fmt::print(
@@ -176,12 +221,6 @@ void tell(const FilmSummary& film, const CameraCalibration& calibration, std::in
   if (film.rows == 0) {
     fmt::print("note     no robot was found; --overlay NAME.png shows what was refused and why\n");
   }
-  if (std::abs(off) > kSpacingTolerance) {
-    fmt::print(
-        "warning  the circles of a cap are {:.4f} cm apart, the calibration says {:.4f} cm: was "
-        "the camera moved, or its zoom? Calibrate it again (docs/calibration.md)\n",
-        film.spacing * kCm, expected * kCm);
-  }
 }
 
 /// One film from its first frame to its last.
@@ -198,6 +237,7 @@ class Film {
         finds_response_(!calibration.imaging || !calibration.imaging->gamma),
         caps_(trackerSettings(calibration), {}),
         tracking_(detector_, caps_, options.robots),
+        spacing_(spacingCheck(calibration)),
         poses_(options.out, options.force),
         overlay_(openOverlay(options, calibration, reader.format().fps)) {}
 
@@ -228,6 +268,7 @@ class Film {
     poses_.finish();
     draw([&] { overlay_->finish(); });
     tell(tracking_.summary(), calibration_, reader_.dropped(), seconds);
+    tellCalibration(tracking_.summary(), calibration_, spacing_.whole(), beyond_);
     if (!(reader_.format().fps > 0) && tracking_.summary().frames > 1) {
       fmt::print(
           "note     the pictures do not say their times, and were taken for {:.0f} a second: "
@@ -291,6 +332,10 @@ class Film {
     const std::vector<FilmRow>& rows =
         tracking_.take(frame.number, time, frame.grey, drawn ? &rejected_ : nullptr);
     poses_.write(rows);
+    for (const FilmRow& row : rows) {
+      beyond_.add(row.pose, calibration_);
+      tracker::addSpacing(spacing_, time, row.pose, calibration_.cap.spacing());
+    }
     draw([&] { overlay_->add({frame.number, time, frame.grey, rows, rejected_}); });
   }
 
@@ -315,6 +360,8 @@ class Film {
   std::optional<std::int64_t> told_from_;   ///< frame; those before were read with another one
   tracker::CapTracker caps_;
   tracker::FilmTracking tracking_;
+  calibration::SpacingCheck spacing_;
+  Beyond beyond_;
   PoseWriter poses_;
   std::unique_ptr<FilmOverlay> overlay_;
   std::string no_overlay_;  ///< why there is none though one was asked for

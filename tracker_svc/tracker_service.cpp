@@ -15,6 +15,7 @@
 #include "common/units.hpp"
 #include "detector/scale_map.hpp"
 #include "optics/simulated_camera.hpp"
+#include "tracker_svc/cap_spacings.hpp"
 
 namespace lab::tracker {
 namespace {
@@ -24,7 +25,6 @@ constexpr std::int64_t kSearchEvery_us = 1'000'000;
 constexpr std::int64_t kOtherTracker_us = 2'000'000;
 constexpr std::int64_t kListen_us = 300'000;
 constexpr double kWhite = 255;       // [DN]
-constexpr double kLeastSigma = 1e-6; // [m] of a spacing, against a division by nothing
 
 CameraCalibration calibrationInForce(const ServiceContext& context) {
   const Experiment& experiment = context.experiment;
@@ -85,16 +85,6 @@ cap_detail_t toDetail(const Track& track) {
   detail.u = static_cast<float>(track.pose.middle.x);
   detail.v = static_cast<float>(track.pose.middle.y);
   return detail;
-}
-
-calibration::SpacingSettings spacingSettings(const CameraCalibration& calibration) {
-  calibration::SpacingSettings settings;
-  settings.spacing = calibration.cap.spacing();
-  settings.arena_width = calibration.arena_width;
-  settings.arena_height = calibration.arena_height;
-  settings.camera_height =
-      optics::CameraModel(calibration.camera).centre()[2] - calibration.cap.height;
-  return settings;
 }
 
 std::int8_t originOf(const Camera& camera) {
@@ -252,11 +242,7 @@ const std::vector<Track>& TrackerService::track(const optics::GreyView& picture,
   for (const Track& one : tracks) {
     if (!one.seen) continue;
     ++seen;
-    if (one.pose.spacing <= 0 || (one.pose.used & detector::kUsedEdge) != 0) continue;
-    const double turn = std::sqrt(std::max(0.0, one.pose.covariance[5]));
-    const double sigma = std::max(turn * calibration_.cap.spacing(), kLeastSigma);
-    ++status_.spacings;
-    spacing_.add(time, one.pose.x, one.pose.y, one.pose.spacing, sigma);
+    if (addSpacing(spacing_, time, one.pose, calibration_.cap.spacing())) ++status_.spacings;
   }
   all_seen_ = seen >= robots_ && seen == tracks.size();
   blind_.add(time, exposure, seen > 0 || robots_ == 0);

@@ -158,5 +158,49 @@ TEST(SpacingCheck, ReportsBeforeTheFirstWindowIsFull) {
   EXPECT_TRUE(report.fits);
 }
 
+/// A film of robots at rest, each at another place, whose error stays from frame to frame.
+SpacingReport filmOf(int robots, const Error& error, double stays, double sigma) {
+  SpacingSettings settings;
+  settings.window = std::numeric_limits<double>::infinity();
+  SpacingCheck check(settings);
+  Random random(7, 1);
+  for (int i = 0; i < robots; ++i) {
+    const double x = 0.1 + 0.2 * (i % 6);
+    const double y = 0.1 + 0.2 * (i / 6);
+    const double its = stays * random.normal();
+    for (int k = 0; k < 30; ++k) {
+      check.add(k / 30.0, x, y, kSpacing * (1 + error(0, x - 0.6, y - 0.45)) + its, sigma);
+    }
+  }
+  return check.whole();
+}
+
+TEST(SpacingCheck, SeesInAShortFilmThatTheCalibrationIsTilted) {
+  constexpr double kTilt = 0.5 * std::numbers::pi / 180;
+  const Error tilts = [](double, double, double y) { return 1.5 * kTilt / 1.67 * y; };
+
+  const SpacingReport report = filmOf(24, tilts, 20e-6, kSigma);
+
+  EXPECT_FALSE(report.fits);
+  EXPECT_NEAR(report.position_error, 1.67 * kTilt, 2e-3);
+  EXPECT_NEAR(report.slope_y, 1.5 * kTilt / 1.67, 1e-3);
+  EXPECT_LT(std::abs(report.scale), 1e-3) << "the mean says nothing";
+  EXPECT_THAT(report.text, HasSubstr("the calibration does not fit"));
+}
+
+TEST(SpacingCheck, TakesErrorsOfACodecForNoTilt) {
+  const SpacingReport report = filmOf(24, none, 0.2e-3, kSigma);
+
+  EXPECT_TRUE(report.known);
+  EXPECT_TRUE(report.fits) << report.text;
+  EXPECT_THAT(report.text, IsEmpty());
+}
+
+TEST(SpacingCheck, KnowsNothingOfAFilmFromThreePlaces) {
+  const Error off = [](double, double x, double) { return 0.1 * x; };
+  EXPECT_FALSE(filmOf(3, off, 0, kSigma).known);
+  EXPECT_TRUE(filmOf(3, off, 0, kSigma).fits);
+}
+
 }  // namespace
 }  // namespace lab::calibration

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -155,6 +156,53 @@ TEST_F(TrackCommand, GivesARobotThatIsPutInWhereAnotherWasTakenOutAnIdOfItsOwn) 
   EXPECT_EQ(track(options_), kDone);
 
   EXPECT_THAT(textOf(options_.out), AllOf(HasSubstr("\n5,1,"), HasSubstr("\n10,2,")));
+}
+
+/// The camera of a calibration, turned about its own x axis.
+optics::CameraParameters tilted(optics::CameraParameters camera, double angle) {
+  const double c = std::cos(angle);
+  const double s = std::sin(angle);
+  const auto turn = [&](double& y, double& z) {
+    const double before = y;
+    y = c * before - s * z;
+    z = s * before + c * z;
+  };
+  for (std::size_t k = 0; k < 3; ++k) turn(camera.rotation[3 + k], camera.rotation[6 + k]);
+  turn(camera.translation[1], camera.translation[2]);
+  return camera;
+}
+
+TEST_F(TrackCommand, WarnsOfACalibrationThatPosesSpeakAgainst) {
+  fs::create_directory(folder_ / "many");
+  std::vector<sim::PaintedRobot> robots;
+  for (int i = 0; i < 20; ++i) {
+    robots.push_back({0.12 + 0.24 * (i % 5), 0.1 + 0.23 * (i / 5), 1.0 * i});
+  }
+  PaintedFilm film;
+  for (int k = 0; k < 2; ++k) {
+    writePng(folder_ / fmt::format("many/f{:04}.png", k), film.paint(robots, k));
+  }
+  options_.source = (folder_ / "many").string();
+  options_.force = true;
+  const auto said = [&](const CameraCalibration& calibration) {
+    write("camera.json", cameraFileText(calibration));
+    testing::internal::CaptureStdout();
+    EXPECT_EQ(track(options_), kDone);
+    return testing::internal::GetCapturedStdout();
+  };
+  CameraCalibration good;
+  good.camera = PaintedFilm::settings().camera;
+  EXPECT_THAT(said(good), testing::Not(HasSubstr("warning")));
+
+  CameraCalibration tilt = good;
+  tilt.camera = tilted(good.camera, 0.02);
+  EXPECT_THAT(said(tilt), AllOf(HasSubstr("warning  the calibration does not fit"),
+                                HasSubstr("%/m along x and y"), Not(HasSubstr("outside"))));
+
+  CameraCalibration small = good;
+  small.arena_width = 0.6;
+  EXPECT_THAT(said(small), HasSubstr("warning  40.0 % of the poses are outside the arena of 60 x "
+                                     "90 cm, by up to 48.0 cm"));
 }
 
 TEST_F(TrackCommand, TakesEverySecondPictureWhenToldTo) {

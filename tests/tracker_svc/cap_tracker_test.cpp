@@ -90,7 +90,8 @@ TEST(CapTracker, DegradedPosesTellNothingOfMotion) {
 }
 
 /// The number of a cap that drives along x, is hidden in pictures, and is then seen at `back`.
-std::int64_t numberAfter(bool strangers, double speed, double hidden, double back, double fps = 30) {
+std::int64_t numberAfter(bool strangers, double speed, double hidden, double back,
+                         double fps = 30) {
   TrackerSettings settings;
   settings.strangers = strangers;
   CapTracker dut(settings, {});

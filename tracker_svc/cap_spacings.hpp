@@ -1,0 +1,19 @@
+/// What the caps that the tracker sees say of the camera's calibration, live and in films.
+#pragma once
+
+#include "calibration/spacing_check.hpp"
+#include "common/camera_file.hpp"
+#include "detector/detector.hpp"
+
+namespace lab::tracker {
+
+[[nodiscard]] calibration::SpacingSettings spacingSettings(const CameraCalibration& calibration);
+
+/// Takes the distance of a cap's two circles, unless one was not seen or a light edge crosses it.
+/// @param time [s]
+/// @param spacing [m] that is known
+/// @return whether it was taken
+bool addSpacing(calibration::SpacingCheck& check, double time, const detector::Detection& cap,
+                double spacing);
+
+}  // namespace lab::tracker
