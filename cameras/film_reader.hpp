@@ -36,6 +36,9 @@ class FilmReader {
   /// Size, kind of pixels, and rate: the median one, 0 where the times are not known but assumed.
   [[nodiscard]] virtual CameraFormat format() const = 0;
 
+  /// What in the recording says its times: "the movie", "frames.csv"; empty: they are assumed.
+  [[nodiscard]] virtual std::string clock() const = 0;
+
   /// Frames that the recording skips, as far as next() has come.
   [[nodiscard]] virtual std::int64_t dropped() const = 0;
 

@@ -110,6 +110,7 @@ class MovieReader final : public FilmReader {
     format.compressed = facts_.compressed;
     return format;
   }
+  [[nodiscard]] std::string clock() const override { return "the movie"; }
   [[nodiscard]] std::int64_t dropped() const override { return 0; }
   [[nodiscard]] std::string problem() const override { return problem_; }
 

@@ -25,6 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kMostDigits = 15;
+constexpr const char* kTable = "frames.csv";
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";  // as spreadsheets begin their tables
 constexpr const char* kBlanks = " \t\r";
 constexpr std::array<const char*, 8> kEndings = {".png", ".jpg", ".jpeg", ".bmp",
@@ -227,7 +228,7 @@ class FrameTable {
 
 /// @return the median step [us], 0: no times
 std::int64_t addTimes(std::vector<PictureFile>& pictures) {
-  const fs::path table = pictures.front().path.parent_path() / "frames.csv";
+  const fs::path table = pictures.front().path.parent_path() / kTable;
   std::error_code error;
   if (!fs::exists(table, error)) return 0;
   const FrameTable times(table);
@@ -311,6 +312,9 @@ class PictureReader final : public FilmReader {
     return static_cast<std::int64_t>(pictures_.size());
   }
   [[nodiscard]] CameraFormat format() const override { return format_; }
+  [[nodiscard]] std::string clock() const override {
+    return pictures_.front().utime ? kTable : "";
+  }
   [[nodiscard]] std::int64_t dropped() const override { return dropped_; }
   [[nodiscard]] std::string problem() const override {
     if (bad_ <= 1) return problem_;

@@ -374,6 +374,11 @@ ExitCode track(const TrackOptions& options) {
   refuseSameFiles(options);
   const CameraCalibration calibration = readCameraFile(options.calibration);
   const std::unique_ptr<FilmReader> reader = openFilm(options.source, options.fps);
+  if (const std::string clock = reader->clock(); options.fps > 0 && !clock.empty()) {
+    throw UserError(fmt::format(
+        "{}: found --fps beside the times of {}, expected one of them: leave out --fps",
+        options.source, clock));
+  }
   const CameraFormat format = reader->format();
   if (format.width > 0) checkSize(options, calibration, format.width, format.height);
   return Film(options, calibration, *reader).track();

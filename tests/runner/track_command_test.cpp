@@ -229,6 +229,17 @@ TEST_F(TrackCommand, SaysWhereTimesComeFromIfNobodyKnowsThem) {
   EXPECT_THAT(textOf(options_.out), HasSubstr(",2.000000\n"));
 }
 
+TEST_F(TrackCommand, RefusesFpsBesideTimesThatAreKnown) {
+  write("film/frames.csv", "frame,t_s\n0,0\n1,0.5\n2,1\n3,1.5\n4,2\n");
+  options_.fps = 10;
+  EXPECT_THAT(problem(), HasSubstr("found --fps beside the times of frames.csv"));
+  EXPECT_FALSE(fs::exists(options_.out));
+
+  if (!isInstalled("ffmpeg")) GTEST_SKIP() << "ffmpeg is not installed";
+  options_.source = movie().string();
+  EXPECT_THAT(problem(), HasSubstr("whole.avi: found --fps beside the times of the movie"));
+}
+
 TEST_F(TrackCommand, ReplacesNothingUnasked) {
   write("poses.csv", "precious");
 
