@@ -39,6 +39,11 @@ class FilmReader {
   /// What in the recording says its times: "the movie", "frames.csv"; empty: they are assumed.
   [[nodiscard]] virtual std::string clock() const = 0;
 
+  /// By what mark players turn or mirror its pictures ("rotation 90", "EXIF orientation 6"), as
+  /// phones leave it; empty: none, or not known. Frames come as they are stored. Asks ffprobe of
+  /// JPEG pictures: not for every frame.
+  [[nodiscard]] virtual std::string mark() const = 0;
+
   /// Frames that the recording skips, as far as next() has come.
   [[nodiscard]] virtual std::int64_t dropped() const = 0;
 

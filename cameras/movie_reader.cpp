@@ -111,6 +111,9 @@ class MovieReader final : public FilmReader {
     return format;
   }
   [[nodiscard]] std::string clock() const override { return "the movie"; }
+  [[nodiscard]] std::string mark() const override {
+    return facts_.rotation == 0 ? "" : "rotation " + std::to_string(facts_.rotation);
+  }
   [[nodiscard]] std::int64_t dropped() const override { return 0; }
   [[nodiscard]] std::string problem() const override { return problem_; }
 
@@ -199,7 +202,8 @@ MovieFacts movieFacts(const std::string& source, bool packets) {
       "-of",
       "json=compact=1",
       "-show_entries",
-      std::string("stream=codec_name,pix_fmt,width,height,avg_frame_rate,nb_frames") +
+      std::string("stream=codec_name,pix_fmt,width,height,avg_frame_rate,nb_frames"
+                  ":stream_side_data=rotation") +
           (packets ? ":packet=pts_time,dts_time,flags" : "")};
   for (const std::string& word : inputOf(source)) command.push_back(word);
   ChildProcess probe(command, source + ": movies are read by", "ffmpeg");
@@ -224,6 +228,9 @@ MovieFacts movieFacts(const std::string& source, bool packets) {
   found.compressed = !losesNothing(codec);
   found.grey = pixels.starts_with("gray");
   found.claimed = std::atoll(textOf(stream, "nb_frames").c_str());
+  for (const json& side : stream.value("side_data_list", json::array())) {
+    found.rotation = side.value("rotation", found.rotation);
+  }
   if (packets) {
     const json listed = facts.value("packets", json::array());
     found.utimes = timesOf(listed);

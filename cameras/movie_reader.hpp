@@ -17,6 +17,7 @@ struct MovieFacts {
   std::string pixels;                ///< "gray (ffv1)"
   bool compressed = false;           ///< as CameraFormat has it
   bool grey = false;                 ///< one channel: needs no mixing
+  int rotation = 0;                  ///< [deg] by which players turn it
   std::int64_t claimed = 0;          ///< frames by the file's own header, 0: it does not say
   std::int64_t never_shown = 0;      ///< of them, as in a film that was cut without decoding it
   std::vector<std::int64_t> utimes;  ///< [us] of each frame since the first, in order

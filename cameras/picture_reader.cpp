@@ -16,6 +16,7 @@
 #include <string_view>
 #include <utility>
 
+#include "cameras/child_process.hpp"
 #include "cameras/grey.hpp"
 #include "cameras/stb_pixels.hpp"
 
@@ -280,6 +281,21 @@ Decoded decode(const fs::path& path) {
   return result;
 }
 
+/// By what a JPEG is to be turned or mirrored; 1 is upright.
+std::string markOf(const fs::path& picture) {
+  if (!endingOf(picture).starts_with(".jp")) return "";
+  try {
+    ChildProcess probe({"ffprobe", "-v", "error", "-of", "csv=p=0", "-show_entries",
+                        "frame_tags=Orientation", "-i", "file:" + picture.string()},
+                       picture.string() + ": its orientation is read by", "ffmpeg");
+    const int orientation = std::atoi(probe.readAll().c_str());
+    static_cast<void>(probe.finish());
+    return orientation > 1 ? "EXIF orientation " + std::to_string(orientation) : "";
+  } catch (const CameraError&) {
+    return "";  // without ffprobe it is not known; pictures need no ffmpeg
+  }
+}
+
 class PictureReader final : public FilmReader {
  public:
   PictureReader(const std::string& source, double fps) : pictures_(findPictures(source)) {
@@ -315,6 +331,7 @@ class PictureReader final : public FilmReader {
   [[nodiscard]] std::string clock() const override {
     return pictures_.front().utime ? kTable : "";
   }
+  [[nodiscard]] std::string mark() const override { return markOf(pictures_.front().path); }
   [[nodiscard]] std::int64_t dropped() const override { return dropped_; }
   [[nodiscard]] std::string problem() const override {
     if (bad_ <= 1) return problem_;

@@ -123,16 +123,19 @@ void refuseSameFiles(const TrackOptions& options) {
 }
 
 /// A calibration holds for pictures of one size only.
-void checkSize(const TrackOptions& options, const CameraCalibration& calibration, int width,
-               int height) {
+void checkSize(const TrackOptions& options, const CameraCalibration& calibration,
+               const FilmReader& reader, int width, int height) {
   const optics::CameraParameters& camera = calibration.camera;
   if (width == camera.width && height == camera.height) return;
   // Smaller ones made larger have blur and noise that no camera has.
   const bool shrinks = width > camera.width && width * camera.height == height * camera.width;
+  const std::string mark = reader.mark();
   throw UserError(fmt::format(
-      "{}: found pictures of {} x {} px, expected {} x {} px as in {}; calibrate the camera at the "
-      "size of the film{}",
-      options.source, width, height, camera.width, camera.height, options.calibration.string(),
+      "{}: found pictures of {} x {} px{}, expected {} x {} px as in {}; calibrate the camera at "
+      "the size of the film{}",
+      options.source, width, height,
+      mark.empty() ? "" : fmt::format(" (as they are stored; players turn them, by {})", mark),
+      camera.width, camera.height, options.calibration.string(),
       shrinks ? fmt::format(", or convert the film: ffmpeg -i FILM -vf scale={}:{} ...",
                                camera.width, camera.height)
                  : ""));
@@ -275,6 +278,12 @@ class Film {
           "--fps, or frames.csv beside them (docs/cameras.md)\n",
           kAssumedFps);
     }
+    if (const std::string mark = reader_.mark(); !mark.empty()) {
+      fmt::print(
+          "note     players turn these pictures ({}), here they are taken as they are stored: is the "
+          "calibration of such? (docs/cameras.md)\n",
+          mark);
+    }
     if (finds_response_) {
       tellResponse();
     } else if (tracking_.summary().rows == 0) {
@@ -324,7 +333,7 @@ class Film {
 
   void take(const CameraFrame& frame) {
     constexpr double kMicro = 1e-6;
-    checkSize(options_, calibration_, frame.grey.width, frame.grey.height);
+    checkSize(options_, calibration_, reader_, frame.grey.width, frame.grey.height);
     findResponse(frame);
     const double time = static_cast<double>(frame.utime) * kMicro;
     const bool drawn = overlay_ && overlay_->wantsNext();
@@ -380,7 +389,7 @@ ExitCode track(const TrackOptions& options) {
         options.source, clock));
   }
   const CameraFormat format = reader->format();
-  if (format.width > 0) checkSize(options, calibration, format.width, format.height);
+  if (format.width > 0) checkSize(options, calibration, *reader, format.width, format.height);
   return Film(options, calibration, *reader).track();
 }
 

@@ -9,6 +9,7 @@
 #include <fstream>
 #include <memory>
 #include <sstream>
+#include <string_view>
 
 #include "../common/temporary_folder.hpp"
 #include "../tracker_svc/painted_film.hpp"
@@ -282,6 +283,51 @@ TEST_F(TrackCommand, NamesBothSizesWhereTheCalibrationIsOfAnother) {
   EXPECT_THAT(said, HasSubstr("1280 x 960"));
   EXPECT_THAT(said, HasSubstr("other.json"));
   EXPECT_FALSE(fs::exists(options_.out));
+}
+
+TEST_F(TrackCommand, SaysThatPlayersTurnAMovie) {
+  if (!isInstalled("ffmpeg")) GTEST_SKIP() << "ffmpeg is not installed";
+  const fs::path turned = folder_ / "turned.mov";
+  const std::string command = "ffmpeg -v error -i '" + movie().string() +
+                              "' -c:v png '" + turned.string() + ".mov' && ffmpeg -v error -i '" +
+                              turned.string() + ".mov' -c copy -metadata:s:v rotate=90 '" +
+                              turned.string() + "'";  // only copied is it kept
+  ASSERT_EQ(std::system(command.c_str()), 0);
+  options_.source = turned.string();
+  testing::internal::CaptureStdout();
+  EXPECT_EQ(track(options_), kDone);
+  EXPECT_THAT(testing::internal::GetCapturedStdout(),
+              AllOf(HasSubstr("players turn these pictures (rotation "), HasSubstr("90)")));
+
+  options_.calibration = folder_ / "other.json";
+  options_.force = true;
+  EXPECT_THAT(problem(), HasSubstr("640 x 480 px (as they are stored; players turn them, by rot"));
+}
+
+TEST_F(TrackCommand, SaysThatPlayersTurnPictures) {
+  if (!isInstalled("ffmpeg")) GTEST_SKIP() << "ffmpeg is not installed";
+  fs::create_directory(folder_ / "phone");
+  const fs::path plain = folder_ / "plain.jpg";
+  const std::string command =
+      "ffmpeg -v error -i '" + options_.source + "/f0000.png' -q:v 2 '" + plain.string() + "'";
+  ASSERT_EQ(std::system(command.c_str()), 0);
+  options_.source = plain.string();
+  testing::internal::CaptureStdout();
+  EXPECT_EQ(track(options_), kDone);
+  EXPECT_THAT(testing::internal::GetCapturedStdout(), testing::Not(HasSubstr("turn")));
+
+  // One tag, Orientation (0x0112) = 6, in a block of its own behind the first two bytes.
+  constexpr std::string_view kExif{
+      "\xFF\xE1\0\x22" "Exif\0\0" "MM\0*\0\0\0\x08" "\0\x01"
+      "\x01\x12\0\x03\0\0\0\x01\0\x06\0\0" "\0\0\0\0", 36};
+  const std::string bytes = textOf(plain);
+  write("phone/f0.jpg", bytes.substr(0, 2) + std::string(kExif) + bytes.substr(2));
+  options_.source = (folder_ / "phone").string();
+  options_.force = true;
+  testing::internal::CaptureStdout();
+  EXPECT_EQ(track(options_), kDone);
+  EXPECT_THAT(testing::internal::GetCapturedStdout(),
+              HasSubstr("players turn these pictures (EXIF orientation 6)"));
 }
 
 TEST_F(TrackCommand, SaysWhatIsMissing) {
