@@ -47,6 +47,22 @@ bool isPattern(const std::string& source) {
   return source.find_first_of("*?[") != std::string::npos;
 }
 
+/// What else is there that people call pictures: " but 8 .tif; ..." with a way out; empty: nothing.
+std::string othersIn(const std::string& folder) {
+  constexpr std::array kOthers{".tif", ".tiff", ".webp", ".gif", ".heic", ".jp2", ".exr"};
+  std::map<std::string, int> counts;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    if (std::ranges::find(kOthers, endingOf(entry.path())) != kOthers.end()) {
+      ++counts[endingOf(entry.path())];
+    }
+  }
+  if (counts.empty()) return "";
+  const auto most = std::ranges::max_element(counts, {}, [](const auto& one) { return one.second; });
+  return ", but " + std::to_string(most->second) + " of " + most->first +
+         "; ffmpeg makes PNG of them (ffmpeg -i f%04d" + most->first + " f%04d.png)";
+}
+
 /// "f%04d.png", as ffmpeg writes patterns, becomes "f*.png".
 std::string withoutPercent(const std::string& source) {
   static const std::regex kNumber("%0?[0-9]*d");
@@ -407,7 +423,8 @@ bool namesPictures(const std::string& source) {
 std::vector<PictureFile> findPictures(const std::string& source) {
   std::vector<fs::path> paths = listed(source);
   if (paths.empty()) {
-    throw CameraError(source + ": found no pictures (PNG, JPEG, BMP, PGM, TGA) there");
+    throw CameraError(source + ": found no pictures (PNG, JPEG, BMP, PGM, TGA) there" +
+                      othersIn(source));
   }
   std::sort(paths.begin(), paths.end(), [](const fs::path& a, const fs::path& b) {
     return naturallyBefore(a.string(), b.string());

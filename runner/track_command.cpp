@@ -122,6 +122,18 @@ void refuseSameFiles(const TrackOptions& options) {
   }
 }
 
+/// A sheet in the folder of the pictures would be one of them the next time.
+void refuseSheetAmongPictures(const TrackOptions& options) {
+  std::error_code error;
+  if (options.overlay.extension() != ".png" || !fs::is_directory(options.source, error)) return;
+  const fs::path folder = fs::absolute(options.overlay, error).parent_path();
+  if (!fs::equivalent(folder, options.source, error)) return;
+  throw UserError(fmt::format(
+      "{}: would be read as one of the pictures of {} the next time; choose another folder for "
+      "--overlay",
+      options.overlay.string(), options.source));
+}
+
 /// A calibration holds for pictures of one size only.
 void checkSize(const TrackOptions& options, const CameraCalibration& calibration,
                const FilmReader& reader, int width, int height) {
@@ -219,7 +231,10 @@ void tell(const FilmSummary& film, const CameraCalibration& calibration, std::in
   }
   fmt::print("\n");
   if (film.surplus > 0) {
-    fmt::print("note     {} more were found than there are robots, and left out\n", film.surplus);
+    fmt::print(
+        "note     {} of {} frames showed more caps than --robots says; {} poses were left out, those "
+        "of least confidence\n",
+        film.crowded, film.frames, film.surplus);
   }
   if (film.rows == 0) {
     fmt::print("note     no robot was found; --overlay NAME.png shows what was refused and why\n");
@@ -381,6 +396,7 @@ class Film {
 
 ExitCode track(const TrackOptions& options) {
   refuseSameFiles(options);
+  refuseSheetAmongPictures(options);
   const CameraCalibration calibration = readCameraFile(options.calibration);
   const std::unique_ptr<FilmReader> reader = openFilm(options.source, options.fps);
   if (const std::string clock = reader->clock(); options.fps > 0 && !clock.empty()) {

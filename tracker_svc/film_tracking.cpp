@@ -37,6 +37,7 @@ const std::vector<FilmRow>& FilmTracking::take(std::int64_t number, double time,
                        return a.quality > b.quality;
                      });
     total_.surplus += static_cast<std::int64_t>(found_.size() - most_robots_);
+    ++total_.crowded;
     found_.resize(most_robots_);
   }
   const std::vector<Track>& tracks = tracker_.update(tracker_time_, found_);

@@ -30,6 +30,7 @@ struct FilmSummary {
   std::int64_t degraded = 0;  ///< rows with a pose from one circle and the rim of the cap
   std::int64_t ids = 0;       ///< different ones
   std::int64_t surplus = 0;   ///< detections left out, as there are no more robots than were given
+  std::int64_t crowded = 0;   ///< frames in which some were
   std::int64_t fewest = 0;    ///< robots in one frame
   std::int64_t most = 0;
   double confidence = 0;      ///< [1] mean over the rows

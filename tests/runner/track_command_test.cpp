@@ -344,6 +344,21 @@ TEST_F(TrackCommand, SaysWhatIsMissing) {
   EXPECT_FALSE(fs::exists(options_.out));
 }
 
+TEST_F(TrackCommand, SaysWhichPicturesItFoundWhereItReadsNone) {
+  fs::create_directory(folder_ / "scans");
+  for (const char* name : {"scans/a1.tif", "scans/a2.TIF", "scans/notes.txt"}) write(name, "x");
+  options_.source = (folder_ / "scans").string();
+  EXPECT_THAT(problem(), AllOf(HasSubstr("found no pictures"), HasSubstr("but 2 of .tif; ffmpeg")));
+}
+
+TEST_F(TrackCommand, SaysInHowManyFramesMoreWereFoundThanThereAreRobots) {
+  options_.robots = 1;
+  testing::internal::CaptureStdout();
+  EXPECT_EQ(track(options_), kDone);
+  EXPECT_THAT(testing::internal::GetCapturedStdout(),
+              HasSubstr("5 of 5 frames showed more caps than --robots says; 10 poses were left out"));
+}
+
 TEST_F(TrackCommand, RefusesATextThatIsCalledAMovie) {
   write("notes.avi", "these are notes\n");
   options_.source = (folder_ / "notes.avi").string();
@@ -359,6 +374,15 @@ TEST_F(TrackCommand, DrawsAContactSheet) {
 
   EXPECT_EQ(textOf(options_.overlay).substr(1, 3), "PNG");
   EXPECT_THAT(problem(), HasSubstr("--force"));
+}
+
+TEST_F(TrackCommand, DrawsNoSheetAmongThePicturesThatItReads) {
+  options_.overlay = folder_ / "film/sheet.png";
+
+  EXPECT_THAT(problem(), HasSubstr("would be read as one of the pictures"));
+
+  EXPECT_FALSE(fs::exists(options_.overlay));
+  EXPECT_FALSE(fs::exists(options_.out));
 }
 
 TEST_F(TrackCommand, DrawsAFolderOfPictures) {
