@@ -58,7 +58,8 @@ std::string othersIn(const std::string& folder) {
     }
   }
   if (counts.empty()) return "";
-  const auto most = std::ranges::max_element(counts, {}, [](const auto& one) { return one.second; });
+  const auto most =
+      std::ranges::max_element(counts, {}, [](const auto& one) { return one.second; });
   return ", but " + std::to_string(most->second) + " of " + most->first +
          "; ffmpeg makes PNG of them (ffmpeg -i f%04d" + most->first + " f%04d.png)";
 }

@@ -6,7 +6,6 @@
 #include <csignal>
 #include <cstring>
 #include <fstream>
-#include <limits>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -20,21 +19,15 @@
 #include "runner/commands.hpp"
 #include "runner/film_overlay.hpp"
 #include "runner/film_progress.hpp"
+#include "runner/film_verdict.hpp"
 #include "runner/named_files.hpp"
-#include "tracker_svc/cap_spacings.hpp"
 #include "tracker_svc/film_tracking.hpp"
 
 namespace lab::runner {
 namespace {
 
-using units::kCm;
-using units::kPercents;
-
 namespace fs = std::filesystem;
 using tracker::FilmRow;
-using tracker::FilmSummary;
-
-constexpr double kSpacingTolerance = 0.005;  // share by which circles may be off before it is said
 
 volatile std::sig_atomic_t tracking_interrupted = 0;
 
@@ -173,74 +166,6 @@ std::unique_ptr<FilmOverlay> openOverlay(const TrackOptions& options,
        .cap = calibration.cap});
 }
 
-/// A film is judged as a whole.
-calibration::SpacingCheck spacingCheck(const CameraCalibration& calibration) {
-  calibration::SpacingSettings settings = tracker::spacingSettings(calibration);
-  settings.window = std::numeric_limits<double>::infinity();
-  return calibration::SpacingCheck(settings);
-}
-
-/// Robots whose axis is farther beyond a wall than a robot is wide: no wall lets them.
-struct Beyond {
-  std::int64_t poses = 0;
-  double farthest = 0;  ///< [m] behind the wall
-
-  void add(const detector::Detection& pose, const CameraCalibration& calibration) {
-    const double out = std::max({-pose.x, pose.x - calibration.arena_width, -pose.y,
-                                 pose.y - calibration.arena_height});
-    if (out <= calibration.cap.robot_radius) return;
-    ++poses;
-    farthest = std::max(farthest, out);
-  }
-};
-
-/// What the poses themselves say against the calibration.
-void tellCalibration(const FilmSummary& film, const CameraCalibration& calibration,
-                     const calibration::SpacingReport& spacing, const Beyond& beyond) {
-  const double expected = calibration.cap.spacing();
-  if (!spacing.fits) {
-    fmt::print("warning  {}\n", spacing.text);
-  } else if (film.spacing > 0 && std::abs(film.spacing / expected - 1) > kSpacingTolerance) {
-    fmt::print(
-        "warning  the circles of a cap are {:.4f} cm apart, the calibration says {:.4f} cm: was "
-        "the camera moved, or its zoom? Calibrate it again (docs/calibration.md)\n",
-        film.spacing * kCm, expected * kCm);
-  }
-  if (beyond.poses > 0) {
-    fmt::print(
-        "warning  {:.1f} % of the poses are outside the arena of {:g} x {:g} cm, by up to {:.1f} "
-        "cm: is the calibration of this camera where it was, and of this arena (size, corner, "
-        "axes)?\n",
-        kPercents * static_cast<double>(beyond.poses) / static_cast<double>(film.rows),
-        calibration.arena_width * kCm, calibration.arena_height * kCm, beyond.farthest * kCm);
-  }
-}
-
-void tell(const FilmSummary& film, const CameraCalibration& calibration, std::int64_t dropped,
-          double seconds) {
-  fmt::print(
-      "{} frames ({} dropped), {} to {} robots in each, {} tracks, {} poses ({} degraded), "
-      "mean confidence {:.2f}, {:.0f} frames a second",
-      film.frames, dropped, film.fewest, film.most, film.ids, film.rows, film.degraded,
-      film.confidence, static_cast<double>(film.frames) / std::max(seconds, 1e-9));
-  const double expected = calibration.cap.spacing();
-  const double off = film.spacing > 0 ? film.spacing / expected - 1 : 0;
-  if (film.spacing > 0) {
-    fmt::print(", circles {:.4f} cm apart ({:+.2f} %, spread {:.2f} %)", film.spacing * kCm,
-               off * kPercents, film.spacing_spread / expected * kPercents);
-  }
-  fmt::print("\n");
-  if (film.surplus > 0) {
-    fmt::print(
-        "note     {} of {} frames showed more caps than --robots says; {} poses were left out, those "
-        "of least confidence\n",
-        film.crowded, film.frames, film.surplus);
-  }
-  if (film.rows == 0) {
-    fmt::print("note     no robot was found; --overlay NAME.png shows what was refused and why\n");
-  }
-}
-
 /// One film from its first frame to its last.
 class Film {
  public:
@@ -255,7 +180,7 @@ class Film {
         finds_response_(!calibration.imaging || !calibration.imaging->gamma),
         caps_(trackerSettings(calibration), {}),
         tracking_(detector_, caps_, options.robots),
-        spacing_(spacingCheck(calibration)),
+        verdict_(calibration),
         poses_(options.out, options.force),
         overlay_(openOverlay(options, calibration, reader.format().fps)) {}
 
@@ -285,8 +210,8 @@ class Film {
     }
     poses_.finish();
     draw([&] { overlay_->finish(); });
-    tell(tracking_.summary(), calibration_, reader_.dropped(), seconds);
-    tellCalibration(tracking_.summary(), calibration_, spacing_.whole(), beyond_);
+    tellFilm(tracking_.summary(), calibration_, reader_.dropped(), seconds);
+    verdict_.tell(tracking_.summary());
     if (!(reader_.format().fps > 0) && tracking_.summary().frames > 1) {
       fmt::print(
           "note     the pictures do not say their times, and were taken for {:.0f} a second: "
@@ -295,8 +220,8 @@ class Film {
     }
     if (const std::string mark = reader_.mark(); !mark.empty()) {
       fmt::print(
-          "note     players turn these pictures ({}), here they are taken as they are stored: is the "
-          "calibration of such? (docs/cameras.md)\n",
+          "note     players turn these pictures ({}), here they are taken as they are stored: is "
+          "the calibration of such? (docs/cameras.md)\n",
           mark);
     }
     if (finds_response_) {
@@ -356,10 +281,7 @@ class Film {
     const std::vector<FilmRow>& rows =
         tracking_.take(frame.number, time, frame.grey, drawn ? &rejected_ : nullptr);
     poses_.write(rows);
-    for (const FilmRow& row : rows) {
-      beyond_.add(row.pose, calibration_);
-      tracker::addSpacing(spacing_, time, row.pose, calibration_.cap.spacing());
-    }
+    for (const FilmRow& row : rows) verdict_.add(row);
     draw([&] { overlay_->add({frame.number, time, frame.grey, rows, rejected_}); });
   }
 
@@ -384,8 +306,7 @@ class Film {
   std::optional<std::int64_t> told_from_;   ///< frame; those before were read with another one
   tracker::CapTracker caps_;
   tracker::FilmTracking tracking_;
-  calibration::SpacingCheck spacing_;
-  Beyond beyond_;
+  CalibrationVerdict verdict_;
   PoseWriter poses_;
   std::unique_ptr<FilmOverlay> overlay_;
   std::string no_overlay_;  ///< why there is none though one was asked for
