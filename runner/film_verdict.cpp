@@ -16,6 +16,7 @@ using units::kCm;
 using units::kPercents;
 
 constexpr double kSpacingTolerance = 0.005;  // share by which circles may be off before it is said
+constexpr double kSpreadTolerance = 0.008;   // share; dim or compressed films have 0.3 %
 
 /// A film is judged as a whole.
 calibration::SpacingSettings wholeFilm(const CameraCalibration& calibration) {
@@ -74,6 +75,14 @@ void CalibrationVerdict::tell(const tracker::FilmSummary& film) const {
         "warning  the circles of a cap are {:.4f} cm apart, the calibration says {:.4f} cm: was "
         "the camera moved, or its zoom? Calibrate it again (docs/calibration.md)\n",
         film.spacing * kCm, expected * kCm);
+  }
+  // Wrong by so much that no slope describes it, or seen in too few places for one.
+  if (spacing.fits && film.spacing_spread > kSpreadTolerance * expected) {
+    fmt::print(
+        "warning  the distance of the circles varies by {:.2f} %, up to 0.3 % is usual: are the "
+        "pictures turned, or R or cx and cy wrong, or are the pictures very noisy? Calibrate the "
+        "camera again (docs/calibration.md)\n",
+        film.spacing_spread / expected * kPercents);
   }
   if (beyond_ > 0) {
     fmt::print(

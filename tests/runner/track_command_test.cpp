@@ -206,6 +206,17 @@ TEST_F(TrackCommand, WarnsOfACalibrationThatPosesSpeakAgainst) {
                                      "90 cm, by up to 48.0 cm"));
 }
 
+TEST_F(TrackCommand, WarnsWhereTheSpacingVariesThoughThePlacesAreTooFewForASlope) {
+  CameraCalibration calibration;
+  calibration.camera = tilted(PaintedFilm::settings().camera, 0.1);
+  write("camera.json", cameraFileText(calibration));
+  testing::internal::CaptureStdout();
+  EXPECT_EQ(track(options_), kDone);
+  EXPECT_THAT(testing::internal::GetCapturedStdout(),
+              AllOf(HasSubstr("the distance of the circles varies by"),
+                    testing::Not(HasSubstr("does not fit"))));
+}
+
 TEST_F(TrackCommand, TakesEverySecondPictureWhenToldTo) {
   options_.every = 2;
 
