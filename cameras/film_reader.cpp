@@ -7,7 +7,7 @@ namespace lab {
 
 std::unique_ptr<FilmReader> FilmReader::open(const std::string& source, double fps) {
   return cameras::namesPictures(source) ? cameras::openPictures(source, fps)
-                                        : cameras::openMovie(source);
+                                        : cameras::openMovie(source, fps);
 }
 
 }  // namespace lab

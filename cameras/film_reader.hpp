@@ -21,7 +21,8 @@ class FilmReader {
 
   /// Opens a folder of pictures, a pattern of pictures ("dir/f*.png"), one picture, or a movie
   /// (docs/cameras.md). Movies need the programs ffmpeg and ffprobe.
-  /// @param fps [1/s] of pictures that have no times of their own, 0: kAssumedFps
+  /// @param fps [1/s] of pictures that have no times of their own, 0: kAssumedFps; of a movie
+  ///   instead of its own times, which a film in slow motion has wrong, 0: its own
   /// @throws CameraError, one line: not there, nothing in it, no movie, ffmpeg is missing.
   [[nodiscard]] static std::unique_ptr<FilmReader> open(const std::string& source, double fps = 0);
 
@@ -36,8 +37,8 @@ class FilmReader {
   /// Size, kind of pixels, and rate: the median one, 0 where the times are not known but assumed.
   [[nodiscard]] virtual CameraFormat format() const = 0;
 
-  /// What in the recording says its times: "the movie", "frames.csv"; empty: they are assumed.
-  [[nodiscard]] virtual std::string clock() const = 0;
+  /// The table that says when each picture was taken, "frames.csv"; empty: there is none.
+  [[nodiscard]] virtual std::string table() const { return ""; }
 
   /// By what mark players turn or mirror its pictures ("rotation 90", "EXIF orientation 6"), as
   /// phones leave it; empty: none, or not known. Frames come as they are stored. Asks ffprobe of

@@ -74,12 +74,18 @@ std::string shownNumber(std::int64_t count, const char* noun) {
 
 class MovieReader final : public FilmReader {
  public:
-  explicit MovieReader(std::string source)
+  MovieReader(std::string source, double fps)
       : source_(std::move(source)),
         facts_(movieFacts(source_, true)),
         decoder_(decodeCommand(source_, facts_.grey), source_ + ": movies are read by", "ffmpeg"),
         image_(facts_.width, facts_.height),
-        colour_(facts_.grey ? 0 : image_.pixels.size() * 3) {}
+        colour_(facts_.grey ? 0 : image_.pixels.size() * 3) {
+    if (!(fps > 0)) return;
+    facts_.fps = fps;
+    for (std::size_t i = 0; i < facts_.utimes.size(); ++i) {
+      facts_.utimes[i] = std::llround(static_cast<double>(i) * 1e6 / fps);
+    }
+  }
 
   [[nodiscard]] bool next(CameraFrame& frame) override {
     if (over_) return false;
@@ -110,7 +116,6 @@ class MovieReader final : public FilmReader {
     format.compressed = facts_.compressed;
     return format;
   }
-  [[nodiscard]] std::string clock() const override { return "the movie"; }
   [[nodiscard]] std::string mark() const override {
     return facts_.rotation == 0 ? "" : "rotation " + std::to_string(facts_.rotation);
   }
@@ -252,8 +257,8 @@ std::vector<std::string> decodeCommand(const std::string& source, bool grey) {
   return command;
 }
 
-std::unique_ptr<FilmReader> openMovie(const std::string& source) {
-  return std::make_unique<MovieReader>(source);
+std::unique_ptr<FilmReader> openMovie(const std::string& source, double fps) {
+  return std::make_unique<MovieReader>(source, fps);
 }
 
 }  // namespace lab::cameras

@@ -32,6 +32,7 @@ struct MovieFacts {
 [[nodiscard]] std::vector<std::string> decodeCommand(const std::string& source, bool grey);
 
 /// @throws CameraError as FilmReader::open()
-[[nodiscard]] std::unique_ptr<FilmReader> openMovie(const std::string& source);
+[[nodiscard]] std::unique_ptr<FilmReader> openMovie(const std::string& source,
+                                                    double fps);
 
 }  // namespace lab::cameras

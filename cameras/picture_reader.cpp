@@ -345,7 +345,7 @@ class PictureReader final : public FilmReader {
     return static_cast<std::int64_t>(pictures_.size());
   }
   [[nodiscard]] CameraFormat format() const override { return format_; }
-  [[nodiscard]] std::string clock() const override {
+  [[nodiscard]] std::string table() const override {
     return pictures_.front().utime ? kTable : "";
   }
   [[nodiscard]] std::string mark() const override { return markOf(pictures_.front().path); }

@@ -134,7 +134,7 @@ void addTrack(CLI::App& app, Chosen& chosen) {
       ->check(CLI::Range(1, 1'000'000))
       ->capture_default_str();
   command
-      ->add_option("--fps", options->fps, "Pictures a second, where nothing else says their times")
+      ->add_option("--fps", options->fps, "Frames a second: of pictures without frames.csv, and of a movie instead of its own")
       ->check(between(0.001, 100'000));
   command->add_option("--robots", options->robots, "How many there are: the best so many are taken")
       ->check(CLI::Range(1, 100'000));

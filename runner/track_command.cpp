@@ -218,6 +218,9 @@ class Film {
           "--fps, or frames.csv beside them (docs/cameras.md)\n",
           kAssumedFps);
     }
+    if (options_.fps > 0) {
+      fmt::print("note     times are those of {:g} frames a second, as asked for\n", options_.fps);
+    }
     if (const std::string mark = reader_.mark(); !mark.empty()) {
       fmt::print(
           "note     players turn these pictures ({}), here they are taken as they are stored: is "
@@ -320,10 +323,10 @@ ExitCode track(const TrackOptions& options) {
   refuseSheetAmongPictures(options);
   const CameraCalibration calibration = readCameraFile(options.calibration);
   const std::unique_ptr<FilmReader> reader = openFilm(options.source, options.fps);
-  if (const std::string clock = reader->clock(); options.fps > 0 && !clock.empty()) {
+  if (const std::string table = reader->table(); options.fps > 0 && !table.empty()) {
     throw UserError(fmt::format(
         "{}: found --fps beside the times of {}, expected one of them: leave out --fps",
-        options.source, clock));
+        options.source, table));
   }
   const CameraFormat format = reader->format();
   if (format.width > 0) checkSize(options, calibration, *reader, format.width, format.height);

@@ -241,15 +241,22 @@ TEST_F(TrackCommand, SaysWhereTimesComeFromIfNobodyKnowsThem) {
   EXPECT_THAT(textOf(options_.out), HasSubstr(",2.000000\n"));
 }
 
-TEST_F(TrackCommand, RefusesFpsBesideTimesThatAreKnown) {
+TEST_F(TrackCommand, RefusesFpsBesideATableOfTimes) {
   write("film/frames.csv", "frame,t_s\n0,0\n1,0.5\n2,1\n3,1.5\n4,2\n");
   options_.fps = 10;
   EXPECT_THAT(problem(), HasSubstr("found --fps beside the times of frames.csv"));
   EXPECT_FALSE(fs::exists(options_.out));
+}
 
+// A film in slow motion says how fast it is played, not how fast it was taken.
+TEST_F(TrackCommand, TakesTheRateOfAMovieFromItsUserIfAsked) {
   if (!isInstalled("ffmpeg")) GTEST_SKIP() << "ffmpeg is not installed";
   options_.source = movie().string();
-  EXPECT_THAT(problem(), HasSubstr("whole.avi: found --fps beside the times of the movie"));
+  options_.fps = 200;
+  testing::internal::CaptureStdout();
+  EXPECT_EQ(track(options_), kDone);
+  EXPECT_THAT(testing::internal::GetCapturedStdout(), HasSubstr("those of 200 frames a second"));
+  EXPECT_THAT(textOf(options_.out), HasSubstr(",0.005000\n"));
 }
 
 TEST_F(TrackCommand, ReplacesNothingUnasked) {
