@@ -6,6 +6,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <charconv>
 #include <cstdlib>
@@ -30,6 +31,47 @@ std::optional<RunningLab> read(const fs::path& file) {
     return std::nullopt;  // no registration of ours
   }
 }
+
+std::string listed(const std::vector<RunningLab>& labs, std::string RunningLab::*what) {
+  std::string all;
+  for (const RunningLab& lab : labs) all += (all.empty() ? "" : ", ") + lab.*what;
+  return all;
+}
+
+bool isFolder(const std::string& path, const RunningLab& lab) {
+  std::error_code error;
+  return !lab.directory.empty() && fs::equivalent(path, lab.directory, error) && !error;
+}
+
+/// `name`, or with a number behind it when another living runner's lab has it.
+std::string freeName(const std::string& name, int own_pid) {
+  std::vector<RunningLab> others = runningLabs();
+  // A file of our process id is what an earlier process of that id left.
+  std::erase_if(others, [&](const RunningLab& lab) { return lab.pid == own_pid; });
+  for (int number = 1;; ++number) {
+    const std::string chosen = number == 1 ? name : name + "-" + std::to_string(number);
+    if (std::ranges::find(others, chosen, &RunningLab::name) == others.end()) return chosen;
+  }
+}
+
+/// Held while a name is chosen and written: of labs that register at once each sees the other's.
+class NamesLock {
+ public:
+  NamesLock() {
+    const fs::path file = registryDirectory() / "names.lock";
+    descriptor_ = open(file.c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0600);
+    if (descriptor_ < 0 || flock(descriptor_, LOCK_EX) != 0) {
+      if (descriptor_ >= 0) close(descriptor_);
+      throw UserError("cannot write " + file.string());
+    }
+  }
+  ~NamesLock() { close(descriptor_); }
+  NamesLock(const NamesLock&) = delete;
+  NamesLock& operator=(const NamesLock&) = delete;
+
+ private:
+  int descriptor_ = -1;
+};
 
 /// A dead runner's own file: "4711.web", "4711.web.txt".
 bool isLeftOver(const fs::path& file) {
@@ -83,14 +125,21 @@ std::vector<RunningLab> runningLabs() {
 
 RunningLab findLab(const std::string& name) {
   const std::vector<RunningLab> labs = runningLabs();
-  std::string names;
-  for (const RunningLab& lab : labs) {
-    if (lab.name == name || (name.empty() && labs.size() == 1)) return lab;
-    names += (names.empty() ? "" : ", ") + lab.name;
-  }
   if (labs.empty()) throw UserError("no lab runs on this machine: start one with lab run FILE");
-  throw UserError(name.empty() ? "several labs run; say which with --lab NAME: " + names
-                               : "no lab named " + name + " runs; these do: " + names);
+  std::vector<RunningLab> meant;
+  for (const RunningLab& lab : labs) {
+    if (name.empty() || lab.name == name || isFolder(name, lab)) meant.push_back(lab);
+  }
+  if (meant.size() == 1) return meant.front();
+  if (meant.empty()) {
+    throw UserError("no lab named " + name + " runs; these do: " + listed(labs, &RunningLab::name));
+  }
+  if (name.empty()) {
+    throw UserError("several labs run; say which with --lab NAME: " +
+                    listed(meant, &RunningLab::name));
+  }
+  throw UserError("several labs are named " + name +
+                  "; say which with --lab FOLDER: " + listed(meant, &RunningLab::directory));
 }
 
 fs::path ownFile(const std::string& ending) {
@@ -119,8 +168,10 @@ PortLock::~PortLock() { close(descriptor_); }
 Registration::Registration(const RunningLab& lab)
     : file_(registryDirectory() / (std::to_string(lab.pid) + ".json")) {
   claim(registryDirectory());
+  const NamesLock lock;
+  name_ = freeName(lab.name, lab.pid);
   std::ofstream stream(file_);
-  stream << nlohmann::json{{"name", lab.name},
+  stream << nlohmann::json{{"name", name_},
                            {"url", lab.url},
                            {"pid", lab.pid},
                            {"directory", lab.directory},

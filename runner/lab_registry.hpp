@@ -9,7 +9,7 @@
 namespace lab::runner {
 
 struct RunningLab {
-  std::string name;       ///< of the run's folder
+  std::string name;       ///< of the run's folder, with a number behind it when that is taken
   std::string url;        ///< of its bus
   int pid = 0;            ///< of its runner
   std::string directory;  ///< of the run
@@ -23,8 +23,9 @@ struct RunningLab {
 /// Every registered lab whose runner lives. What dead runners left is removed.
 [[nodiscard]] std::vector<RunningLab> runningLabs();
 
-/// The lab meant by `name`, or the only one that runs when `name` is empty.
-/// @throws UserError when there is none, or several and no name, with their names.
+/// The lab meant by `name`, which may be its run's folder too, or the only one that runs when
+/// `name` is empty.
+/// @throws UserError when there is none, or several, with what tells them apart.
 [[nodiscard]] RunningLab findLab(const std::string& name);
 
 /// Where a runner keeps something of its own while it lives: <pid><ending> in the registry, closed
@@ -62,7 +63,8 @@ class PortLock {
   int descriptor_ = -1;
 };
 
-/// A registration that lasts as long as the object.
+/// A registration that lasts as long as the object. No two labs that run have the same name, also
+/// when they began in the same second, in folders of the same name.
 class Registration {
  public:
   /// @throws UserError when the folder cannot be written.
@@ -71,8 +73,12 @@ class Registration {
   Registration(const Registration&) = delete;
   Registration& operator=(const Registration&) = delete;
 
+  /// What the lab is called: `lab.name`, or with a number behind it.
+  [[nodiscard]] const std::string& name() const { return name_; }
+
  private:
   std::filesystem::path file_;
+  std::string name_;
 };
 
 }  // namespace lab::runner

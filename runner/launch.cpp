@@ -70,12 +70,13 @@ void warnUnpinned() {
   }
 }
 
-RunOutcome execute(const LaunchOptions& options, const PreparedRun& run, const std::string& url,
-                   const fs::path& logger, RemoteHosts* hosts, const ShowProgress& show,
-                   const PilotFactory& pilot) {
+RunOutcome execute(const LaunchOptions& options, const PreparedRun& run, const std::string& name,
+                   const std::string& url, const fs::path& logger, RemoteHosts* hosts,
+                   const ShowProgress& show, const PilotFactory& pilot) {
   if (!options.virtual_time) {
     return runLive(run,
-                   {.url = url,
+                   {.name = name,
+                    .url = url,
                     .programs = options.programs,
                     .lcm_logger = logger,
                     .hosts = hosts,
@@ -151,15 +152,20 @@ Launched launch(const LaunchOptions& options, Experiment experiment, const ShowP
       prepareRun(std::move(experiment), options.file.parent_path(), options.out, start);
   fmt::print("run      {}\n", prepared.directory.string());
   std::optional<Registration> registration;
+  std::string name = prepared.directory.filename().string();
   if (!options.virtual_time) {
     fmt::print("bus      {}\n", url);
     if (hosts) fmt::print("{}", hosts->describe());
-    registration.emplace(RunningLab{prepared.directory.filename().string(), url, getpid(),
-                                    fs::absolute(prepared.directory).string()});
+    registration.emplace(
+        RunningLab{name, url, getpid(), fs::absolute(prepared.directory).string()});
+    if (registration->name() != name) {
+      fmt::print("lab      {} (another one that runs is named {})\n", registration->name(), name);
+    }
+    name = registration->name();
   }
   std::fflush(stdout);
   RunOutcome outcome =
-      execute(options, prepared, url, logger, hosts ? &*hosts : nullptr, show, pilot);
+      execute(options, prepared, name, url, logger, hosts ? &*hosts : nullptr, show, pilot);
   registration.reset();
   // The run is kept whatever happens; a report takes seconds and is not left half-written.
   std::signal(SIGINT, SIG_IGN);

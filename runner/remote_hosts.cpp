@@ -140,7 +140,7 @@ std::vector<std::string> RemoteHosts::linkArguments(const std::string& host) con
 RemoteHost::Beginning RemoteHosts::beginningOf(const RemoteHost& host) const {
   RemoteHost::Beginning beginning;
   const std::string& name = host.spec().name;
-  beginning.name = directory_.filename().string();
+  beginning.name = lab_;
   beginning.port = gateways_ ? 0 : port_;
   beginning.ttl = gateways_ ? 0 : experiment_.network.ttl;
   // A broken connection takes as long again until TCP tries once more.
@@ -152,9 +152,11 @@ RemoteHost::Beginning RemoteHosts::beginningOf(const RemoteHost& host) const {
   return beginning;
 }
 
-void RemoteHosts::begin(const PreparedRun& run, const std::filesystem::path& logs, int port) {
+void RemoteHosts::begin(const PreparedRun& run, const std::string& lab,
+                        const std::filesystem::path& logs, int port) {
   experiment_ = run.experiment;
   directory_ = run.directory;
+  lab_ = lab;
   logs_ = logs;
   port_ = port;
   for (auto& [name, host] : known_) host.remote->begin(beginningOf(*host.remote));

@@ -24,7 +24,8 @@ class RemoteHosts {
   RemoteHosts(const Experiment& experiment, const std::vector<std::string>& hosts);
 
   /// Sends each what it needs of the run, and waits until all have it. @throws UserError
-  void begin(const PreparedRun& run, const std::filesystem::path& logs, int port);
+  void begin(const PreparedRun& run, const std::string& lab, const std::filesystem::path& logs,
+             int port);
 
   void attend();
 
@@ -79,6 +80,7 @@ class RemoteHosts {
   std::string own_address_;
   std::string key_;
   std::filesystem::path directory_;
+  std::string lab_;
   std::filesystem::path logs_;
   int port_ = 0;
   std::map<std::string, Known> known_;

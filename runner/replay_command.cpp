@@ -171,9 +171,9 @@ ExitCode replay(const ReplayOptions& options) {
   const std::string url = lcmUrl(choosePort(options.port));
   // The folder of `.` has a name too.
   const fs::path run = fs::canonical(fs::absolute(log).parent_path());
-  const std::string name = "replay-" + run.filename().string();
-  const Registration registration({name, url, getpid(), run.string(), true});
-  fmt::print("lab      {}\nbus      {}\n", name, url);
+  const Registration registration(
+      {"replay-" + run.filename().string(), url, getpid(), run.string(), true});
+  fmt::print("lab      {}\nbus      {}\n", registration.name(), url);
   std::fflush(stdout);
   const OwnFile output(".web.txt");
   std::optional<DashboardProcess> page;

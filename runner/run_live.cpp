@@ -103,7 +103,9 @@ class LiveRun {
   [[nodiscard]] RemoteHosts* hosts() const { return options_.hosts; }
 
   void start() {
-    if (hosts() != nullptr) hosts()->begin(run_, supervisor_.logFolder(), options_.port);
+    if (hosts() != nullptr) {
+      hosts()->begin(run_, options_.name, supervisor_.logFolder(), options_.port);
+    }
     supervisor_.startLogger();
     // The heartbeat is what the logger's first words are made of.
     waitUntil([this] { return supervisor_.loggerWrites(); }, [this] { node_.ready(); },

@@ -8,6 +8,7 @@ namespace lab::runner {
 class RemoteHosts;
 
 struct LiveOptions {
+  std::string name;                        ///< of the lab, as registered
   std::string url;                         ///< of the bus
   std::filesystem::path programs;          ///< folder of the services' programs
   std::filesystem::path lcm_logger;        ///< stock lcm-logger

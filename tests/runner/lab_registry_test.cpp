@@ -45,6 +45,49 @@ TEST_F(LabRegistry, OfSeveralLabsOneMustBeNamed) {
               ThrowsMessage<UserError>(HasSubstr("no lab named three")));
 }
 
+TEST_F(LabRegistry, NoTwoLabsThatRunHaveOneName) {
+  const fs::path mine = folder / "mine" / "abp-1";
+  const fs::path yours = folder / "yours" / "abp-1";
+  fs::create_directories(mine);
+  fs::create_directories(yours);
+
+  const Registration first({"abp-1", "udpm://1", getppid(), mine.string(), false});
+  const Registration second({"abp-1", "udpm://2", getpid(), yours.string(), false});
+  const Registration third({"abp-1", "udpm://3", 1, "", false});
+
+  EXPECT_EQ(first.name(), "abp-1");
+  EXPECT_EQ(second.name(), "abp-1-2");
+  EXPECT_EQ(third.name(), "abp-1-3");
+  EXPECT_EQ(findLab("abp-1").url, "udpm://1");
+  EXPECT_EQ(findLab("abp-1-2").url, "udpm://2");
+  EXPECT_EQ(findLab(yours.string() + "/").url, "udpm://2") << "its folder names it too";
+}
+
+TEST_F(LabRegistry, ANameIsFreeAgainWithTheEndOfItsLab) {
+  { const Registration earlier({"abp-1", "udpm://1", getppid(), "", false}); }
+  // What a killed runner left, whose process id has come round to this one.
+  std::ofstream(registryDirectory() / (std::to_string(getpid()) + ".json"))
+      << R"({"name": "abp-1", "url": "udpm://0", "pid": )" << getpid()
+      << R"(, "directory": "", "replay": false})";
+
+  const Registration dut({"abp-1", "udpm://2", getpid(), "", false});
+
+  EXPECT_EQ(dut.name(), "abp-1");
+}
+
+TEST_F(LabRegistry, ANameOfSeveralLabsIsRefusedWithTheirFolders) {
+  const Registration first({"abp-1", "udpm://1", getppid(), "/a/abp-1", false});
+  // As versions without unique names register.
+  std::ofstream(registryDirectory() / "1.json")
+      << R"({"name": "abp-1", "url": "udpm://2", "pid": 1, "directory": "/b/abp-1", "replay": false})";
+
+  const auto find = [] { static_cast<void>(findLab("abp-1")); };
+
+  EXPECT_THAT(find, ThrowsMessage<UserError>(HasSubstr("say which with --lab FOLDER: ")));
+  EXPECT_THAT(find, ThrowsMessage<UserError>(HasSubstr("/a/abp-1")));
+  EXPECT_THAT(find, ThrowsMessage<UserError>(HasSubstr("/b/abp-1")));
+}
+
 TEST_F(LabRegistry, ForgetsLabsWhoseRunnerDied) {
   constexpr int kNobody = 999'999'999;
   const fs::path file = registryDirectory() / "999999999.json";
