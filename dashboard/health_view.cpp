@@ -134,6 +134,8 @@ void HealthView::take(const service_status_t& status, std::int64_t now) {
   const std::pair key{status.sender, status.host};
   const auto found = services_.find(key);
   if (found == services_.end()) {
+    // A command by hand says nothing but its last counts: it is no service.
+    if (status.state == service_status_t::ENDED) return;
     if (services_.size() < kMostServices) services_[key] = {status, now};
     return;
   }

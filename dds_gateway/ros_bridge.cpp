@@ -102,6 +102,9 @@ void RosBridge::subscribe() {
   node_.subscribe<clock_t>(channels::kClock, [this](const clock_t& clock) { take(clock); });
   node_.subscribe<service_status_t>(channels::kServiceStatus,
                                     [this](const service_status_t& status) {
+                                      // Who only says its last counts is a command by hand.
+                                      const bool ended = status.state == service_status_t::ENDED;
+                                      if (ended && !services_.contains(status.sender)) return;
                                       services_[status.sender] = {status, loop_.now()};
                                     });
 }

@@ -255,7 +255,7 @@ std::string lossText(const RunRecord& record) {
   const LossTotal total = totalOf(record.log.streams);
   if (total.lost == 0 && !total.at_least) return {};
   if (total.lost == 0) {
-    return "no message is known to be lost, but a service ended without its last count";
+    return "no message is known to be lost, but a sender ended without its last count";
   }
   const std::int64_t sent = total.lost + total.received;
   return fmt::format("{}{} of {} ({:.2g} %) missing in the log", total.at_least ? "at least " : "",

@@ -84,6 +84,7 @@ ExitCode light(const LightOptions& options) {
     node.publishCommand(channels::kLightCommand, wanted);
   });
   loop.run();
+  node.close();
   if (!done) {
     fmt::print("{}: the projector did not show it{}\n", lab.name,
                refusal.empty() ? "" : ": " + refusal);

@@ -59,6 +59,7 @@ class StopRequest {
     const bool answered = waited >= StopDesk::kMeetEveryRobot_us && desk_.confirmed();
     if (answered || waited > StopDesk::kPatience_us || !overruled_by_.empty()) {
       finish(tell());
+      sayLastCounts();
     } else {
       guarded([this] { repeat(); });
     }
@@ -81,6 +82,14 @@ class StopRequest {
     } catch (const BusError& error) {
       sayNotAsked(lab_, clear_, error);
       finish(false);
+    }
+  }
+
+  void sayLastCounts() {
+    try {
+      node_.close();
+    } catch (const BusError&) {
+      // How it ended is said already, and these are for the report only.
     }
   }
 

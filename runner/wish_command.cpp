@@ -35,6 +35,7 @@ class Wishing {
       node_.publishCommand(channels::kExperimentCommand, message);
     });
     loop_.run();
+    node_.close();
     return request_;
   }
 

@@ -109,6 +109,14 @@ TEST(HealthView, TellsServicesWithWhatTheirProcessesUse) {
   EXPECT_EQ(row["memory_MB"], 30);
 }
 
+TEST(HealthView, TakesACommandByHandForNoService) {
+  HealthView dut;
+  service_status_t last_counts = serviceOf("lab_mark");
+  last_counts.state = service_status_t::ENDED;
+  dut.take(last_counts, kNow);
+  EXPECT_TRUE(dut.services().empty());
+}
+
 TEST(Advice, ALabThatIsWellGetsNone) {
   Lab lab;
   lab.everyRobot(kNow);

@@ -159,8 +159,10 @@ allow = false
   EXPECT_EQ(poses, 30) << "10 Hz of 3 s";
   EXPECT_EQ(nothing, 0);
   EXPECT_EQ(old_name.matching().peers + denied.matching().peers, 0);
+  dut.endCommandByHand();
   EXPECT_THAT(dut.diagnostics(),
-              AllOf(HasSubstr("/fleet/robot1/pose: readers 1, in 151, out 31, thinned 120"),
+              AllOf(Not(HasSubstr("lab_mark")),
+                    HasSubstr("/fleet/robot1/pose: readers 1, in 151, out 31, thinned 120"),
                     HasSubstr("/lab/robot1/odom: readers 1, in 151, out 151, thinned 0"),
                     Not(HasSubstr("/lab/robot1/pose")), Not(HasSubstr("/lab/robot2/odom"))));
 }

@@ -244,6 +244,9 @@ class RosWorld {
     return text;
   }
 
+  /// What `lab mark` says as it ends.
+  void endCommandByHand() { Node(bus_, loop_, {"lab_mark", 0, loop_.now()}).close(); }
+
   [[nodiscard]] const dds::Domain& domain() const { return domain_; }
   [[nodiscard]] Node& node() { return node_; }
   [[nodiscard]] std::int64_t now() const { return loop_.now(); }

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <utility>
 
 #include "common/channels.hpp"
 #include "common/codec.hpp"
@@ -164,6 +165,31 @@ TEST_F(RunRecordTest, KeepsFaultsAndMarksOnceEach) {
   EXPECT_EQ(dut.faults[0].text, "sim_svc died");
   EXPECT_NEAR(dut.seconds(dut.faults[0].utime), 3, 1e-6);
   ASSERT_EQ(dut.marks.size(), 1U);
+}
+
+TEST_F(RunRecordTest, CountsWhatCommandsByHandLostAndTakesThemForNoServices) {
+  {
+    bool dropped = false;
+    SyntheticLab lab(log(), experiment_, [&](const Packet& packet) {
+      return packet.channel != channels::kExperimentCommand || std::exchange(dropped, true);
+    });
+    lab.begin();
+    lab.runUntil(3);
+    lab.markByHand("hello");
+    lab.runUntil(experiment_.duration);
+    lab.end();
+  }
+
+  const RunRecord dut = read();
+
+  const StreamLoss wishes = streamOf(dut, "lab_mark", channels::kExperimentCommand);
+  EXPECT_EQ(wishes.received, 1);
+  EXPECT_EQ(wishes.lost, 1);
+  EXPECT_EQ(totalOf(dut.log.streams).lost, 1);
+  EXPECT_FALSE(totalOf(dut.log.streams).at_least);
+  std::vector<std::string> services;
+  for (const ServiceRecord& service : dut.services) services.push_back(service.name);
+  EXPECT_THAT(services, testing::ElementsAre("lab", "projector_ctl", "sim_svc"));
 }
 
 TEST_F(RunRecordTest, SaysThatAKilledRunHasNoEnd) {

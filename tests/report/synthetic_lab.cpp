@@ -4,6 +4,7 @@
 #include <fstream>
 #include <iterator>
 #include <lab/clock_t.hpp>
+#include <lab/experiment_command_t.hpp>
 #include <lab/experiment_event_t.hpp>
 #include <lab/light_command_t.hpp>
 #include <lab/light_status_t.hpp>
@@ -210,6 +211,16 @@ void SyntheticLab::say(std::int8_t kind, const std::string& text) {
 }
 
 void SyntheticLab::fault(const std::string& text) { say(experiment_event_t::FAULT, text); }
+void SyntheticLab::markByHand(const std::string& text) {
+  Node node(bus_, loop_, {"lab_mark", robot_state_t::UNKNOWN, loop_.now()});
+  experiment_command_t wish{};
+  wish.action = experiment_command_t::MARK;
+  wish.text = text;
+  wish.seq = 1;
+  for (int asked = 0; asked < 2; ++asked) node.publishCommand(channels::kExperimentCommand, wish);
+  node.close();
+}
+
 void SyntheticLab::mark(const std::string& text) { say(experiment_event_t::MARK, text); }
 
 TemporaryFolder::TemporaryFolder() {

@@ -50,6 +50,8 @@ class SyntheticLab {
   Node& runner() { return *runner_; }
   void fault(const std::string& text);
   void mark(const std::string& text);
+  /// As `lab mark` does: asks twice, and says its last counts.
+  void markByHand(const std::string& text);
 
  private:
   void tick();

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <lab/robot_status_t.hpp>
 #include <lab/robot_stop_t.hpp>
+#include <lab/service_status_t.hpp>
 #include <thread>
 
 #include "common/asio_loop.hpp"
@@ -34,6 +35,9 @@ class ObedientLab {
   ObedientLab(const ObedientLab&) = delete;
   ObedientLab& operator=(const ObedientLab&) = delete;
 
+  /// Whether whoever asked has said that it ends, with its last counts.
+  [[nodiscard]] bool heardLastCounts() const { return last_counts_; }
+
   /// When it was told to stop [us since 1970], 0: not yet.
   [[nodiscard]] std::int64_t told() const { return told_utime_; }
 
@@ -49,6 +53,11 @@ class ObedientLab {
       robot.flags = stop.clear == 0 ? robot_state_t::FLAG_STOPPED : 0;
       if (told_utime_ == 0) told_utime_ = loop.now();
     });
+    node.subscribe<service_status_t>(channels::kServiceStatus, [&](const service_status_t& status) {
+      if (status.sender == "lab_stop" && status.state == service_status_t::ENDED) {
+        last_counts_ = true;
+      }
+    });
     loop.onReadable(bus.fileDescriptor(), [&] { bus.drain(); });
     loop.every(kStatusPeriod_us, loop.now(), [&] {
       robot_status_t status{};
@@ -63,6 +72,7 @@ class ObedientLab {
 
   std::atomic<bool> over_ = false;
   std::atomic<std::int64_t> told_utime_ = 0;
+  std::atomic<bool> last_counts_ = false;
   std::thread thread_;
 };
 
@@ -104,6 +114,7 @@ TEST_F(StopCommand, ALabThatDoesNotAnswerDelaysNoOther) {
   EXPECT_THAT(said, HasSubstr("mute: no robot answers"));
   EXPECT_THAT(said, HasSubstr("deaf: no robot answers"));
   EXPECT_LT(lab.told() - begun, kAtOnce_us);
+  EXPECT_TRUE(lab.heardLastCounts());
   EXPECT_LT(took, 9'000'000);
 }
 

@@ -18,6 +18,7 @@ using std::chrono::seconds;
 using testing::Contains;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::Not;
 namespace fs = std::filesystem;
 
 class WebRun : public testing::Test {
@@ -117,6 +118,7 @@ TEST_F(WebRun, AnswersObeysWishesAndComesAgainWhenItIsKilled) {
   EXPECT_EQ(run("lab mark robot 1 lost a wheel").exit_code, 0);
   EXPECT_EQ(run("lab mark \"$(printf 'two\\nlines')\"").exit_code, 2);
   EXPECT_EQ(run("lab resume").exit_code, 0);
+  EXPECT_EQ(run("lab light 0.5 --for 1").exit_code, 0);
 
   for (const pid_t pid : childrenWith(lab.pid(), "/dashboard")) kill(pid, SIGKILL);
   ASSERT_TRUE(waitFor(
@@ -145,6 +147,7 @@ TEST_F(WebRun, AnswersObeysWishesAndComesAgainWhenItIsKilled) {
                                                     static_cast<int>(experiment_status_t::ENDED)}));
   EXPECT_TRUE(readJson(done / "provenance.json").at("interrupted"));
   EXPECT_GT(fs::file_size(done / "report.html"), 100U);
+  EXPECT_THAT(ended.output, Not(HasSubstr("last count"))) << "commands by hand say theirs";
 }
 
 TEST_F(WebRun, HasAPageInRealTimeUnlessItIsDeniedOrNobodyLooks) {
