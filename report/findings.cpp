@@ -265,6 +265,8 @@ std::string lossText(const RunRecord& record) {
 
 std::vector<std::string> headlines(const RunRecord& record) {
   std::vector<std::string> lines;
+  // First: whatever follows is of numbers that mean something else.
+  if (record.poses) lines = record.poses->doubts;
   const auto findings = findingsOf(record);
   std::int64_t jumped = 0;
   for (const Finding& finding : findings) jumped += finding.pool->result.lost;
@@ -283,7 +285,7 @@ std::vector<std::string> headlines(const RunRecord& record) {
     }
     lines.push_back(line);
   }
-  const bool any = !lines.empty();
+  const bool any = !findings.empty();
   if (!any && record.poses && record.poses->in_contact > 0) {
     lines.push_back(fmt::format(
         "no free motion: {} of {} touch another robot or a wall of the {:g} x {:g} cm arena (another "
@@ -291,9 +293,9 @@ std::vector<std::string> headlines(const RunRecord& record) {
         groupedText(record.poses->in_contact), countText(record.poses->rows, "pose"),
         record.experimentOrDefault().arena_width * kCm,
         record.experimentOrDefault().arena_height * kCm));
-  }
-  if (lines.empty())
+  } else if (!any) {
     lines.emplace_back("no robot ran a program that has a law: nothing to compare");
+  }
   if (record.poses) {
     const PoseSource& poses = *record.poses;
     if (any && poses.in_contact * kMuchOneIn > poses.rows) {

@@ -85,6 +85,11 @@ std::string warnings(const RunRecord& record) {
   if (record.log.frames == 0) {
     html += "<p><b>No camera frame is in the log:</b> there is no motion to analyze.</p>\n";
   }
+  if (record.poses) {
+    for (const std::string& doubt : record.poses->doubts) {
+      html += fmt::format("<p><b>Units:</b> {}.</p>\n", escapeHtml(doubt));
+    }
+  }
   if (record.log.damaged_places > 0) {
     html += fmt::format("<p><b>The log is damaged</b> in {}; what could be read is reported.</p>\n",
                         countText(record.log.damaged_places, "place"));

@@ -156,6 +156,7 @@ class Reader {
     missing_ = find({"missing"});
     findTrex();
     file_.headings = static_cast<bool>(theta_);
+    file_.times = static_cast<bool>(time_);
     if (!frame_ || !(id_ || trex_) || !x_ || !y_) {
       fail(1,
            fmt::format("found the columns \"{}\"; expected frame, id or particle, and x_cm, y_cm "

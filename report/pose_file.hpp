@@ -23,6 +23,7 @@ struct PoseFile {
   std::vector<analysis::Frame>
       frames;             ///< SI units; a pose that its tracker did not trust is invalid
   bool headings = false;  ///< it has a column of headings
+  bool times = false;     ///< it has a column of times
   bool in_arena = false;  ///< x_cm and y_cm: the origin is a corner of the arena
   std::int64_t rows = 0;
   std::int64_t without_pose = 0;    ///< rows left out: no number for x, y or the heading

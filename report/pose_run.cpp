@@ -17,6 +17,7 @@
 #include "common/experiment_file.hpp"
 #include "common/experiment_messages.hpp"
 #include "common/units.hpp"
+#include "report/pose_units.hpp"
 #include "report/report_error.hpp"
 
 namespace lab::report {
@@ -323,7 +324,8 @@ RunRecord poseRun(const PoseFile& poses, const std::string& name, const PoseProg
                             .repeated = poses.repeated,
                             .contradicted = poses.contradicted,
                             .bad_times = poses.bad_times,
-                            .clock_steps = static_cast<std::int64_t>(poses.clock_steps.size())};
+                            .clock_steps = static_cast<std::int64_t>(poses.clock_steps.size()),
+                            .doubts = unitDoubts(poses)};
   record.log.frames = static_cast<std::int64_t>(poses.frames.size());
   record.missing_frames = poses.missing_frames;
   record.frame_period = poses.frame_period;

@@ -101,6 +101,8 @@ struct PoseSource {
   std::int64_t reversals = 0;     ///< found
   std::int64_t bad_times = 0;     ///< frames left out: their times go back
   std::int64_t clock_steps = 0;   ///< where the track was cut
+  /// Of the units of headings and times.
+  std::vector<std::string> doubts;
 };
 
 /// A stretch of free motion of one robot, times in s since the start.

@@ -234,7 +234,8 @@ std::string summaryJson(const RunRecord& record) {
                      {"frames_with_bad_times", record.poses->bad_times},
                      {"clock_steps", record.poses->clock_steps},
                      {"reversals_found", record.poses->reversals},
-                     {"headings", record.poses->headings}};
+                     {"headings", record.poses->headings},
+                     {"doubts", record.poses->doubts}};
   }
   json["duration_s"] = number(record.duration());
   json["ended"] = record.ended;
