@@ -37,7 +37,7 @@ std::string rounded(double value) {
 std::string cm(double metre) { return fileText(metre, unitOf("_cm")); }
 
 struct Quantity {
-  const char* name;
+  const char* name = nullptr;
   std::string value;
 };
 
@@ -73,8 +73,9 @@ std::string parameters(const ProgramSpec& p) {
   }
 }
 
-/// The paper's long-time numbers (below eqs. 4, 5 and 6).
-std::string derived(const ProgramSpec& p, double d) {
+/// The paper's long-time numbers (below eqs. 4, 5 and 6), and L_s of the exact law: the paper's v /
+/// D_r is its limit of small epsilon.
+std::string derived(const ProgramSpec& p, double d, const PersistenceLength& length) {
   const std::string diffusion = " cm^2/s";
   const std::string rotation = " rad^2/s";
   const double wheel_rotation = p.epsilon * p.V * p.V / (3 * d * d);
@@ -83,7 +84,8 @@ std::string derived(const ProgramSpec& p, double d) {
     case Model::kAbp: {
       const double dr = p.epsilon * p.eta * p.eta / 6;
       if (dr == 0) return "drives straight";
-      return list({{"D_r", rounded(dr) + rotation}, {"L_s", rounded(p.v / dr * 100) + " cm"}});
+      return list({{"D_r", rounded(dr) + rotation}}) +
+             (length ? ", " + list({{"L_s", rounded(length(p) * 100) + " cm"}}) : "");
     }
     case Model::kNoisyAbp:
       return list({{"D_r", rounded(wheel_rotation) + rotation},
@@ -110,15 +112,40 @@ double fastestWheel(const ProgramSpec& program, const RobotHardware& hardware) {
                           size(params.right_um_s)});
 }
 
-std::string describePrograms(const Experiment& e) {
+/// The longest of the times in which a program draws anew, where a run has hardly three of them:
+/// then it was probably meant in ms.
+std::string slowness(const ProgramSpec& p, double duration) {
+  Quantity longest{};
+  double time = duration / 3;
+  const auto consider = [&](const char* name, double seconds) {
+    if (seconds <= time) return;
+    time = seconds;
+    longest = {name, rounded(seconds) + " s"};
+  };
+  const bool turns = p.model == Model::kAbp && p.eta > 0;
+  if (turns || p.model == Model::kNoisyAbp || p.model == Model::kBp) {
+    consider("epsilon", p.epsilon);
+  } else if (p.model == Model::kRtp) {
+    if (p.gamma > 0) consider("1/gamma", 1 / p.gamma);
+    consider("tau_t", p.tau_t);
+  }
+  if (longest.name == nullptr) return {};
+  return list({longest}) +
+         " is more than a third of the run: too few draws for any law (it is in s)";
+}
+
+std::string describePrograms(const Experiment& e, const PersistenceLength& length) {
   std::string text;
   for (const auto& [name, program] : e.programs) {
     text += line("program", name + ": " + parameters(program));
-    std::string more = derived(program, e.hardware.diameter);
+    std::string more = derived(program, e.hardware.diameter, length);
     more += (more.empty() ? "" : "; ") + std::string("fastest wheel ") +
             rounded(fastestWheel(program, e.hardware) * 100) + " of " +
             cm(e.hardware.max_wheel_speed) + " cm/s";
     text += line("", "  " + more);
+    if (const std::string slow = slowness(program, e.duration); !slow.empty()) {
+      text += line("", "  " + slow);
+    }
   }
   return text;
 }
@@ -350,7 +377,7 @@ std::string describeHosts(const Experiment& e) {
 
 }  // namespace
 
-std::string describeExperiment(const Experiment& e) {
+std::string describeExperiment(const Experiment& e, const PersistenceLength& length) {
   std::string text =
       line("experiment", e.name + (e.description.empty() ? "" : ": ") + e.description);
   const std::string at_most = mayEndEarly(e) ? "at most " : "";
@@ -358,7 +385,7 @@ std::string describeExperiment(const Experiment& e) {
   text += describeStop(e);
   text += line("arena", cm(e.arena_width) + " cm x " + cm(e.arena_height) + " cm");
   text += describeRobots(e);
-  text += describePrograms(e);
+  text += describePrograms(e, length);
   text += describeTable(e.light_table);
   text += describeLight(e);
   text += describeReversal(e.reversal);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -46,9 +47,13 @@ class ExperimentError : public std::runtime_error {
 /// back as a neighbour, and from then on unchanged.)
 [[nodiscard]] std::string writeExperiment(const Experiment& experiment);
 
+/// The persistence length of a program [m], which only the exact laws know (analyzer/laws.hpp).
+using PersistenceLength = std::function<double(const ProgramSpec&)>;
+
 /// What would start: run, robots, programs with the numbers that follow from them, the light script
 /// with the programs that it selects, and the expected size of the log. Some twenty lines for
-/// people.
-[[nodiscard]] std::string describeExperiment(const Experiment& experiment);
+/// people. @param length none: it is not said
+[[nodiscard]] std::string describeExperiment(const Experiment& experiment,
+                                             const PersistenceLength& length = {});
 
 }  // namespace lab

@@ -3,7 +3,10 @@
 #include <cstdlib>
 #include <optional>
 
+#include "analyzer/analysis_feed.hpp"
+#include "analyzer/laws.hpp"
 #include "common/experiment_file.hpp"
+#include "common/experiment_messages.hpp"
 #include "common/light_file.hpp"
 #include "common/projector_file.hpp"
 #include "common/units.hpp"
@@ -90,7 +93,12 @@ ExitCode check(const fs::path& file, const std::vector<std::string>& set) {
   checkProjectorFile(experiment, file.parent_path());
   static_cast<void>(lightInForce(experiment, file.parent_path()));
   checkScenes(experiment, file.parent_path());
-  fmt::print("{}", describeExperiment(experiment));
+  const auto length = [&](const ProgramSpec& program) {
+    const analysis::ProgramLaw law =
+        analysis::toLaw(toMessage(program), experiment.hardware.diameter);
+    return analysis::ExactLaw(law).persistenceLength();
+  };
+  fmt::print("{}", describeExperiment(experiment, length));
   return kDone;
 }
 

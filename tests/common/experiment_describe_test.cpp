@@ -23,9 +23,11 @@ TEST(Description, SaysWhatWouldStart) {
 }
 
 TEST(Description, DerivesTheNumbersOfThePaper) {
-  // D_r = epsilon eta^2 / 6, L_s = v / D_r, |v| + eta d / 2
+  // D_r = epsilon eta^2 / 6, |v| + eta d / 2
   EXPECT_THAT(describeExperiment(shipped("abp")),
-              HasSubstr("D_r = 0.75 rad^2/s, L_s = 4 cm; fastest wheel 14.25 of 27 cm/s"));
+              HasSubstr("D_r = 0.75 rad^2/s; fastest wheel 14.25 of 27 cm/s"));
+  EXPECT_THAT(describeExperiment(shipped("abp"), [](const ProgramSpec& p) { return p.v * 2; }),
+              HasSubstr("D_r = 0.75 rad^2/s, L_s = 6 cm; fastest wheel"));
   // D_r = epsilon V^2 / (3 d^2), D_t = epsilon V^2 / 24, V + va
   EXPECT_THAT(describeExperiment(shipped("noisy_abp")),
               HasSubstr("D_r = 0.05926 rad^2/s, D_t = 0.4167 cm^2/s; fastest wheel 11 of"));
@@ -33,6 +35,21 @@ TEST(Description, DerivesTheNumbersOfThePaper) {
   // v^2 / (2 gamma (1 + gamma tau_t)), pi d / (2 tau_t)
   EXPECT_THAT(describeExperiment(shipped("rtp")),
               HasSubstr("mean run = 1.667 cm, D = 1.667 cm^2/s; fastest wheel 23.56 of"));
+}
+
+TEST(Description, SaysThatARunIsTooShortForItsProgram) {
+  const auto with = [](const std::string& set) { return describeExperiment(small({}, {set})); };
+  EXPECT_THAT(with("programs.abp.epsilon_s=20"), ::testing::Not(HasSubstr("a third of the run")));
+  EXPECT_THAT(with("programs.abp.epsilon_s=20.001"),
+              HasSubstr("epsilon = 20 s is more than a third of the run"));
+  Experiment tumbling = small();
+  ProgramSpec& program = tumbling.programs.begin()->second;
+  program.model = Model::kRtp;
+  program.gamma = 0.01;
+  program.tau_t = 0.5;
+  EXPECT_THAT(describeExperiment(tumbling), HasSubstr("1/gamma = 100 s is more than a third"));
+  program.tau_t = 500;
+  EXPECT_THAT(describeExperiment(tumbling), HasSubstr("tau_t = 500 s is more than a third"));
 }
 
 TEST(Description, SaysWhichServiceStartsOnWhichHost) {
