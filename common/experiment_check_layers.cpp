@@ -98,7 +98,7 @@ class Images {
     light::DecodedImage decoded = light::loadImage(file);
     std::string& why = decoded.error;
     if (why.starts_with(file.string())) why = why.substr(file.string().size());
-    if (why.starts_with(": ")) why = why.substr(2);
+    why.erase(0, why.find_first_not_of(": "));
     return decoded;
   }
 

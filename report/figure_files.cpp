@@ -27,7 +27,15 @@ constexpr const char* kForPaper =
 std::string takeFile(const fs::path& file, const std::string& title) {
   std::ifstream stream(file, std::ios::binary);
   std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-  if (text.empty()) throw ReportError("gnuplot drew nothing for " + title);
+  if (text.empty()) {
+    constexpr std::uintmax_t kFull = 1'000'000;  // [bytes]
+    std::error_code error;
+    const fs::space_info space = fs::space(file.parent_path(), error);
+    const std::string nothing = "gnuplot drew nothing for " + title;
+    if (error || space.available > kFull) throw ReportError(nothing);
+    throw ReportError(fmt::format("the disk is full ({} kB left in {}): {}", space.available / 1000,
+                                  file.parent_path().string(), nothing));
+  }
   stream.close();
   fs::remove(file);
   return text;

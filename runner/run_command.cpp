@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <cstdio>
 #include <cstdlib>
 #include <optional>
 
@@ -77,7 +78,9 @@ ExitCode run(const RunOptions& options) {
       tell(report::analyzeRun(launched.directory, launched.directory, {.needs_frames = false}));
     } catch (const std::exception& error) {
       // The run itself is done: its log is kept, and only the report is missing, be it that it
-      // cannot be made or that there is no room for it.
+      // cannot be made or that there is no room for it. What broke in the run is said first: it may
+      // be why.
+      std::fflush(stdout);
       fmt::print(stderr, "lab: no report: {}\n", error.what());
       return outcome.closed_early ? kMarked : kFailed;
     }

@@ -126,6 +126,9 @@ TEST_F(BrokenRun, ADiskThatIsFullAtOnceKeepsTheReason) {
 
   EXPECT_EQ(lab.exit_code, 3) << lab.output;
   EXPECT_THAT(lab.output, HasSubstr("marked   the disk is full"));
+  EXPECT_THAT(lab.output, ContainsRegex("no report: .*(disk is full|is the disk full)"));
+  EXPECT_LT(lab.output.find("marked   the disk is full"), lab.output.find("no report: "))
+      << "the cause first";
   EXPECT_TRUE(fs::exists(kept / "log.lcmlog")) << lab.output;
   const fs::path provenance = kept / "provenance.json";
   EXPECT_TRUE(!fs::exists(provenance) || fs::file_size(provenance) > 0) << lab.output;
