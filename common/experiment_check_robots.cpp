@@ -4,6 +4,7 @@
 #include <map>
 #include <numbers>
 #include <string>
+#include <vector>
 
 #include "common/experiment_check.hpp"
 #include "common/experiment_cores.hpp"
@@ -154,11 +155,18 @@ void checkPose(const ExperimentForm& form, std::size_t index, Problems& problems
 
 void checkOverlaps(const ExperimentForm& form, Problems& problems) {
   const double diameter = form.common.hardware.diameter;
+  // Of these alone: whatever else is wrong with a robot, its place may be a good one.
+  std::vector<bool> has_place;
+  for (std::size_t i = 0; i < form.robots.size(); ++i) {
+    has_place.push_back(form.robots[i].x && form.robots[i].y &&
+                        !problems.concern(entryPath(i) + ".x_cm") &&
+                        !problems.concern(entryPath(i) + ".y_cm"));
+  }
   for (std::size_t i = 0; i < form.robots.size(); ++i) {
     const RobotEntry& a = form.robots[i];
-    for (std::size_t j = 0; j < i && a.x && a.y; ++j) {
+    for (std::size_t j = 0; j < i && has_place[i]; ++j) {
       const RobotEntry& b = form.robots[j];
-      if (!b.x || !b.y) continue;
+      if (!has_place[j]) continue;
       const double distance = std::hypot(*a.x - *b.x, *a.y - *b.y);
       if (distance >= diameter) continue;
       problems.add(entryPath(i) + ".x_cm",
@@ -285,9 +293,10 @@ void checkRobots(const ExperimentForm& form, Problems& problems) {
   for (std::size_t i = 0; i < form.robots.size(); ++i) {
     if (!problems.concern(entryPath(i))) checkPose(form, i, problems);
   }
-  if (!problems.concern("robots") && sizesAreKnown(problems)) {
+  if (sizesAreKnown(problems)) {
+    const bool counts_are_known = !problems.concern("robots");
     checkOverlaps(form, problems);
-    checkRoom(form, problems);
+    if (counts_are_known) checkRoom(form, problems);
   }
   for (const auto& [name, program] : form.common.programs) {
     checkProgram(program, form.common.hardware, problems);
