@@ -91,6 +91,21 @@ BlockSums BlockData::total() const {
   return sum;
 }
 
+FilmGaps gapsOf(const BlockData& data) {
+  const BlockSums total = data.total();
+  FilmGaps gaps;
+  gaps.segments = data.segments;
+  gaps.cut = data.segments.number() > static_cast<double>(data.tracks.size());
+  if (total.lost > 0) {
+    const double all = total.time + total.unseen;
+    gaps.lost = total.lost * data.frame_period / all;
+    // Of lengths that fall geometrically the mean square is 2 length^2 - length.
+    gaps.lost_length = 0.5 * (total.lost2 / total.lost + 1);
+    gaps.unseen = total.unseen / all;
+  }
+  return gaps;
+}
+
 double BlockData::observed() const {
   double time = 0;
   for (const auto& track : tracks) {

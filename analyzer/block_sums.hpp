@@ -61,4 +61,7 @@ struct BlockData {
   [[nodiscard]] double lagTime(std::size_t i, const BlockSums& total) const;
 };
 
+/// What these films lack.
+[[nodiscard]] FilmGaps gapsOf(const BlockData& data);
+
 }  // namespace lab::analysis

@@ -178,6 +178,7 @@ Curves curves(const ProgramLaw& law, const BlockData& data, const CurveOptions& 
   const bool enough_draws = drawsSeen(law, observed) >= kMinDraws;
   const auto tracks = static_cast<double>(data.tracks.size());
   const double segments = std::max(tracks, total.segments);
+  const FilmGaps gaps = gapsOf(data);
   const auto film_error = [&](bool angular, double tau) {
     return options.films != nullptr && kTrustedBlocks * tau > observed / tracks
                ? relativeError(*options.films, angular, tau, observed, segments)
@@ -200,15 +201,18 @@ Curves curves(const ProgramLaw& law, const BlockData& data, const CurveOptions& 
       const double expected = angular ? reference.angularMsd(tau) : reference.msd(tau);
       const std::size_t column = angular ? n + i : i;
       LagErrors::Error error = errors.at(tau, column, 2 * n + column);
-      const double model = expected * (angular ? modelAngularError(exact, tau, observed)
-                                               : modelMsdError(exact, tau, observed));
+      // Of long lags cuts leave few windows, in segments that are not like the others.
+      const double covered = gaps.covered(tau / data.frame_period);
+      const double seen = std::max(covered * observed, tau);
+      const double model = expected * (angular ? modelAngularError(exact, tau, seen)
+                                               : modelMsdError(exact, tau, seen));
       const double simulated = film_error(angular, tau);
       p.noise = p.value - means[2 * n + column];
       if (std::isfinite(simulated)) {
         error.raw = simulated * (expected + p.noise);
         error.corrected = simulated * expected;
         error.freedom = kManyBlocks;
-      } else if (!error.enough) {
+      } else if (!error.enough || gaps.cut) {
         error.raw = std::fmax(error.raw, model);
       }
       const bool own = !error.enough || angular || predictsItsMsdError(law);
@@ -225,7 +229,7 @@ Curves curves(const ProgramLaw& law, const BlockData& data, const CurveOptions& 
           error.freedom);
       p.selection_biased = options.unbiased_lag > 0 && tau > options.unbiased_lag;
       p.judged = enough_draws && noise_known && !p.selection_biased && std::isfinite(p.z) &&
-                 kFilmsPerLag * tau <= observed;
+                 covered >= kLeastCovered && kFilmsPerLag * tau <= covered * observed;
       return p;
     };
     const CurvePoint msd_point = point(false);

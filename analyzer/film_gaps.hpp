@@ -38,6 +38,10 @@ class SegmentLengths {
   std::array<std::uint32_t, kBins> counts_{};
 };
 
+/// Lags of which cuts leave a smaller share of the windows are not used: the few segments that are so
+/// long say little of how lags err, and are not like the others.
+inline constexpr double kLeastCovered = 0.05;
+
 struct FilmGaps {
   double lost = 0;         ///< Share of the frames that are missing between others.
   double lost_length = 1;  ///< So many in a row, on average, if lengths fall geometrically.

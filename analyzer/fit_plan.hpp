@@ -21,10 +21,6 @@ namespace lab::analysis {
 /// holds: the phase sweeps.
 inline constexpr double kDrift = 1.0037;
 
-/// Lags of which fewer windows than this share are left by cuts are not used: the few segments that
-/// are so long say little of how the lags err together.
-inline constexpr double kLeastCovered = 0.05;
-
 struct FitOptions {
   /// Share of the MSD that calibration and the wheels' steps may be off at each lag.
   double systematic_floor = 0.002;

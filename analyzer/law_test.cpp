@@ -88,15 +88,7 @@ MeasuredCurves measuredCurves(const ProgramLaw& law, const BlockData& data) {
   curves.segments = std::max(curves.tracks, total.segments);
   curves.offset = finiteOrZero(live[kPositionOffset]);
   curves.angular_offset = finiteOrZero(live[kHeadingOffset]);
-  curves.gaps.segments = data.segments;
-  curves.gaps.cut = data.segments.number() > curves.tracks;
-  if (total.lost > 0) {
-    const double all = total.time + total.unseen;
-    curves.gaps.lost = total.lost * data.frame_period / all;
-    // Of lengths that fall geometrically the mean square is 2 length^2 - length.
-    curves.gaps.lost_length = 0.5 * (total.lost2 / total.lost + 1);
-    curves.gaps.unseen = total.unseen / all;
-  }
+  curves.gaps = gapsOf(data);
   const double joins = total.joins / total.time * data.frame_period;
   for (std::size_t i = 0; i < data.lags.size(); ++i) {
     const LagSums& lag = total.lags[i];

@@ -117,6 +117,24 @@ TEST(Verdict, DisagreesWithANeighbouringProgram) {
   EXPECT_EQ(analyseFilm(film, stitched).verdict.kind, VerdictKind::kDisagrees);
 }
 
+// Of long lags contacts leave few windows, in the few segments that are as long.
+TEST(Verdict, JudgesNoLagOfWhichCutsLeaveLittle) {
+  int disagree = 0;
+  for (unsigned i = 0; i < 40; ++i) {
+    Film film = shortFilm(abpLaw(3, 0.5));
+    film.duration = 1200;
+    film.cut_every = 3;
+    film.seed = 500 + i;
+    const ProgramResult dut = analyseFilm(film, stitch(film));
+    disagree += dut.verdict.kind == VerdictKind::kDisagrees ? 1 : 0;
+    EXPECT_GE(dut.verdict.judged, 20);
+    for (const CurvePoint& point : dut.curves.msd) {
+      EXPECT_FALSE(point.judged && point.tau > 3 * 3.3) << point.tau;  // e^-3.3 of the windows
+    }
+  }
+  EXPECT_LE(disagree, 2);  // above 4 sigma: once in a thousand films
+}
+
 TEST(Verdict, TakesASmallSpeedErrorForACalibration) {
   Film film = shortFilm(abpLaw(3, 0.5, 0.0297));
   film.duration = 600;
