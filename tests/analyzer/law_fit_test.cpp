@@ -18,6 +18,16 @@ void expectFitCoverage(const FitScatter& dut, const std::string& name) {
   EXPECT_LT(dut.share(name), 0.95 + band) << name;
 }
 
+/// Fits and tests find the law that the films have.
+/// @param most films that may be unlikely at p < 0.01
+void expectOwnLaw(const FitScatter& dut, int most) {
+  EXPECT_EQ(dut.refused, 0);
+  EXPECT_LE(dut.unlikely, most);
+  EXPECT_LE(dut.exact_rejected, most);
+  EXPECT_LT(std::abs(dut.numbers.at("D_r").relative.z(0)), 4);
+  expectFitCoverage(dut, "D_r");
+}
+
 TEST(LawFit, ReachesTheLimitOfTheDrawsForTheAbp) {
   const FitScatter dut = fitFilms(fitFilm(abpLaw(3, 0.5), 600), 200, 10, false, true);
   EXPECT_EQ(dut.refused, 0);
@@ -87,11 +97,7 @@ TEST(LawFit, SaysHowWellItFitsWhereFramesAreLost) {
     film.missing = loss.share;
     film.missing_length = loss.length;
     const FitScatter dut = fitFilms(film, 40, 5, false, true);
-    EXPECT_EQ(dut.refused, 0);
-    EXPECT_LE(dut.unlikely, 4);  // 0.4 expected; 5 by chance once in 10^4
-    EXPECT_LE(dut.exact_rejected, 4);
-    EXPECT_LT(std::abs(dut.numbers.at("D_r").relative.z(0)), 4);
-    expectFitCoverage(dut, "D_r");
+    expectOwnLaw(dut, 4);  // 0.4 expected; 5 by chance once in 10^4
   }
 }
 
@@ -106,11 +112,7 @@ TEST(LawFit, SaysHowWellItFitsInACrowd) {
     film.sigma_theta = 0.0175;
     film.cut_every = every;
     const FitScatter dut = fitFilms(film, 60, 5, false, true);
-    EXPECT_EQ(dut.refused, 0);
-    EXPECT_LE(dut.unlikely, 5);  // 0.6 expected; 6 by chance once in 10^4
-    EXPECT_LE(dut.exact_rejected, 5);
-    EXPECT_LT(std::abs(dut.numbers.at("D_r").relative.z(0)), 4);
-    expectFitCoverage(dut, "D_r");
+    expectOwnLaw(dut, 5);  // 0.6 expected; 6 by chance once in 10^4
   }
 }
 
