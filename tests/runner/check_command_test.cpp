@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "runner/commands.hpp"
+#include "tests/common/experiment_samples.hpp"
 
 namespace lab::runner::check_command_test {
 namespace {
@@ -19,18 +20,7 @@ using testing::HasSubstr;
 std::string said(const std::vector<std::string>& set) {
   const fs::path file =
       fs::path(testing::TempDir()) / ("check_test_" + std::to_string(getpid()) + ".toml");
-  std::ofstream(file) << R"(fileversion = 1
-name = "checked"
-duration_s = 60
-program = "abp"
-[[robots]]
-id = 1
-[programs.abp]
-model = "abp"
-v_cm_s = 3
-epsilon_s = 0.5
-eta_rad_s = 3
-)";
+  std::ofstream(file) << kSmall;
   testing::internal::CaptureStdout();
   EXPECT_EQ(check(file, set), kDone);
   std::fflush(stdout);
