@@ -91,8 +91,7 @@ BlockSums BlockData::total() const {
   return sum;
 }
 
-FilmGaps gapsOf(const BlockData& data) {
-  const BlockSums total = data.total();
+FilmGaps gapsOf(const BlockData& data, const BlockSums& total) {
   FilmGaps gaps;
   gaps.segments = data.segments;
   gaps.cut = data.segments.number() > static_cast<double>(data.tracks.size());

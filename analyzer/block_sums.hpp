@@ -62,6 +62,7 @@ struct BlockData {
 };
 
 /// What these films lack.
-[[nodiscard]] FilmGaps gapsOf(const BlockData& data);
+/// @param total data.total()
+[[nodiscard]] FilmGaps gapsOf(const BlockData& data, const BlockSums& total);
 
 }  // namespace lab::analysis

@@ -178,7 +178,7 @@ Curves curves(const ProgramLaw& law, const BlockData& data, const CurveOptions& 
   const bool enough_draws = drawsSeen(law, observed) >= kMinDraws;
   const auto tracks = static_cast<double>(data.tracks.size());
   const double segments = std::max(tracks, total.segments);
-  const FilmGaps gaps = gapsOf(data);
+  const FilmGaps gaps = gapsOf(data, total);
   const auto film_error = [&](bool angular, double tau) {
     return options.films != nullptr && kTrustedBlocks * tau > observed / tracks
                ? relativeError(*options.films, angular, tau, observed, segments)

@@ -88,7 +88,7 @@ MeasuredCurves measuredCurves(const ProgramLaw& law, const BlockData& data) {
   curves.segments = std::max(curves.tracks, total.segments);
   curves.offset = finiteOrZero(live[kPositionOffset]);
   curves.angular_offset = finiteOrZero(live[kHeadingOffset]);
-  curves.gaps = gapsOf(data);
+  curves.gaps = gapsOf(data, total);
   const double joins = total.joins / total.time * data.frame_period;
   for (std::size_t i = 0; i < data.lags.size(); ++i) {
     const LagSums& lag = total.lags[i];
