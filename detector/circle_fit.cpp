@@ -33,6 +33,7 @@ constexpr float kMostOfCodecs = 2.5F;
 constexpr double kSlope = 2.5;  // [sigma] over which a blurred outline goes from black to white
 constexpr float kLeastBelieved = 0.6F;  // [1] share of the pixels that are of the model
 constexpr double kDoubtful = 0.02;      // [radius] standard error of the centre: looked at closely
+constexpr float kMiddleOff = 0.05F;     // [1] of the white level, from what the fit says of black
 // of residuals: something is there that is not in the model
 constexpr float kOddCorrelation = 0.25F;
 constexpr double kUneven = 0.06;  // [1] and is not the same on both sides
@@ -132,11 +133,34 @@ bool isOdd(const Outcome& o, const Task& task, const Window& window) {
   return misfit > kEvenMisfit || fit::unevenness(window) > kUneven;
 }
 
+bool isDoubtful(const Outcome& o, const fit::Constants& constants) {
+  const double radius = static_cast<double>(constants.radius);
+  return o.covariance[0] + o.covariance[2] > 2 * kDoubtful * kDoubtful * radius * radius;
+}
+
+// A disc without a fault of which nothing but noise is left over, and black in the middle, which the
+// fit did not look at.
+bool isClear(const Outcome& o, const Task& task, const Window& window, GridPoint point) {
+  if (!window.plain || !isSound(o) || o.correlation > fit::correlationByChance(o.pixels) ||
+      isDoubtful(o, task.constants) || faultOf(o, false, task.constants) != FitFault::kNone) {
+    return false;
+  }
+  const std::optional<float> middle = task.pixels->middle(*task.picture, point);
+  if (!middle) return false;
+  const float black = *middle - task.constants.black;
+  return black < kMostRatio * o.white && std::abs(black - o.ratio * o.white) < kMiddleOff * o.white;
+}
+
 Outcome plainFrom(Task& task, const ShapeAt& shape_at, GridPoint start, Window& window,
                   std::optional<GridPoint>& point) {
   fit::Disc disc;
   point = fit::settlePlain(task, start, window, disc);
   if (!point) return {};
+  // Where pixels are full, those that are not are needed.
+  if (!window.plain && task.setHollow(false)) {
+    point = fit::settlePlain(task, *point, window, disc);
+    if (!point) return {};
+  }
   // The outline there, which does not depend on the start any more.
   if (task.setShape(shape_at(point->pixel()))) {
     point = fit::settlePlain(task, *point, window, disc);
@@ -184,7 +208,8 @@ CircleFit fitCircle(const optics::GreyView& picture, optics::Pixel start, const 
   CircleFit out;
   out.x = start.x;
   out.y = start.y;
-  Task task(picture, shape_at(start), imaging);
+  // Mostly a circle's middle need not be looked at pixel by pixel.
+  Task task(picture, shape_at(start), imaging, !imaging.compressed);
   const double radius = static_cast<double>(task.constants.radius);
   if (!picture.contains(start.x, start.y, 0.5 * radius)) {
     out.fault = FitFault::kOutside;
@@ -193,6 +218,10 @@ CircleFit fitCircle(const optics::GreyView& picture, optics::Pixel start, const 
   Window window;
   std::optional<GridPoint> point;
   Outcome best = plainFrom(task, shape_at, fit::nearest(start), window, point);
+  const bool clear = best.good && isClear(best, task, window, *point);
+  if (!clear && task.setHollow(false)) {
+    best = plainFrom(task, shape_at, fit::nearest(start), window, point);
+  }
   const bool odd = isOdd(best, task, window);
   if (odd && !(best.good && !fit::edgeMayCross(task, best, isSound(best), window))) {
     const GridPoint first = fit::nearest(start);
@@ -211,9 +240,7 @@ CircleFit fitCircle(const optics::GreyView& picture, optics::Pixel start, const 
   }
   out.fault = faultOf(best, out.edge, task.constants);
   if (!best.good) return out;
-  const bool doubtful =
-      best.covariance[0] + best.covariance[2] > 2 * kDoubtful * kDoubtful * radius * radius;
-  if (out.fault == FitFault::kNone && (odd || doubtful)) {
+  if (out.fault == FitFault::kNone && (odd || isDoubtful(best, task.constants))) {
     fit::Disc disc;
     disc.x = static_cast<float>(best.x - window.base_x);
     disc.y = static_cast<float>(best.y - window.base_y);

@@ -7,6 +7,7 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "detector/circle_fit_grid.hpp"
@@ -19,8 +20,9 @@ class Pixels {
  public:
   /// About this outline, blur and margin [px]; kept for the next circle of that kind. To be copied
   /// before the next call.
+  /// @param hollow without the middle of the circle, if it is large enough to have one
   static const std::shared_ptr<const Pixels>& about(const DiscShape& shape, float sigma,
-                                                    float margin);
+                                                    float margin, bool hollow);
 
   struct Rough {
     double x = 0;  ///< [DN px] contrast times the way to the centre
@@ -35,9 +37,15 @@ class Pixels {
   /// @return false where the outline would leave the picture
   bool gather(const optics::GreyView& picture, const GridPoint& point, Window& window) const;
 
+  /// The mean of what gather() leaves out [DN]; empty where that is nothing, or not all in the
+  /// picture.
+  [[nodiscard]] std::optional<float> middle(const optics::GreyView& picture,
+                                            const GridPoint& point) const;
+
  private:
   struct Kind {  // the outline, as a class of outlines: see about()
     int width, height, skew, blur, margin;
+    bool hollow;
     bool operator==(const Kind&) const = default;
   };
   struct Ellipse {
@@ -48,14 +56,26 @@ class Pixels {
   };
   struct Span {  // pixels of one row
     int dx, dy, count;
+    [[nodiscard]] int end() const { return dx + count; }
   };
-  struct Run {  // eight pixels of a row and their weights in x, y, white and dark
+  static constexpr std::size_t kRun = 16;
+  struct Run {  // so many pixels of a row
     int dx, dy;
-    alignas(32) float weight[4][kLanes];
+  };
+  struct Eight {  // pixels of one row, and where they go; the next ones write over what is too much
+    int dx, dy, to;
+  };
+  /// The first look: whole numbers, since sums of them take half the time.
+  struct RoughSums {
+    std::vector<Run> runs;
+    std::vector<std::int16_t> weights[4];  // of their pixels in x, y, white and dark
+    std::array<double, 4> unit{};          // of these weights
   };
   struct Phase {  // a grid point lies on a pixel, or between two, by x and by y
-    std::vector<Run> runs;
+    RoughSums rough;
     std::vector<Span> spans;
+    std::vector<Eight> eights;     // of the spans, in order
+    std::vector<Span> middle;      // what is left out
     std::vector<float> x, y;  // [px] of the pixels, a multiple of kLanes
     int count = 0;            // without those that fill the last eight
     int left = 0, right = 0, top = 0, bottom = 0;  // what is read, and nothing farther
@@ -63,13 +83,15 @@ class Pixels {
   };
 
   explicit Pixels(const Kind& kind);
+  static Span rowWithin(const Ellipse& ellipse, double margin, int row, double shift_x,
+                        double shift_y);
   static std::vector<Span> spansWithin(const Ellipse& ellipse, double margin, double shift_x,
                                        double shift_y);
-  static Phase phaseOf(const Ellipse& ellipse, double sigma, double margin, double shift_x,
-                       double shift_y);
-  static void addRuns(const Ellipse& ellipse, double sigma, double shift_x, double shift_y,
-                      Phase& phase);
-  static void sum(const optics::GreyView& picture, const Phase& phase, int x, int y, double* sums);
+  static Phase phaseOf(const Kind& kind, const Ellipse& ellipse, double shift_x, double shift_y);
+  static void addRough(const Ellipse& ellipse, double sigma, double shift_x, double shift_y,
+                       Phase& phase);
+  static void sum(const optics::GreyView& picture, const Phase& phase, int x, int y,
+                  std::int32_t* sums);
   static void take(const optics::GreyView& picture, const Phase& phase, int x, int y,
                    Window& window);
   [[nodiscard]] const Phase& phaseAt(const GridPoint& point) const {

@@ -24,12 +24,14 @@ struct Task {
   Constants constants;
   float sigma = 1;   ///< [px] the whole blur, as far as known
   float margin_sigmas = kMargin;
+  bool hollow = false;  ///< without the middle of the circle
   std::shared_ptr<const Pixels> pixels;  ///< that are looked at
 
   Task(const optics::GreyView& the_picture, const DiscShape& the_shape,
-       const optics::Imaging& imaging);
+       const optics::Imaging& imaging, bool is_hollow);
   bool setSigma(float the_sigma);              ///< @return whether other pixels are looked at now
   bool setMargin(float sigmas);                ///< @return as above
+  bool setHollow(bool is_hollow);              ///< @return as above
   bool setShape(const DiscShape& the_shape);   ///< @return as above
   /// The pixels around the point. @return false where the outline would leave the picture
   bool gather(GridPoint point, Window& window) const;

@@ -28,7 +28,9 @@ std::optional<Halves> halvesOf(const Window& window) {
     const double half = 0.5 * (here - static_cast<double>(window.residual[opposite]));
     out.all += here * here;
     out.odd += half * half;
-    if (i > 0 && window.y[i] == window.y[i - 1]) out.together += half * before;
+    const bool adjoins =
+        i > 0 && window.y[i] == window.y[i - 1] && window.x[i] == window.x[i - 1] + 1;
+    if (adjoins) out.together += half * before;
     before = half;
   }
   return out;

@@ -81,8 +81,10 @@ __attribute__((target_clones("avx2", "default"))) int darkWords(
     }
     if (to.across == 0) continue;
     const std::uint8_t* at = row + starts[number];
-    // A row that nobody has looked at yet: first glance and tests look at every so many.
+    // Rows that nobody has looked at yet: first glance and tests look at every so many.
     __builtin_prefetch(at + soon);
+    __builtin_prefetch(at + soon - stride);
+    __builtin_prefetch(at + soon + stride);
     const Bytes here = brighterOf(loadBytes(at), low);
     const Bytes least = here + (here >> 3) + barely;
     Bytes best{};

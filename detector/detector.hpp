@@ -126,8 +126,14 @@ class Detector {
   /// Couples of spots that are not taken, one of them at least `first` or later.
   void gatherCouples(const optics::GreyView& picture, std::size_t first,
                      std::vector<Rejection>* rejected);
-  void tryCouple(const optics::GreyView& picture, std::size_t big, std::size_t small,
-                 std::vector<Rejection>* rejected);
+  /// Where the axis is, about.
+  [[nodiscard]] optics::Pixel middleOf(const Spot& big, const Spot& small) const;
+  /// Adds the couple if its spots are about as far apart as the circles of a cap.
+  /// @return whether they are
+  bool addCouple(std::size_t big, std::size_t small);
+  /// Whether there is the rim of a cap around it, at a rough look; sets how clear it is.
+  [[nodiscard]] bool hasRim(const optics::GreyView& picture, Couple& couple,
+                            std::vector<Rejection>* rejected) const;
   void lookAgain(const optics::GreyView& picture, std::vector<Rejection>* rejected);
   /// For circles that are left alone, some hundred of them at most: their partners, where the rim
   /// says that they are.
@@ -200,6 +206,7 @@ class Detector {
   std::vector<Circle> circles_;  // two for each spot: as a big one, as a small one
   std::vector<Couple> couples_;
   std::vector<Couple> doubtful_;  // of them: they wait for others
+  std::vector<int> partners_;     // by spot: in how many couples it is
   std::vector<float> clearest_;   // by spot: the rim of its couples
   std::vector<char> taken_;      // by spot: it belongs to a cap
   std::vector<std::size_t> order_;  // of spots, by row

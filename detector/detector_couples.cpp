@@ -42,43 +42,64 @@ void Detector::gatherCouples(const optics::GreyView& picture, std::size_t first,
       const float dy = other.y - one.y;
       if (dy > reach) break;
       if (dx * dx + dy * dy > reach * reach || std::max(order_[i], order_[j]) < first) continue;
-      if (one.can_be_big && other.can_be_small) tryCouple(picture, order_[i], order_[j], rejected);
-      if (other.can_be_big && one.can_be_small) tryCouple(picture, order_[j], order_[i], rejected);
+      if (one.can_be_big && other.can_be_small) addCouple(order_[i], order_[j]);
+      if (other.can_be_big && one.can_be_small) addCouple(order_[j], order_[i]);
     }
   }
+  // Fits to what is no cap take long. Most are one, which shows at a rough look; where two round
+  // circles have nobody else, the fits are short and the closer look behind them is enough.
+  partners_.assign(spots_.size(), 0);
+  for (const Couple& couple : couples_) {
+    for (const int spot : {couple.big, couple.small}) ++partners_[static_cast<std::size_t>(spot)];
+  }
+  const auto isSure = [&](int spot) {
+    const auto at = static_cast<std::size_t>(spot);
+    return partners_[at] == 1 && spots_[at].can_be_big != spots_[at].can_be_small;
+  };
+  std::erase_if(couples_, [&](Couple& couple) {
+    return !(isSure(couple.big) && isSure(couple.small)) && !hasRim(picture, couple, rejected);
+  });
   std::sort(couples_.begin(), couples_.end(), [](const Couple& a, const Couple& b) {
     return std::tie(a.big, a.small) < std::tie(b.big, b.small);
   });
 }
 
-void Detector::tryCouple(const optics::GreyView& picture, std::size_t big_spot,
-                         std::size_t small_spot, std::vector<Rejection>* rejected) {
+bool Detector::addCouple(std::size_t big_spot, std::size_t small_spot) {
   const Spot& big = spots_[big_spot];
   const Spot& small = spots_[small_spot];
   const auto spacing = static_cast<float>(cap_.spacing());
   const float reach = (spacing + kRoughSpacing) * scale_.largest();
   const float dx = big.x - small.x;
   const float dy = big.y - small.y;
-  if (dx * dx + dy * dy > reach * reach) return;
-  const auto share = static_cast<float>(cap_.big_offset / cap_.spacing());
-  const optics::Pixel middle{static_cast<double>(big.x - dx * share),
-                             static_cast<double>(big.y - dy * share)};
+  if (dx * dx + dy * dy > reach * reach) return false;
+  const optics::Pixel middle = middleOf(big, small);
   const LocalScale scale = scale_.at(middle.x, middle.y);
-  if (scale.mean <= 0) return;
-  const float distance = std::hypot(scale.inverse[0] * dx + scale.inverse[1] * dy,
-                                    scale.inverse[2] * dx + scale.inverse[3] * dy);
-  if (std::abs(distance - spacing) > kRoughSpacing) return;
-  // Fits to what is no cap take long. Most are one, which shows at a rough look.
-  float rim = 0;
+  if (scale.mean <= 0) return false;
+  const float across = scale.inverse[0] * dx + scale.inverse[1] * dy;
+  const float along = scale.inverse[2] * dx + scale.inverse[3] * dy;
+  const float distance = std::sqrt(across * across + along * along);
+  if (std::abs(distance - spacing) > kRoughSpacing) return false;
+  couples_.push_back({static_cast<int>(big_spot), static_cast<int>(small_spot), 0, 0});
+  return true;
+}
+
+optics::Pixel Detector::middleOf(const Spot& big, const Spot& small) const {
+  const auto share = static_cast<float>(cap_.big_offset / cap_.spacing());
+  return {static_cast<double>(big.x - (big.x - small.x) * share),
+          static_cast<double>(big.y - (big.y - small.y) * share)};
+}
+
+bool Detector::hasRim(const optics::GreyView& picture, Couple& couple,
+                      std::vector<Rejection>* rejected) const {
+  const optics::Pixel middle = middleOf(spots_[static_cast<std::size_t>(couple.big)],
+                                        spots_[static_cast<std::size_t>(couple.small)]);
+  const LocalScale scale = scale_.at(middle.x, middle.y);
   for (const RimLook look : {RimLook::kRough, RimLook::kAll}) {
-    if (rim >= kLeastRim) break;
-    rim = rimContrast(picture, middle, scale, cap_, imaging_, look, kBeyondFull);
+    couple.rim = rimContrast(picture, middle, scale, cap_, imaging_, look, kBeyondFull);
+    if (couple.rim >= kLeastRim) return true;
   }
-  if (rim < kLeastRim) {
-    if (rejected != nullptr) rejected->push_back({middle, Reason::kNoCap, rim, kLeastRim});
-    return;
-  }
-  couples_.push_back({static_cast<int>(big_spot), static_cast<int>(small_spot), 0, rim});
+  if (rejected != nullptr) rejected->push_back({middle, Reason::kNoCap, couple.rim, kLeastRim});
+  return false;
 }
 
 void Detector::lookAgain(const optics::GreyView& picture, std::vector<Rejection>* rejected) {
@@ -108,7 +129,10 @@ void Detector::lookAgain(const optics::GreyView& picture, std::vector<Rejection>
       spots_.push_back(*small);
       circles_.resize(2 * spots_.size());
       taken_.resize(spots_.size(), 0);
-      tryCouple(picture, spots_.size() - 2, spots_.size() - 1, rejected);
+      if (addCouple(spots_.size() - 2, spots_.size() - 1) &&
+          !hasRim(picture, couples_.back(), rejected)) {
+        couples_.pop_back();
+      }
     }
   }
 }
