@@ -196,8 +196,6 @@ Outcome litFrom(const Task& task, GridPoint start, Window& window) {
 
 }  // namespace
 
-float DiscShape::radius() const { return 1.0F / std::sqrt(std::abs(m[0] * m[3] - m[1] * m[2])); }
-
 CircleFit fitCircle(const optics::GreyView& picture, optics::Pixel start, const DiscShape& shape,
                     const optics::Imaging& imaging) {
   return fitCircle(picture, start, [&](optics::Pixel) { return shape; }, imaging);

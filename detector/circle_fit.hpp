@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <functional>
 
@@ -16,7 +17,9 @@ struct DiscShape {
   float m[4] = {1, 0, 0, 1};  ///< M, row by row [1/px]
 
   /// Geometric mean of the half axes [px].
-  [[nodiscard]] float radius() const;
+  [[nodiscard]] float radius() const {
+    return 1.0F / std::sqrt(std::abs(m[0] * m[3] - m[1] * m[2]));
+  }
 };
 
 /// Why a fit was not accepted.

@@ -278,7 +278,9 @@ std::optional<float> Pixels::middle(const optics::GreyView& picture,
   const int y = point.y >> 1;
   int sum = 0;
   int count = 0;
-  for (const Span& span : phase.middle) {
+  // Every other row says enough.
+  for (std::size_t n = 0; n < phase.middle.size(); n += 2) {
+    const Span& span = phase.middle[n];
     const int row = y + span.dy;
     if (row < 0 || row >= picture.height || x + span.dx < 0 || x + span.end() > picture.width) {
       return std::nullopt;

@@ -38,10 +38,6 @@ std::optional<Halves> halvesOf(const Window& window) {
 
 }  // namespace
 
-float correlationByChance(int pixels) {
-  return 3 / std::sqrt(static_cast<float>(std::max(1, pixels)));
-}
-
 double unevenness(const Window& window) {
   const std::optional<Halves> halves = halvesOf(window);
   if (!halves) return 1;

@@ -1,12 +1,17 @@
 /// What residuals that go together mean for the centre. Internal to the circle fit.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+
 #include "detector/circle_fit_pixels.hpp"
 
 namespace lab::detector::fit {
 
 /// Correlation of neighbouring residuals beyond which it is no chance: three standard errors.
-[[nodiscard]] float correlationByChance(int pixels);
+[[nodiscard]] inline float correlationByChance(int pixels) {
+  return 3 / std::sqrt(static_cast<float>(std::max(1, pixels)));
+}
 
 /// Correlation of neighbouring residuals, of what is opposite on opposite sides of the centre, over
 /// the square of all residuals. Blur that is no Gaussian is the same on both sides, and moves

@@ -2,6 +2,7 @@
 /// again, and places around caps that are known.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -19,13 +20,17 @@ class ClaimMap {
   /// Nothing is left to be found within.
   /// @param radius [px]
   void cover(float x, float y, float radius);
-  /// May say no where two of those places overlap.
-  [[nodiscard]] bool isCovered(int x, int y) const;
-  /// A row's pixels from first to last: a place that holds both holds all between them.
+  /// A row's pixels from first to last, by one of those places. May say no where there are many.
   [[nodiscard]] bool isCovered(int first, int last, int y) const {
-    return isCovered(first, y) && isCovered(last, y) &&
-           covered_[cellAt(first, y)] == covered_[cellAt(last, y)];
+    const Nearby& nearby =
+        nearby_[static_cast<std::size_t>(y / kWide * wide_columns_ + first / kWide)];
+    for (std::size_t i = 0; i < static_cast<std::size_t>(nearby.count); ++i) {
+      const Cover& cover = covers_[static_cast<std::size_t>(nearby.covers[i])];
+      if (cover.holds(first, y) && cover.holds(last, y)) return true;
+    }
+    return false;
   }
+  [[nodiscard]] bool isCovered(int x, int y) const { return isCovered(x, x, y); }
 
   /// A circle, or something long, that was found.
   /// @param reach [px] around it
@@ -36,10 +41,14 @@ class ClaimMap {
   /// @param dark [DN above black] of what is there: something much darker in the middle of
   ///   something long may be a circle after all
   /// @param noise [DN]
-  [[nodiscard]] bool isClaimed(float x, float y, int dark, int noise) const;
+  [[nodiscard]] bool isClaimed(float x, float y, int dark, int noise) const {
+    const int number = cells_[cellAt(static_cast<int>(x), static_cast<int>(y))];
+    return number >= 0 && holds(claims_[static_cast<std::size_t>(number)], x, y, dark, noise);
+  }
 
  private:
   static constexpr int kCell = 8;  // [px]
+  static constexpr int kWide = 64;  // [px] of the cells by which covers are found
 
   struct Claim {
     float x = 0, y = 0;
@@ -50,8 +59,19 @@ class ClaimMap {
   struct Cover {
     float x, y;
     float square;  // of the radius
+    [[nodiscard]] bool holds(int px, int py) const {
+      const float dx = static_cast<float>(px) - x;
+      const float dy = static_cast<float>(py) - y;
+      return dx * dx + dy * dy < square;
+    }
+  };
+  struct Nearby {  // covers that reach into a cell
+    static constexpr std::int16_t kMost = 15;
+    std::int16_t count = 0;
+    std::array<std::int16_t, kMost> covers;
   };
 
+  [[nodiscard]] static bool holds(const Claim& claim, float x, float y, int dark, int noise);
   [[nodiscard]] std::size_t cellAt(int x, int y) const {
     return static_cast<std::size_t>(y / kCell * columns_ + x / kCell);
   }
@@ -60,8 +80,10 @@ class ClaimMap {
   int rows_ = 0;
   std::vector<Claim> claims_;
   std::vector<Cover> covers_;
-  std::vector<std::int16_t> cells_;    // which claim, -1: none
-  std::vector<std::int16_t> covered_;  // which cover, -1: none
+  int wide_columns_ = 0;
+  int wide_rows_ = 0;
+  std::vector<std::int16_t> cells_;  // which claim, -1: none
+  std::vector<Nearby> nearby_;       // by wide cell
 };
 
 }  // namespace lab::detector

@@ -91,7 +91,7 @@ double Detector::alone() const {
 }
 
 void Detector::cover(const Detection& pose) {
-  const LocalScale scale = scale_.at(pose.middle.x, pose.middle.y);
+  const LocalScale& scale = scale_.near(pose.middle.x, pose.middle.y);
   search_.cover(pose.middle.x, pose.middle.y, alone() * static_cast<double>(scale.mean));
 }
 
@@ -116,13 +116,20 @@ const Detector::Circle& Detector::fitFrom(const optics::GreyView& picture, optic
   circle = Circle{};
   circle.fitted = true;
   const double radius = big ? cap_.big_radius : cap_.small_radius;
-  const auto shapeAt = [this, radius](optics::Pixel at) {
-    return discShape(scale_.at(at.x, at.y), radius);
+  struct {
+    const ScaleMap& scales;
+    double radius;
+    LocalScale last;  // that was asked for: of the grid point that the fit began at
+  } local{scale_, radius, {}};
+  const auto shapeAt = [&local](optics::Pixel at) {
+    local.last = local.scales.at(at.x, at.y);
+    return discShape(local.last, local.radius);
   };
   circle.fit = fitCircle(picture, start, shapeAt, imaging_);
   if (glare && circle.fit.glare) circle.fit.fault = FitFault::kNone;
   if (circle.fit.fault != FitFault::kNone) return circle;
-  const LocalScale scale = scale_.at(circle.fit.x, circle.fit.y);
+  const LocalScale scale =
+      circle.fit.edge ? scale_.at(circle.fit.x, circle.fit.y) : local.last;
   const auto bent = static_cast<float>(radius * radius);
   const optics::Pixel centre{circle.fit.x - static_cast<double>(scale.bend[0] * bent),
                              circle.fit.y - static_cast<double>(scale.bend[1] * bent)};

@@ -73,7 +73,7 @@ bool Detector::addCouple(std::size_t big_spot, std::size_t small_spot) {
   const float dy = big.y - small.y;
   if (dx * dx + dy * dy > reach * reach) return false;
   const optics::Pixel middle = middleOf(big, small);
-  const LocalScale scale = scale_.at(middle.x, middle.y);
+  const LocalScale& scale = scale_.near(middle.x, middle.y);
   if (scale.mean <= 0) return false;
   const float across = scale.inverse[0] * dx + scale.inverse[1] * dy;
   const float along = scale.inverse[2] * dx + scale.inverse[3] * dy;
@@ -199,7 +199,7 @@ bool Detector::measure(const optics::GreyView& picture, Couple& couple,
   const Circle& small = circleOf(couple.small, false);
   const double dx = big.place.x - small.place.x;
   const double dy = big.place.y - small.place.y;
-  const double spacing = std::hypot(dx, dy);
+  const double spacing = std::sqrt(dx * dx + dy * dy);
   const double variance =
       ((big.covariance[0] + small.covariance[0]) * dx * dx +
        2 * (big.covariance[1] + small.covariance[1]) * dx * dy +

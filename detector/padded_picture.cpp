@@ -37,18 +37,14 @@ void PaddedPicture::fill(const Region& tile) {
   const int end = tile.right + 1;
   const int first = std::clamp(padding_, tile.left, end);  // of the picture's own columns
   const int last = std::clamp(padding_ + picture_.width, tile.left, end);
-  const bool rows_inside = tile.top >= padding_ && tile.bottom < padding_ + picture_.height;
-  if (rows_inside && last - first == kTile) {
-    const std::uint8_t* from = picture_.row(tile.top - padding_) + (first - padding_);
-    std::uint8_t* to = pixels_.data() + static_cast<std::ptrdiff_t>(tile.top) * width_ + first;
-    for (int y = tile.top; y <= tile.bottom; ++y, from += picture_.stride, to += width_) {
-      std::memcpy(to, from, kTile);
-    }
-    return;
-  }
+  const bool columns_inside = last - first == kTile;
   for (int y = tile.top; y <= tile.bottom; ++y) {
     const std::uint8_t* from = picture_.row(std::clamp(y - padding_, 0, picture_.height - 1));
     std::uint8_t* to = pixels_.data() + static_cast<std::ptrdiff_t>(y) * width_;
+    if (columns_inside) {  // nearly always, and soon done
+      std::memcpy(to + first, from + (first - padding_), kTile);
+      continue;
+    }
     std::fill(to + tile.left, to + first, from[0]);
     if (first < last) std::copy(from + (first - padding_), from + (last - padding_), to + first);
     std::fill(to + last, to + end, from[picture_.width - 1]);

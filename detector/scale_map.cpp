@@ -117,6 +117,13 @@ LocalScale ScaleMap::at(double x, double y) const {
   return out;
 }
 
+const LocalScale& ScaleMap::near(double x, double y) const {
+  const int i = std::clamp(static_cast<int>(x / kCell + 0.5), 0, columns_ - 1);
+  const int j = std::clamp(static_cast<int>(y / kCell + 0.5), 0, rows_ - 1);
+  return nodes_[static_cast<std::size_t>(j) * static_cast<std::size_t>(columns_) +
+                static_cast<std::size_t>(i)];
+}
+
 DiscShape discShape(const LocalScale& scale, double radius) {
   DiscShape shape;
   for (int i = 0; i < 4; ++i) shape.m[i] = scale.inverse[i] / static_cast<float>(radius);

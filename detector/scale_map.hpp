@@ -28,6 +28,9 @@ class ScaleMap {
   /// The nodes around the pixel, interpolated; mean is 0 where one of them sees no cap plane.
   [[nodiscard]] LocalScale at(double x, double y) const;
 
+  /// The nearest node: for what need not be known to better than a percent.
+  [[nodiscard]] const LocalScale& near(double x, double y) const;
+
   [[nodiscard]] float smallest() const { return smallest_; }  ///< [px/m] over the picture
   [[nodiscard]] float largest() const { return largest_; }    ///< [px/m]
 

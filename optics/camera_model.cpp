@@ -55,7 +55,7 @@ Pixel CameraModel::project(double x, double y, double z, PlaneScale& scale) cons
 std::optional<Place> CameraModel::toPlane(Pixel pixel, double z) const {
   constexpr int kMostSteps = 20;
   // An error after which one more step leaves its square, which is nothing.
-  constexpr double kClose = 1e-8;
+  constexpr double kClose = 1e-6;
   const double wanted_a = (pixel.x - p_.cx) / p_.fx;
   const double wanted_b = (pixel.y - p_.cy) / p_.fy;
   double a = wanted_a;
