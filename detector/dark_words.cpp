@@ -82,9 +82,9 @@ __attribute__((target_clones("avx2", "default"))) int darkWords(
     if (to.across == 0) continue;
     const std::uint8_t* at = row + starts[number];
     // Rows that nobody has looked at yet: first glance and tests look at every so many.
-    __builtin_prefetch(at + soon);
-    __builtin_prefetch(at + soon - stride);
-    __builtin_prefetch(at + soon + stride);
+    __builtin_prefetch(at + soon, 0, 2);
+    __builtin_prefetch(at + soon - stride, 0, 2);
+    __builtin_prefetch(at + soon + stride, 0, 2);
     const Bytes here = brighterOf(loadBytes(at), low);
     const Bytes least = here + (here >> 3) + barely;
     Bytes best{};

@@ -202,8 +202,9 @@ Detection Detector::poseOf(const Couple& couple, float rim) const {
   out.y = pose.y;
   out.theta = pose.theta;
   out.covariance = pose.covariance;
-  out.spacing = static_cast<float>(
-      std::hypot(big.place.x - small.place.x, big.place.y - small.place.y));
+  const double across = big.place.x - small.place.x;
+  const double along = big.place.y - small.place.y;
+  out.spacing = static_cast<float>(std::sqrt(across * across + along * along));
   out.white = (big.fit.white + small.fit.white) / 2;
   out.ratio = (big.fit.ratio + small.fit.ratio) / 2;
   const float blur = (big.fit.blur + small.fit.blur) / 2;

@@ -216,8 +216,8 @@ bool Detector::measure(const optics::GreyView& picture, Couple& couple,
   }
   // Once more, where the fits have it: so the same wherever they began.
   const double share = cap_.big_offset / cap_.spacing();
-  const optics::Pixel middle = camera_.project(big.place.x - share * dx, big.place.y - share * dy,
-                                               cap_.height);
+  const optics::Pixel middle{big.fit.x - share * (big.fit.x - small.fit.x),
+                             big.fit.y - share * (big.fit.y - small.fit.y)};
   couple.rim = rimContrast(picture, middle, scale_.at(middle.x, middle.y), cap_, imaging_,
                            RimLook::kAll, std::min(big.fit.white, small.fit.white));
   if (couple.rim < kLeastRim) {
