@@ -16,6 +16,8 @@ namespace lab::detector {
 struct DiscShape {
   float m[4] = {1, 0, 0, 1};  ///< M, row by row [1/px]
 
+  bool operator==(const DiscShape&) const = default;
+
   /// Geometric mean of the half axes [px].
   [[nodiscard]] float radius() const {
     return 1.0F / std::sqrt(std::abs(m[0] * m[3] - m[1] * m[2]));

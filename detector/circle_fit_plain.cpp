@@ -123,6 +123,7 @@ Task::Task(const optics::GreyView& the_picture, const DiscShape& the_shape,
 }
 
 bool Task::setShape(const DiscShape& the_shape) {
+  if (pixels != nullptr && the_shape == shape) return false;
   shape = the_shape;
   constants.radius = shape.radius();
   const float* m = shape.m;

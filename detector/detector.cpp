@@ -13,6 +13,14 @@ namespace {
 constexpr double kMostUncertain = 0.06;   // [radii] standard deviation of a centre
 constexpr double kClear = 0.6;            // [big radii] from a neighbour's circle's centre
 
+// Outlines are the same all over a cell of so many pixels: where a fit begins and where it ends is in
+// one cell, mostly, and what another outline would change is far less than what is fitted.
+constexpr int kCell = 8;
+
+double middleOfCell(double at) {
+  return static_cast<double>(static_cast<int>(at) / kCell * kCell + kCell / 2);
+}
+
 }  // namespace
 
 std::string_view toText(Reason reason) {
@@ -119,17 +127,22 @@ const Detector::Circle& Detector::fitFrom(const optics::GreyView& picture, optic
   struct {
     const ScaleMap& scales;
     double radius;
-    LocalScale last;  // that was asked for: of the grid point that the fit began at
-  } local{scale_, radius, {}};
-  const auto shapeAt = [&local](optics::Pixel at) {
-    local.last = local.scales.at(at.x, at.y);
-    return discShape(local.last, local.radius);
+    optics::Pixel where{-1, -1};  // a cell's middle
+    LocalScale scale{};           // there
+  } last{scale_, radius};
+  const auto shapeAt = [&last](optics::Pixel at) {
+    const optics::Pixel where{middleOfCell(at.x), middleOfCell(at.y)};
+    if (where.x != last.where.x || where.y != last.where.y) {
+      last.where = where;
+      last.scale = last.scales.at(where.x, where.y);
+    }
+    return discShape(last.scale, last.radius);
   };
   circle.fit = fitCircle(picture, start, shapeAt, imaging_);
   if (glare && circle.fit.glare) circle.fit.fault = FitFault::kNone;
   if (circle.fit.fault != FitFault::kNone) return circle;
   const LocalScale scale =
-      circle.fit.edge ? scale_.at(circle.fit.x, circle.fit.y) : local.last;
+      circle.fit.edge ? scale_.at(circle.fit.x, circle.fit.y) : last.scale;
   const auto bent = static_cast<float>(radius * radius);
   const optics::Pixel centre{circle.fit.x - static_cast<double>(scale.bend[0] * bent),
                              circle.fit.y - static_cast<double>(scale.bend[1] * bent)};
