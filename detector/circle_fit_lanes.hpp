@@ -7,7 +7,6 @@
 #include "detector/full_pixels.hpp"
 
 #define LAB_INLINE __attribute__((always_inline)) inline
-#define LAB_INLINE_LAMBDA __attribute__((always_inline))
 // For processors with and without 256 bits and products that are added in one.
 #define LAB_FIT_CLONES __attribute__((target_clones("arch=x86-64-v3", "default")))
 

@@ -13,8 +13,8 @@ namespace {
 
 // The rough step looks no farther outside the outline, where holes would draw it.
 constexpr double kRoughReach = 1.8;  // [sigma]
-constexpr std::size_t kMostRows = 200;
-constexpr std::size_t kMostRough = 2 * kMostPixels;  // with what fills up so many rows
+constexpr std::size_t kMostRows = 200;  // of more, every other one is enough, or fewer
+constexpr std::size_t kMostRough = 2 * kMostPixels;  // with what fills up the runs of so many rows
 constexpr double kBeyond = 1.0;      // [px] of the outline may lie outside the picture
 // What lies farther inside says of the centre only what is known of black anyway: without it a
 // centre is known 0.3 % less well, by the model's own covariance.
@@ -28,7 +28,7 @@ constexpr float kSkews = 8;
 constexpr float kBlurs = 8;
 constexpr float kMargins = 8;
 constexpr std::size_t kKept = 512;
-constexpr std::size_t kAside = 8;  // places of one kind: those before may be of others
+constexpr std::size_t kAside = 8;  // places where a kind may be kept, one behind the other
 
 // The slopes of a pixel's value by x, y, white and dark, at a place relative to the disc.
 std::array<double, 4> slopesAt(double dx, double dy, const double* m, double radius,
@@ -176,10 +176,10 @@ void Pixels::addRough(const Ellipse& ellipse, double sigma, double shift_x, doub
   for (std::size_t row = 0; row < spans.size(); row += step) {
     const Span& span = spans[row];
     // A row that is longer by a pixel or two is not worth a run more.
-    const int runs = std::max(1, (span.count + static_cast<int>(kRun) - 3) / static_cast<int>(kRun));
-    const int count = std::min(span.count, runs * static_cast<int>(kRun));
+    const int runs = std::max(1, (span.count + kRun - 3) / kRun);
+    const int count = std::min(span.count, runs * kRun);
     const int from = span.dx + (span.count - count) / 2;
-    for (int i = 0; i < runs * static_cast<int>(kRun); ++i) {
+    for (int i = 0; i < runs * kRun; ++i) {
       std::array<double, 4> by{};
       if (i < count) {
         by = slopesAt(from + i - shift_x, span.dy - shift_y, ellipse.m, ellipse.radius, sigma);
@@ -191,10 +191,10 @@ void Pixels::addRough(const Ellipse& ellipse, double sigma, double shift_x, doub
       slopes.push_back(by);
     }
     for (int run = 0; run < runs; ++run) {
-      rough.runs.push_back({from + run * static_cast<int>(kRun), span.dy});
+      rough.runs.push_back({from + run * kRun, span.dy});
     }
     phase.left = std::min(phase.left, from);
-    phase.right = std::max(phase.right, from + runs * static_cast<int>(kRun) - 1);
+    phase.right = std::max(phase.right, from + runs * kRun - 1);
     phase.top = std::min(phase.top, span.dy);
     phase.bottom = std::max(phase.bottom, span.dy);
   }
@@ -224,8 +224,9 @@ bool Pixels::Phase::within(const optics::GreyView& picture, int at_x, int at_y) 
          at_y + bottom < picture.height;
 }
 
-__attribute__((target_clones("arch=x86-64-v3", "default"))) void Pixels::sum(
-    const optics::GreyView& picture, const Phase& phase, int x, int y, std::int32_t* sums) {
+LAB_FIT_CLONES
+void Pixels::sum(const optics::GreyView& picture, const Phase& phase, int x, int y,
+                 std::int32_t* sums) {
   const RoughSums& rough = phase.rough;
   alignas(32) std::int16_t values[kMostRough];
   std::int16_t* to = values;
@@ -243,18 +244,18 @@ __attribute__((target_clones("arch=x86-64-v3", "default"))) void Pixels::sum(
   } else {
     for (const Run& run : rough.runs) {
       const std::uint8_t* row = picture.row(std::clamp(y + run.dy, 0, picture.height - 1));
-      for (int i = 0; i < static_cast<int>(kRun); ++i) {
+      for (int i = 0; i < kRun; ++i) {
         *to++ = row[std::clamp(x + run.dx + i, 0, picture.width - 1)];
       }
     }
   }
-  const std::size_t count = rough.runs.size() * kRun;
+  const int count = static_cast<int>(rough.runs.size()) * kRun;
   const std::int16_t* by_x = rough.weights[0].data();
   const std::int16_t* by_y = rough.weights[1].data();
   const std::int16_t* white = rough.weights[2].data();
   const std::int16_t* dark = rough.weights[3].data();
   std::int32_t sum[4] = {};
-  for (std::size_t i = 0; i < count; ++i) {
+  for (int i = 0; i < count; ++i) {
     sum[0] += values[i] * by_x[i];
     sum[1] += values[i] * by_y[i];
     sum[2] += values[i] * white[i];
@@ -278,7 +279,7 @@ std::optional<float> Pixels::middle(const optics::GreyView& picture,
   const int y = point.y >> 1;
   int sum = 0;
   int count = 0;
-  // Every other row says enough.
+  // Every other row says enough of how black it is.
   for (std::size_t n = 0; n < phase.middle.size(); n += 2) {
     const Span& span = phase.middle[n];
     const int row = y + span.dy;

@@ -58,14 +58,14 @@ class Pixels {
     int dx, dy, count;
     [[nodiscard]] int end() const { return dx + count; }
   };
-  static constexpr std::size_t kRun = 16;
+  static constexpr int kRun = 16;
   struct Run {  // so many pixels of a row
     int dx, dy;
   };
   struct Eight {  // pixels of one row, and where they go; the next ones write over what is too much
     int dx, dy, to;
   };
-  /// The first look: whole numbers, since sums of them take half the time.
+  /// The first look. Whole numbers: sums of them take less time, and are the same everywhere.
   struct RoughSums {
     std::vector<Run> runs;
     std::vector<std::int16_t> weights[4];  // of their pixels in x, y, white and dark

@@ -58,9 +58,13 @@ TEST(ClaimMap, CoversACircleToThePixelAndNothingBeyond) {
       EXPECT_TRUE(is_within) << x << ", " << y;
     }
   }
-  EXPECT_GT(covered, 0.99 * within);
+  EXPECT_EQ(covered, within);
   EXPECT_TRUE(map.isCovered(70, 130, 91));
   EXPECT_FALSE(map.isCovered(70, 150, 91));
+  map.cover(150, 90, 37);  // another one hides nothing of it
+  EXPECT_TRUE(map.isCovered(70, 130, 91));
+  EXPECT_TRUE(map.isCovered(120, 180, 91));
+  EXPECT_FALSE(map.isCovered(70, 180, 91)) << "by two of them, and not by one";
   map.forget();
   EXPECT_FALSE(map.isCovered(100, 90));
 }
