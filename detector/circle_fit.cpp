@@ -33,6 +33,7 @@ constexpr float kMostOfCodecs = 2.5F;
 constexpr double kSlope = 2.5;  // [sigma] over which a blurred outline goes from black to white
 constexpr float kLeastBelieved = 0.6F;  // [1] share of the pixels that are of the model
 constexpr double kDoubtful = 0.02;      // [radius] standard error of the centre: looked at closely
+constexpr float kDim = 25;              // [expected deviations] of less light there is little
 constexpr float kMiddleOff = 0.05F;     // [1] of the white level, from what the fit says of black
 // of residuals: something is there that is not in the model
 constexpr float kOddCorrelation = 0.25F;
@@ -151,13 +152,17 @@ bool isClear(const Outcome& o, const Task& task, const Window& window, GridPoint
   return black < kMostRatio * o.white && std::abs(black - o.ratio * o.white) < kMiddleOff * o.white;
 }
 
+bool isDim(float white, const fit::Constants& constants) {
+  return white * white < kDim * kDim * (constants.floor_variance + constants.shot_gain * white);
+}
+
 Outcome plainFrom(Task& task, const ShapeAt& shape_at, GridPoint start, Window& window,
                   std::optional<GridPoint>& point) {
   fit::Disc disc;
   point = fit::settlePlain(task, start, window, disc);
   if (!point) return {};
-  // Where pixels are full, those that are not are needed.
-  if (!window.plain && task.setHollow(false)) {
+  // Where pixels are full, those that are not are needed; in little light, all of them.
+  if ((!window.plain || isDim(disc.white, task.constants)) && task.setSparse(false)) {
     point = fit::settlePlain(task, *point, window, disc);
     if (!point) return {};
   }
@@ -206,7 +211,7 @@ CircleFit fitCircle(const optics::GreyView& picture, optics::Pixel start, const 
   CircleFit out;
   out.x = start.x;
   out.y = start.y;
-  // Mostly a circle's middle need not be looked at pixel by pixel.
+  // Mostly not all pixels need be looked at.
   Task task(picture, shape_at(start), imaging, !imaging.compressed);
   const double radius = static_cast<double>(task.constants.radius);
   if (!picture.contains(start.x, start.y, 0.5 * radius)) {
@@ -217,7 +222,7 @@ CircleFit fitCircle(const optics::GreyView& picture, optics::Pixel start, const 
   std::optional<GridPoint> point;
   Outcome best = plainFrom(task, shape_at, fit::nearest(start), window, point);
   const bool clear = best.good && isClear(best, task, window, *point);
-  if (!clear && task.setHollow(false)) {
+  if (!clear && task.setSparse(false)) {
     best = plainFrom(task, shape_at, fit::nearest(start), window, point);
   }
   const bool odd = isOdd(best, task, window);

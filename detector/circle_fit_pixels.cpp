@@ -16,9 +16,12 @@ constexpr double kRoughReach = 1.8;  // [sigma]
 constexpr std::size_t kMostRows = 200;  // of more, every other one is enough, or fewer
 constexpr std::size_t kMostRough = 2 * kMostPixels;  // with what fills up the runs of so many rows
 constexpr double kBeyond = 1.0;      // [px] of the outline may lie outside the picture
-// What lies farther inside says of the centre only what is known of black anyway: without it a
-// centre is known 0.3 % less well, by the model's own covariance.
-constexpr float kHollow = 2;         // [sigma]
+// Sparse: what lies farther inside than this says of the centre only what is known of black anyway,
+// and what lies farther outside only how light slopes, for which every other row is enough if the
+// margin is wide. By the model's own covariance a centre is known 0 to 2 % less well for it.
+constexpr float kInside = 2;         // [sigma]
+constexpr float kOutside = 1;        // [sigma]
+constexpr float kAround = 3.4F;      // [sigma] of margin
 constexpr float kLeastMiddle = 1;    // [px] half as wide as what is worth leaving out
 
 // Outlines that differ by less are of one kind: it decides where pixels are looked at, and the
@@ -47,7 +50,7 @@ std::array<double, 4> slopesAt(double dx, double dy, const double* m, double rad
 }  // namespace
 
 const std::shared_ptr<const Pixels>& Pixels::about(const DiscShape& shape, float sigma,
-                                                   float margin, bool hollow) {
+                                                   float margin, bool sparse) {
   const float* m = shape.m;
   const float a = m[0] * m[0] + m[2] * m[2];
   const float b = m[0] * m[1] + m[2] * m[3];
@@ -60,11 +63,11 @@ const std::shared_ptr<const Pixels>& Pixels::about(const DiscShape& shape, float
                   std::max(2, steps(std::sqrt(a * over), kSizes)),
                   steps(-b / std::sqrt(a * c), kSkews), std::max(1, steps(sigma, kBlurs)),
                   std::max(1, steps(margin, kMargins)),
-                  hollow && shape.radius() > kHollow * sigma + kLeastMiddle};
+                  sparse && shape.radius() > kInside * sigma + kLeastMiddle};
   thread_local std::array<std::shared_ptr<const Pixels>, kKept> kept;
   const auto place = static_cast<std::size_t>(kind.width + 5 * kind.height + 67 * kind.skew +
                                               31 * kind.blur + 127 * kind.margin +
-                                              (kind.hollow ? 255 : 0));
+                                              (kind.sparse ? 255 : 0));
   for (std::size_t aside = 0; aside < kAside; ++aside) {
     std::shared_ptr<const Pixels>& found = kept[(place + aside) % kKept];
     if (!found) found.reset(new Pixels(kind));
@@ -131,11 +134,20 @@ Pixels::Phase Pixels::phaseOf(const Kind& kind, const Ellipse& ellipse, double s
                               double shift_y) {
   const double sigma = static_cast<double>(static_cast<float>(kind.blur) / kBlurs);
   const double margin = static_cast<double>(static_cast<float>(kind.margin) / kMargins);
+  const double inside = -static_cast<double>(kInside) * sigma;
+  const bool thin = kind.sparse && margin > static_cast<double>(kAround) * sigma;
+  const double outside = thin ? static_cast<double>(kOutside) * sigma : margin;
   Phase out;
-  for (const Span& all : spansWithin(ellipse, margin, shift_x, shift_y)) {
-    const Span inner =
-        rowWithin(ellipse, -static_cast<double>(kHollow) * sigma, all.dy, shift_x, shift_y);
-    if (!kind.hollow || inner.count == 0) {
+  const std::vector<Span> spans = spansWithin(ellipse, margin, shift_x, shift_y);
+  const auto rows = static_cast<int>(spans.size());
+  for (int row = 0; row < rows; ++row) {
+    Span all = spans[static_cast<std::size_t>(row)];
+    // Counted from the middle, so that what lies opposite is looked at as well.
+    const bool other = std::abs(2 * row - (rows - 1)) / 2 % 2 != 0;
+    if (other) all = rowWithin(ellipse, outside, all.dy, shift_x, shift_y);
+    if (all.count == 0) continue;
+    const Span inner = rowWithin(ellipse, inside, all.dy, shift_x, shift_y);
+    if (!kind.sparse || inner.count == 0) {
       out.spans.push_back(all);
     } else {
       out.middle.push_back(inner);

@@ -20,9 +20,9 @@ class Pixels {
  public:
   /// About this outline, blur and margin [px]; kept for the next circle of that kind. To be copied
   /// before the next call.
-  /// @param hollow without the middle of the circle, if it is large enough to have one
+  /// @param sparse without pixels that tell little of the centre, if the circle is large enough
   static const std::shared_ptr<const Pixels>& about(const DiscShape& shape, float sigma,
-                                                    float margin, bool hollow);
+                                                    float margin, bool sparse);
 
   struct Rough {
     double x = 0;  ///< [DN px] contrast times the way to the centre
@@ -37,15 +37,15 @@ class Pixels {
   /// @return false where the outline would leave the picture
   bool gather(const optics::GreyView& picture, const GridPoint& point, Window& window) const;
 
-  /// The mean of what gather() leaves out [DN]; empty where that is nothing, or not all in the
-  /// picture.
+  /// The mean of what gather() leaves out inside [DN]; empty where that is nothing, or not all in
+  /// the picture.
   [[nodiscard]] std::optional<float> middle(const optics::GreyView& picture,
                                             const GridPoint& point) const;
 
  private:
   struct Kind {  // the outline, as a class of outlines: see about()
     int width, height, skew, blur, margin;
-    bool hollow;
+    bool sparse;
     bool operator==(const Kind&) const = default;
   };
   struct Ellipse {
@@ -75,7 +75,7 @@ class Pixels {
     RoughSums rough;
     std::vector<Span> spans;
     std::vector<Eight> eights;     // of the spans, in order
-    std::vector<Span> middle;      // what is left out
+    std::vector<Span> middle;      // what is left out of it
     std::vector<float> x, y;  // [px] of the pixels, a multiple of kLanes
     int count = 0;            // without those that fill the last eight
     int left = 0, right = 0, top = 0, bottom = 0;  // what is read, and nothing farther

@@ -109,10 +109,10 @@ void step(Disc& disc, const Row& by, float sigma) {
 }  // namespace
 
 Task::Task(const optics::GreyView& the_picture, const DiscShape& the_shape,
-           const optics::Imaging& imaging, bool is_hollow)
+           const optics::Imaging& imaging, bool is_sparse)
     : picture(&the_picture),
       sigma(static_cast<float>(std::sqrt(imaging.blur * imaging.blur + optics::kPixelBox))),
-      hollow(is_hollow) {
+      sparse(is_sparse) {
   constants.black = static_cast<float>(imaging.black);
   constants.floor_variance =
       static_cast<float>(imaging.read_noise * imaging.read_noise + 1.0 / 12.0);
@@ -143,15 +143,16 @@ bool Task::setMargin(float sigmas) {
   return choosePixels();
 }
 
-bool Task::setHollow(bool is_hollow) {
-  hollow = is_hollow;
+bool Task::setSparse(bool is_sparse) {
+  sparse = is_sparse;
   return choosePixels();
 }
 
 bool Task::choosePixels() {
+  const float sigmas = sparse ? std::max(kMarginSparse, margin_sigmas) : margin_sigmas;
   const float margin =
-      std::max(2.0F * sigma, std::min(margin_sigmas * sigma, kMostMargin * constants.radius));
-  const std::shared_ptr<const Pixels>& found = Pixels::about(shape, sigma, margin, hollow);
+      std::max(2.0F * sigma, std::min(sigmas * sigma, kMostMargin * constants.radius));
+  const std::shared_ptr<const Pixels>& found = Pixels::about(shape, sigma, margin, sparse);
   if (pixels == found) return false;
   pixels = found;
   return true;

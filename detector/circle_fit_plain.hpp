@@ -13,8 +13,9 @@
 namespace lab::detector::fit {
 
 /// Outside the outline: wide, since the slopes of the light must be told from a shift of the circle;
-/// wider where an edge must be seen. [deviations of the blur]
+/// wider where an edge must be seen, or where not all pixels are looked at. [deviations of the blur]
 constexpr float kMargin = 3.5F;
+constexpr float kMarginSparse = 4.5F;
 constexpr float kMarginLit = 4.0F;
 
 /// One circle to be fitted.
@@ -24,14 +25,14 @@ struct Task {
   Constants constants;
   float sigma = 1;   ///< [px] the whole blur, as far as known
   float margin_sigmas = kMargin;
-  bool hollow = false;  ///< without the middle of the circle
+  bool sparse = false;  ///< without pixels that tell little
   std::shared_ptr<const Pixels> pixels;  ///< that are looked at
 
   Task(const optics::GreyView& the_picture, const DiscShape& the_shape,
-       const optics::Imaging& imaging, bool is_hollow);
+       const optics::Imaging& imaging, bool is_sparse);
   bool setSigma(float the_sigma);              ///< @return whether other pixels are looked at now
   bool setMargin(float sigmas);                ///< @return as above
-  bool setHollow(bool is_hollow);              ///< @return as above
+  bool setSparse(bool is_sparse);              ///< @return as above
   bool setShape(const DiscShape& the_shape);   ///< @return as above
   /// The pixels around the point. @return false where the outline would leave the picture
   bool gather(GridPoint point, Window& window) const;

@@ -82,8 +82,8 @@ FirstGlance::FirstGlance(int width, int height, const std::vector<int>& starts, 
       height_(height),
       first_(first),
       step_(step),
-      cells_((height + kTall - 1) / kTall),
-      near_((around + kTall - 1) / kTall),
+      tall_(std::max((around + step - 1) / step, 1) * step),
+      cells_((height + tall_ - 1) / tall_),
       blocks_((starts.size() + kBits - 1) / kBits) {
   for (int& start : starts_) start = std::min(start, width - kWord - 1);
   width_ = blocks_ * kBits;
@@ -95,18 +95,17 @@ FirstGlance::FirstGlance(int width, int height, const std::vector<int>& starts, 
 
 void FirstGlance::look(const optics::GreyView& picture, const Levels& levels, int top,
                        int bottom) {
-  const int first = top / kTall;
-  const int last = bottom / kTall;
-  for (int cell = std::max(first - near_, 0); cell <= std::min(last + near_, cells_ - 1); ++cell) {
+  const int first = top / tall_;
+  const int last = bottom / tall_;
+  for (int cell = std::max(first - 1, 0); cell <= std::min(last + 1, cells_ - 1); ++cell) {
     lookAtRow(picture, cell);
   }
   compare(levels, first, last);
 }
 
 FirstGlance::Span FirstGlance::rowsOf(int cell) const {
-  const int begin = std::max(cell * kTall - first_, 0);
-  const int top = first_ + (begin + step_ - 1) / step_ * step_;
-  const int end = std::min((cell + 1) * kTall, height_);
+  const int top = first_ + cell * tall_;
+  const int end = std::min(top + tall_, height_);
   return {top, std::max((end - top + step_ - 1) / step_, 0)};
 }
 
@@ -132,8 +131,8 @@ __attribute__((target_clones("avx2", "default"))) void FirstGlance::compare(
   const Bytes most = Bytes{} + levels.most;
   const Bytes black = Bytes{} + levels.black;
   for (int cell = top; cell <= bottom; ++cell) {
-    const int first = std::max(cell - near_, 0);
-    const int last = std::min(cell + near_, cells_ - 1);
+    const int first = std::max(cell - 1, 0);
+    const int last = std::min(cell + 1, cells_ - 1);
     for (std::size_t word = 0; word < width_; word += kWord) {
       Bytes white{};
       for (int other = first; other <= last; ++other) {

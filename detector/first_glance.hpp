@@ -10,7 +10,7 @@
 
 namespace lab::detector {
 
-/// A cell is a word wide and a few rows high. Dark and bright are of two pixels side by side, so
+/// A cell is a word wide and so high that what is near lies in the next ones. Dark and bright are of two pixels side by side, so
 /// that the noise of single ones in the dark is not taken for a contrast; a circle is wider.
 class FirstGlance {
  public:
@@ -30,15 +30,15 @@ class FirstGlance {
   /// @param block of 64 words
   /// @return bit i: word 64 block + i
   [[nodiscard]] std::uint64_t words(int row, std::size_t block) const {
-    return words_[static_cast<std::size_t>(row / kTall) * blocks_ + block];
+    return words_[static_cast<std::size_t>(row / tall_) * blocks_ + block];
   }
 
   /// Those of them in so little light that noise counts.
   [[nodiscard]] std::uint64_t faintWords(int row, std::size_t block) const {
-    return faint_[static_cast<std::size_t>(row / kTall) * blocks_ + block];
+    return faint_[static_cast<std::size_t>(row / tall_) * blocks_ + block];
   }
   [[nodiscard]] bool anyFaint(int row) const {
-    const auto first = static_cast<std::size_t>(row / kTall) * blocks_;
+    const auto first = static_cast<std::size_t>(row / tall_) * blocks_;
     for (std::size_t block = 0; block < blocks_; ++block) {
       if (faint_[first + block] != 0) return true;
     }
@@ -46,8 +46,6 @@ class FirstGlance {
   }
 
  private:
-  static constexpr int kTall = 8;  // [rows] of a cell
-
   [[nodiscard]] std::size_t placeOf(int cell) const {
     return static_cast<std::size_t>(cell) * width_;
   }
@@ -63,8 +61,8 @@ class FirstGlance {
   int height_ = 0;
   int first_ = 0;
   int step_ = 1;
+  int tall_ = 1;          // [rows] of a cell: some steps
   int cells_ = 0;         // one below the other
-  int near_ = 0;          // [cells] above and below
   std::size_t blocks_ = 0;
   std::size_t width_ = 0;             // words, and what fills up the last block
   std::vector<std::uint8_t> dark_;    // [DN] by cell, by word
