@@ -33,7 +33,7 @@ constexpr float kMostOfCodecs = 2.5F;
 constexpr double kSlope = 2.5;  // [sigma] over which a blurred outline goes from black to white
 constexpr float kLeastBelieved = 0.6F;  // [1] share of the pixels that are of the model
 constexpr double kDoubtful = 0.02;      // [radius] standard error of the centre: looked at closely
-constexpr float kDim = 25;              // [expected deviations] of less light there is little
+constexpr float kDim = 25;              // [expected deviations] of white: less is little light
 constexpr float kMiddleOff = 0.05F;     // [1] of the white level, from what the fit says of black
 // of residuals: something is there that is not in the model
 constexpr float kOddCorrelation = 0.25F;

@@ -21,7 +21,7 @@ constexpr double kBeyond = 1.0;      // [px] of the outline may lie outside the 
 // margin is wide. By the model's own covariance a centre is known 0 to 2 % less well for it.
 constexpr float kInside = 2;         // [sigma]
 constexpr float kOutside = 1;        // [sigma]
-constexpr float kAround = 3.4F;      // [sigma] of margin
+constexpr float kAround = 3.4F;      // [sigma] a margin that is wide
 constexpr float kLeastMiddle = 1;    // [px] half as wide as what is worth leaving out
 
 // Outlines that differ by less are of one kind: it decides where pixels are looked at, and the

@@ -10,8 +10,9 @@
 
 namespace lab::detector {
 
-/// A cell is a word wide and so high that what is near lies in the next ones. Dark and bright are of two pixels side by side, so
-/// that the noise of single ones in the dark is not taken for a contrast; a circle is wider.
+/// A cell is a word wide and so high that what is near lies in the next ones. Dark and bright are
+/// of two pixels side by side, so that the noise of single ones in the dark is not taken for a
+/// contrast; a circle is wider.
 class FirstGlance {
  public:
   FirstGlance() = default;
