@@ -60,7 +60,7 @@ struct Structure {
 // A sensor's noise is not shared by neighbouring pixels; what is shared is another shape, unless a
 // codec left it.
 Structure structureOf(const Outcome& o, const fit::Constants& constants) {
-  const float expected = constants.floor_variance + constants.shot_gain * 0.5F * o.white;
+  const float expected = constants.noiseAt(0.5F * o.white);
   const float unit = expected / (std::max(o.white, 1.0F) * std::max(o.white, 1.0F));
   const float square = o.noise * o.noise;
   const float shared =
@@ -153,7 +153,7 @@ bool isClear(const Outcome& o, const Task& task, const Window& window, GridPoint
 }
 
 bool isDim(float white, const fit::Constants& constants) {
-  return white * white < kDim * kDim * (constants.floor_variance + constants.shot_gain * white);
+  return white * white < kDim * kDim * constants.noiseAt(white);
 }
 
 Outcome plainFrom(Task& task, const ShapeAt& shape_at, GridPoint start, Window& window,
@@ -229,6 +229,7 @@ CircleFit fitCircle(const optics::GreyView& picture, optics::Pixel start, const 
   if (odd && !(best.good && !fit::edgeMayCross(task, best, isSound(best), window))) {
     const GridPoint first = fit::nearest(start);
     Task wider = task;
+    wider.setSparse(false);
     wider.setMargin(fit::kMarginLit);
     Outcome lit = litFrom(wider, point.value_or(first), window);
     if (!lit.good && point && !(*point == first)) lit = litFrom(wider, first, window);

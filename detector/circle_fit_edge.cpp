@@ -254,7 +254,7 @@ bool edgeMayCross(const Task& task, const Outcome& plain, bool sound, const Wind
   const Constants& c = task.constants;
   const float grain = plain.white * plain.white * c.texture;
   return Surroundings(window, c, disc, sound ? Pick::kBelieved : Pick::kAll)
-      .uneven(c.floor_variance + c.shot_gain * std::max(0.0F, plain.white) + grain);
+      .uneven(c.noiseAt(std::max(0.0F, plain.white)) + grain);
 }
 
 std::optional<GridPoint> settleLit(const Task& task, GridPoint start, Window& window,

@@ -59,6 +59,9 @@ struct Constants {
   float shot_gain = 0;         ///< [DN]
   bool compressed = false;     ///< neighbouring pixels share errors
   float texture = 0;           ///< [1] variance of the paint's and sensor's grain over signal^2
+
+  /// What a sensor without grain has at a signal above black [DN^2].
+  [[nodiscard]] float noiseAt(float signal) const { return floor_variance + shot_gain * signal; }
 };
 
 /// What is counted over the pixels.

@@ -149,7 +149,7 @@ bool Task::setSparse(bool is_sparse) {
 }
 
 bool Task::choosePixels() {
-  const float sigmas = sparse ? std::max(kMarginSparse, margin_sigmas) : margin_sigmas;
+  const float sigmas = sparse ? kMarginSparse : margin_sigmas;
   const float margin =
       std::max(2.0F * sigma, std::min(sigmas * sigma, kMostMargin * constants.radius));
   const std::shared_ptr<const Pixels>& found = Pixels::about(shape, sigma, margin, sparse);
@@ -200,8 +200,7 @@ Outcome fitPlain(const Task& task, Window& window, const Disc& rough) {
   Disc disc = rough;
   if (!window.plain) startBeyondFull(window, task.constants, disc);
   // Holes and hot pixels are far off even from the rough disc.
-  const float deviation =
-      std::sqrt(task.constants.floor_variance + task.constants.shot_gain * rough.white);
+  const float deviation = std::sqrt(task.constants.noiseAt(rough.white));
   float cutoff = std::max(kCutoff, kRoughCutoff * rough.white / deviation);
   const auto cutoffAfter = [](double squares, const Row& by, const Row& right, double pixels,
                               bool robust) {
