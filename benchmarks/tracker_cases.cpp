@@ -21,7 +21,7 @@
 #include "optics/response.hpp"
 #include "tests/detector/kinds/score.hpp"
 #ifdef LAB_HAS_OPENCV
-#include "tracker_cases_opencv.hpp"
+#include "benchmarks/tracker_cases_opencv.hpp"
 #endif
 #include "detector/detector.hpp"
 #include "detector/response_finder.hpp"

@@ -1,4 +1,4 @@
-#include "tracker_cases_opencv.hpp"
+#include "benchmarks/tracker_cases_opencv.hpp"
 
 #include <algorithm>
 #include <cmath>

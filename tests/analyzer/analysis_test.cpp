@@ -6,8 +6,8 @@
 #include <limits>
 #include <vector>
 
-#include "programs.hpp"
-#include "walker.hpp"
+#include "tests/analyzer/programs.hpp"
+#include "tests/analyzer/walker.hpp"
 
 namespace lab::analysis {
 namespace {

@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "window_moments.hpp"
+#include "tests/analyzer/window_moments.hpp"
 
 namespace lab::analysis {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "film_ensemble.hpp"
+#include "tests/analyzer/film_ensemble.hpp"
 
 namespace lab::analysis {
 namespace {

@@ -10,7 +10,7 @@
 
 #include "analyzer/program_analysis.hpp"
 #include "analyzer/statistics.hpp"
-#include "walker.hpp"
+#include "tests/analyzer/walker.hpp"
 
 namespace lab::analysis {
 

@@ -1,12 +1,12 @@
 // Ensembles large enough to see small biases and wrong error bars.
-#include "film_ensemble.hpp"
+#include "tests/analyzer/film_ensemble.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <string>
 
-#include "programs.hpp"
+#include "tests/analyzer/programs.hpp"
 
 namespace lab::analysis::film_ensemble_test {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "analyzer/law_fit.hpp"
-#include "film_ensemble.hpp"
+#include "tests/analyzer/film_ensemble.hpp"
 
 namespace lab::analysis {
 

@@ -9,8 +9,8 @@
 #include <random>
 #include <vector>
 
-#include "film_ensemble.hpp"
-#include "programs.hpp"
+#include "tests/analyzer/film_ensemble.hpp"
+#include "tests/analyzer/programs.hpp"
 
 namespace lab::analysis {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "film_ensemble.hpp"
-#include "programs.hpp"
+#include "tests/analyzer/film_ensemble.hpp"
+#include "tests/analyzer/programs.hpp"
 
 namespace lab::analysis {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "fit_ensemble.hpp"
-#include "programs.hpp"
+#include "tests/analyzer/fit_ensemble.hpp"
+#include "tests/analyzer/programs.hpp"
 
 // One-hour films by the independent walker, as in the paper; the bounds are those of one who knows
 // every draw of the wheels.

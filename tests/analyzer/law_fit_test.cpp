@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "analyzer/film_fit.hpp"
-#include "fit_ensemble.hpp"
-#include "programs.hpp"
+#include "tests/analyzer/fit_ensemble.hpp"
+#include "tests/analyzer/programs.hpp"
 
 namespace lab::analysis {
 namespace {

@@ -7,7 +7,7 @@
 #include "analyzer/chebyshev.hpp"
 #include "analyzer/lags.hpp"
 #include "analyzer/statistics.hpp"
-#include "programs.hpp"
+#include "tests/analyzer/programs.hpp"
 
 namespace lab::analysis {
 namespace {

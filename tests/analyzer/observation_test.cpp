@@ -5,8 +5,8 @@
 #include <cmath>
 #include <random>
 
-#include "programs.hpp"
-#include "window_moments.hpp"
+#include "tests/analyzer/programs.hpp"
+#include "tests/analyzer/window_moments.hpp"
 
 namespace lab::analysis {
 namespace {

@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <optional>
 
-#include "film_ensemble.hpp"
+#include "tests/analyzer/film_ensemble.hpp"
 
 namespace lab::analysis::optional_stopping_test {
 namespace {

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "analyzer/reversal_finder.hpp"
-#include "film_ensemble.hpp"
-#include "walker.hpp"
+#include "tests/analyzer/film_ensemble.hpp"
+#include "tests/analyzer/walker.hpp"
 
 namespace lab::analysis {
 

@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "pose_film.hpp"
-#include "programs.hpp"
+#include "tests/analyzer/pose_film.hpp"
+#include "tests/analyzer/programs.hpp"
 
 namespace lab::analysis::reversal_finder_test {
 namespace {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "analyzer/laws.hpp"
-#include "window_moments.hpp"
+#include "tests/analyzer/window_moments.hpp"
 
 namespace lab::analysis::rtp_law_test {
 namespace {

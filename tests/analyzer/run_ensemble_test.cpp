@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "analyzer/run_statistics.hpp"
-#include "film_ensemble.hpp"
-#include "programs.hpp"
-#include "run_film.hpp"
+#include "tests/analyzer/film_ensemble.hpp"
+#include "tests/analyzer/programs.hpp"
+#include "tests/analyzer/run_film.hpp"
 
 namespace lab::analysis::run_ensemble_test {
 namespace {

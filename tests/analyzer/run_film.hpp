@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "analyzer/run_finder.hpp"
-#include "walker.hpp"
+#include "tests/analyzer/walker.hpp"
 
 namespace lab::analysis {
 

@@ -7,8 +7,8 @@
 #include <cmath>
 
 #include "analyzer/run_statistics.hpp"
-#include "programs.hpp"
-#include "run_film.hpp"
+#include "tests/analyzer/programs.hpp"
+#include "tests/analyzer/run_film.hpp"
 
 namespace lab::analysis {
 namespace {

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "film_ensemble.hpp"
-#include "programs.hpp"
-#include "run_film.hpp"
+#include "tests/analyzer/film_ensemble.hpp"
+#include "tests/analyzer/programs.hpp"
+#include "tests/analyzer/run_film.hpp"
 
 namespace lab::analysis {
 namespace {

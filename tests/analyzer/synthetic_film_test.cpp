@@ -7,8 +7,8 @@
 
 #include "analyzer/curve_covariance.hpp"
 #include "analyzer/observation.hpp"
-#include "film_ensemble.hpp"
-#include "programs.hpp"
+#include "tests/analyzer/film_ensemble.hpp"
+#include "tests/analyzer/programs.hpp"
 
 namespace lab::analysis {
 namespace {

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "common/light_messages.hpp"
-#include "messages.hpp"
+#include "tests/dashboard/messages.hpp"
 
 namespace lab::dashboard {
 namespace {

@@ -14,7 +14,7 @@
 #include "common/virtual_loop.hpp"
 #include "dashboard/address_file.hpp"
 #include "dashboard/dashboard_service.hpp"
-#include "messages.hpp"
+#include "tests/dashboard/messages.hpp"
 
 namespace lab::dashboard::dashboard_bus_test {
 namespace {

@@ -9,7 +9,7 @@
 #include "dashboard/advice.hpp"
 #include "dashboard/health_view.hpp"
 #include "dashboard/process_meter.hpp"
-#include "messages.hpp"
+#include "tests/dashboard/messages.hpp"
 
 namespace lab::dashboard {
 namespace {

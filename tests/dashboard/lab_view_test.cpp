@@ -10,7 +10,7 @@
 #include "common/channels.hpp"
 #include "common/random.hpp"
 #include "common/version.hpp"
-#include "messages.hpp"
+#include "tests/dashboard/messages.hpp"
 
 namespace lab::dashboard {
 namespace {

@@ -8,7 +8,7 @@
 #include "dashboard/run_times.hpp"
 #include "dashboard/timeline_view.hpp"
 #include "dashboard/tracks_view.hpp"
-#include "messages.hpp"
+#include "tests/dashboard/messages.hpp"
 
 namespace lab::dashboard {
 namespace {

@@ -3,8 +3,8 @@
 #include <memory>
 #include <stdexcept>
 
-#include "peer_loop.hpp"
-#include "raw_type.hpp"
+#include "tests/dds/peer_loop.hpp"
+#include "tests/dds/raw_type.hpp"
 
 namespace lab::dds {
 namespace {

@@ -18,7 +18,7 @@
 #include <memory>
 #include <stdexcept>
 
-#include "peer_loop.hpp"
+#include "tests/dds/peer_loop.hpp"
 
 namespace lab::dds {
 namespace {

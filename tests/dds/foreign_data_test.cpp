@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "dds/configuration.hpp"
-#include "peer.hpp"
-#include "peer_loop.hpp"
+#include "tests/dds/peer.hpp"
+#include "tests/dds/peer_loop.hpp"
 #include "ros_types/ros_type.hpp"
 #include "tests/ros_types/cdr.hpp"
 

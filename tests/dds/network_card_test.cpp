@@ -7,7 +7,7 @@
 #include "dds/configuration.hpp"
 #include "dds/domain.hpp"
 #include "dds/endpoint.hpp"
-#include "peer.hpp"
+#include "tests/dds/peer.hpp"
 #include "ros_types/ros_type.hpp"
 
 namespace lab::dds {

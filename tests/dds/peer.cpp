@@ -1,4 +1,4 @@
-#include "peer.hpp"
+#include "tests/dds/peer.hpp"
 
 #include <fcntl.h>
 #include <poll.h>

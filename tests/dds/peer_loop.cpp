@@ -1,4 +1,4 @@
-#include "peer_loop.hpp"
+#include "tests/dds/peer_loop.hpp"
 
 #include <poll.h>
 #include <unistd.h>

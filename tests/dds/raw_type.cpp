@@ -1,4 +1,4 @@
-#include "raw_type.hpp"
+#include "tests/dds/raw_type.hpp"
 
 #include <dds/ddsi/ddsi_keyhash.h>
 #include <dds/ddsi/ddsi_serdata.h>

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "peer_loop.hpp"
+#include "tests/dds/peer_loop.hpp"
 
 namespace lab::dds {
 

@@ -13,8 +13,8 @@
 
 #include "dds/configuration.hpp"
 #include "dds/error.hpp"
-#include "peer.hpp"
-#include "peer_loop.hpp"
+#include "tests/dds/peer.hpp"
+#include "tests/dds/peer_loop.hpp"
 #include "ros_types/ros_type.hpp"
 #include "tests/ros_types/cdr.hpp"
 

@@ -9,7 +9,7 @@
 
 #include "common/channels.hpp"
 #include "report/report_error.hpp"
-#include "synthetic_lab.hpp"
+#include "tests/report/synthetic_lab.hpp"
 
 namespace lab::report {
 namespace {

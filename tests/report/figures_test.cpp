@@ -13,7 +13,7 @@
 #include "report/gnuplot.hpp"
 #include "report/report_error.hpp"
 #include "report/thinning.hpp"
-#include "synthetic_lab.hpp"
+#include "tests/report/synthetic_lab.hpp"
 
 namespace lab::report::figures_test {
 namespace {

@@ -9,7 +9,7 @@
 #include "report/html.hpp"
 #include "report/summary.hpp"
 #include "report/trajectories.hpp"
-#include "synthetic_lab.hpp"
+#include "tests/report/synthetic_lab.hpp"
 
 namespace lab::report {
 namespace {

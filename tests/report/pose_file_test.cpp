@@ -7,7 +7,7 @@
 #include <sstream>
 
 #include "report/report_error.hpp"
-#include "synthetic_lab.hpp"
+#include "tests/report/synthetic_lab.hpp"
 
 namespace lab::report::pose_file_test {
 namespace {

@@ -11,7 +11,7 @@
 #include "common/experiment_file.hpp"
 #include "report/analyze_run.hpp"
 #include "report/findings.hpp"
-#include "synthetic_lab.hpp"
+#include "tests/report/synthetic_lab.hpp"
 
 namespace lab::report {
 namespace {

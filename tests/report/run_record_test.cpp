@@ -10,7 +10,7 @@
 #include "common/codec.hpp"
 #include "common/header.hpp"
 #include "report/report_error.hpp"
-#include "synthetic_lab.hpp"
+#include "tests/report/synthetic_lab.hpp"
 
 namespace lab::report {
 namespace {

@@ -1,4 +1,4 @@
-#include "synthetic_lab.hpp"
+#include "tests/report/synthetic_lab.hpp"
 
 #include <algorithm>
 #include <fstream>
@@ -19,7 +19,7 @@
 #include "common/header.hpp"
 #include "common/units.hpp"
 #include "common/version.hpp"
-#include "synthetic_robot.hpp"
+#include "tests/report/synthetic_robot.hpp"
 
 namespace lab::report {
 namespace {

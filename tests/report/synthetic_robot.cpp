@@ -1,4 +1,4 @@
-#include "synthetic_robot.hpp"
+#include "tests/report/synthetic_robot.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 // What a robot does when its host, its program or its line fails; all times are simulated.
 #include <iostream>
 
-#include "robot_on_chip.hpp"
+#include "tests/robot_emulator/robot_on_chip.hpp"
 
 namespace lab::emulator {
 namespace {

@@ -2,7 +2,7 @@
 // instruction.
 #include <iostream>
 
-#include "robot_on_chip.hpp"
+#include "tests/robot_emulator/robot_on_chip.hpp"
 
 namespace lab::emulator {
 namespace {

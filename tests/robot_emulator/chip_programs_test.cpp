@@ -2,7 +2,7 @@
 #include <iostream>
 
 #include "dynamics/motor.hpp"
-#include "robot_on_chip.hpp"
+#include "tests/robot_emulator/robot_on_chip.hpp"
 
 namespace lab::emulator {
 namespace {

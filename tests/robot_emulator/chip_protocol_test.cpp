@@ -1,4 +1,4 @@
-#include "robot_on_chip.hpp"
+#include "tests/robot_emulator/robot_on_chip.hpp"
 
 namespace lab::emulator {
 namespace {

@@ -1,7 +1,7 @@
 // The EEPROM through the shipped binary: what a power failure leaves behind.
 #include <iostream>
 
-#include "robot_on_chip.hpp"
+#include "tests/robot_emulator/robot_on_chip.hpp"
 
 namespace lab::emulator {
 namespace {

@@ -1,5 +1,5 @@
 // The same in, the same out, however the time was sliced.
-#include "robot_on_chip.hpp"
+#include "tests/robot_emulator/robot_on_chip.hpp"
 
 namespace lab::emulator {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "robot_on_chip.hpp"
+#include "tests/robot_emulator/robot_on_chip.hpp"
 
 namespace lab::emulator {
 namespace {

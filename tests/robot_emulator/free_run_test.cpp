@@ -10,7 +10,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "robot_on_chip.hpp"
+#include "tests/robot_emulator/robot_on_chip.hpp"
 
 namespace lab::emulator {
 namespace {

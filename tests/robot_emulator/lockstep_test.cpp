@@ -9,7 +9,7 @@
 #include <thread>
 
 #include "common/chip_link.hpp"
-#include "robot_on_chip.hpp"
+#include "tests/robot_emulator/robot_on_chip.hpp"
 
 namespace lab::emulator::lockstep_test {
 namespace {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "firmware/device.hpp"
-#include "robot_on_chip.hpp"
+#include "tests/robot_emulator/robot_on_chip.hpp"
 
 namespace lab::emulator {
 

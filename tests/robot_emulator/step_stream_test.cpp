@@ -1,4 +1,4 @@
-#include "step_stream.hpp"
+#include "tests/robot_emulator/step_stream.hpp"
 
 namespace lab::emulator {
 namespace {

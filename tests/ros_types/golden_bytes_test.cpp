@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "dds/configuration.hpp"
-#include "golden_messages.hpp"
+#include "tests/ros_types/golden_messages.hpp"
 #include "tests/dds/peer.hpp"
 #include "tests/dds/peer_loop.hpp"
 

@@ -1,4 +1,4 @@
-#include "golden_messages.hpp"
+#include "tests/ros_types/golden_messages.hpp"
 
 #include <algorithm>
 #include <deque>
@@ -7,7 +7,7 @@
 #include <limits>
 #include <string>
 
-#include "cdr.hpp"
+#include "tests/ros_types/cdr.hpp"
 
 namespace lab::ros {
 namespace {

@@ -1,4 +1,4 @@
-#include "type_description.hpp"
+#include "tests/ros_types/type_description.hpp"
 
 #include <algorithm>
 #include <cstdint>

@@ -4,7 +4,7 @@
 #include <sstream>
 
 #include "ros_types/ros_type.hpp"
-#include "type_description.hpp"
+#include "tests/ros_types/type_description.hpp"
 
 namespace lab::ros {
 namespace {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "reference_table.hpp"
+#include "tests/analyzer/reference_table.hpp"
 
 namespace {
 

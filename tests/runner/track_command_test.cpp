@@ -11,8 +11,8 @@
 #include <sstream>
 #include <string_view>
 
-#include "../common/temporary_folder.hpp"
-#include "../tracker_svc/painted_film.hpp"
+#include "tests/runner/../common/temporary_folder.hpp"
+#include "tests/runner/../tracker_svc/painted_film.hpp"
 #include "cameras/film_reader.hpp"
 #include "common/camera_file.hpp"
 #include "common/experiment_file.hpp"
