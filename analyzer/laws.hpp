@@ -9,7 +9,7 @@
 
 namespace lab::analysis {
 
-/// The paper's models. The numbers are those of the messages and of dynamics/program.hpp; they are
+/// The paper's models. The numbers are those of the messages and of robot/dynamics/program.hpp; they are
 /// repeated here so that the analysis depends on nothing.
 enum class ProgramKind : std::uint8_t {
   kNone = 0,      ///< Standing: no law.

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "common/random.hpp"
-#include "dynamics/kinematics.hpp"
+#include "robot/dynamics/kinematics.hpp"
 #include "tracker_svc/cap_tracker.hpp"
 
 namespace {

@@ -10,10 +10,10 @@
 #include <vector>
 
 #include "common/random.hpp"
-#include "firmware/settings.hpp"
+#include "robot/firmware/settings.hpp"
 #include "robot_emulator/chip.hpp"
-#include "wire/config.hpp"
-#include "wire/fields.hpp"
+#include "robot/wire/config.hpp"
+#include "robot/wire/fields.hpp"
 
 namespace {
 

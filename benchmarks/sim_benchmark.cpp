@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "dynamics/params_from_physics.hpp"
+#include "robot/dynamics/robot_program.hpp"
 #include "sim_svc/world.hpp"
 
 namespace {

@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <cstring>
 
-#include "wire/config.hpp"
-#include "wire/frame.hpp"
-#include "wire/messages.hpp"
+#include "robot/wire/config.hpp"
+#include "robot/wire/frame.hpp"
+#include "robot/wire/messages.hpp"
 
 namespace {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "dynamics/motor.hpp"
+#include "robot/dynamics/motor.hpp"
 
 namespace lab::calibration {
 namespace {

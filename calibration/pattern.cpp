@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "dynamics/kinematics.hpp"
-#include "dynamics/motor.hpp"
+#include "robot/dynamics/kinematics.hpp"
+#include "robot/dynamics/motor.hpp"
 
 namespace lab::calibration {
 namespace {

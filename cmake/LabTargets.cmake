@@ -1,5 +1,5 @@
 # How every target of ours is built: warnings are errors, headers are included from the root
-# (#include "dynamics/program.hpp"), sanitizers by preset.
+# (#include "robot/dynamics/program.hpp"), sanitizers by preset.
 add_library(lab_options INTERFACE)
 target_include_directories(lab_options INTERFACE "${PROJECT_SOURCE_DIR}")
 target_compile_options(lab_options INTERFACE

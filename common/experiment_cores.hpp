@@ -2,7 +2,7 @@
 #pragma once
 
 #include "common/experiment.hpp"
-#include "dynamics/params_from_physics.hpp"
+#include "robot/dynamics/robot_program.hpp"
 #include "light/layer.hpp"
 
 namespace lab {

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "common/experiment_key_tools.hpp"
-#include "dynamics/light_table.hpp"
+#include "robot/dynamics/light_table.hpp"
 
 namespace lab::keys {
 namespace {

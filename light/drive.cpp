@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <numbers>
 
-#include "dynamics/rng.hpp"
+#include "robot/dynamics/rng.hpp"
 
 namespace lab::light {
 

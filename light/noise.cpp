@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "dynamics/rng.hpp"
+#include "robot/dynamics/rng.hpp"
 
 namespace lab::light {
 

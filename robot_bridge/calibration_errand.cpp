@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "dynamics/motor.hpp"
-#include "wire/fields.hpp"
+#include "robot/dynamics/motor.hpp"
+#include "robot/wire/fields.hpp"
 
 namespace lab::bridge {
 namespace {

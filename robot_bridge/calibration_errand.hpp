@@ -7,7 +7,7 @@
 #include <lab/motor_calibration_t.hpp>
 #include <optional>
 
-#include "wire/messages.hpp"
+#include "robot/wire/messages.hpp"
 
 namespace lab::bridge {
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "wire/frame.hpp"
+#include "robot/wire/frame.hpp"
 
 namespace lab::bridge {
 

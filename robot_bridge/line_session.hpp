@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "wire/frame.hpp"
-#include "wire/messages.hpp"
+#include "robot/wire/frame.hpp"
+#include "robot/wire/messages.hpp"
 
 namespace lab::bridge {
 

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "common/units.hpp"
-#include "wire/config.hpp"
+#include "robot/wire/config.hpp"
 
 namespace lab::bridge {
 namespace {

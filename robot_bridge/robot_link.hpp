@@ -14,7 +14,7 @@
 #include "robot_bridge/clock_estimate.hpp"
 #include "robot_bridge/command_sender.hpp"
 #include "robot_bridge/robot_view.hpp"
-#include "wire/messages.hpp"
+#include "robot/wire/messages.hpp"
 
 namespace lab::bridge {
 

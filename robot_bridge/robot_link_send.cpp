@@ -5,7 +5,7 @@
 #include "common/random.hpp"
 #include "common/units.hpp"
 #include "robot_bridge/robot_link.hpp"
-#include "wire/config.hpp"
+#include "robot/wire/config.hpp"
 
 namespace lab::bridge {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "robot_bridge/clock_estimate.hpp"
-#include "wire/messages.hpp"
+#include "robot/wire/messages.hpp"
 
 namespace lab::bridge {
 

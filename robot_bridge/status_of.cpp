@@ -4,8 +4,8 @@
 #include <utility>
 
 #include "common/units.hpp"
-#include "dynamics/light_table.hpp"
-#include "dynamics/program.hpp"
+#include "robot/dynamics/light_table.hpp"
+#include "robot/dynamics/program.hpp"
 
 namespace lab::bridge {
 namespace {

@@ -8,7 +8,7 @@
 #include <iterator>
 
 #include "common/experiment.hpp"
-#include "firmware/settings.hpp"
+#include "robot/firmware/settings.hpp"
 
 namespace lab::emulator {
 namespace {

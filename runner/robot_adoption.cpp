@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "common/experiment.hpp"
-#include "wire/fields.hpp"
+#include "robot/wire/fields.hpp"
 
 namespace lab::runner {
 namespace {

@@ -8,8 +8,8 @@
 
 #include "common/loop.hpp"
 #include "common/serial.hpp"
-#include "wire/frame.hpp"
-#include "wire/messages.hpp"
+#include "robot/wire/frame.hpp"
+#include "robot/wire/messages.hpp"
 
 namespace lab::runner {
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "dynamics/kinematics.hpp"
+#include "robot/dynamics/kinematics.hpp"
 #include "sim_svc/arena.hpp"
 
 namespace lab::sim {

@@ -7,7 +7,7 @@
 
 #include "common/experiment.hpp"
 #include "common/random.hpp"
-#include "dynamics/kinematics.hpp"
+#include "robot/dynamics/kinematics.hpp"
 
 namespace lab::sim {
 

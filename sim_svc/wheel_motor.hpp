@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <cstdlib>
 
-#include "dynamics/motor.hpp"
+#include "robot/dynamics/motor.hpp"
 
 namespace lab::sim {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "wire/messages.hpp"
+#include "robot/wire/messages.hpp"
 
 namespace lab::sim {
 namespace {

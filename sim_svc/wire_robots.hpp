@@ -7,8 +7,8 @@
 #include <optional>
 #include <vector>
 
-#include "firmware/device.hpp"
-#include "firmware/settings.hpp"
+#include "robot/firmware/device.hpp"
+#include "robot/firmware/settings.hpp"
 #include "sim_svc/body_driver.hpp"
 #include "sim_svc/robot_clock.hpp"
 
@@ -30,7 +30,7 @@ struct WireSetup {
 /// takes no time.
 class WireRobot final : private firmware::Board {
  public:
-  /// What the firmware's send buffer holds, bytes (firmware/avr/uart.cpp).
+  /// What the firmware's send buffer holds, bytes (robot/firmware/avr/uart.cpp).
   static constexpr std::size_t kSendBuffer = 127;
   /// What waits on the host's side of the line at most; more is lost.
   static constexpr std::size_t kLineBuffer = 4096;

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "common/random.hpp"
-#include "dynamics/kinematics.hpp"
-#include "dynamics/robot_core.hpp"
+#include "robot/dynamics/kinematics.hpp"
+#include "robot/dynamics/robot_core.hpp"
 #include "sim_svc/arena.hpp"
 #include "sim_svc/ir_scan.hpp"
 #include "sim_svc/neighbour_list.hpp"

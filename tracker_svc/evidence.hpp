@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "dynamics/kinematics.hpp"
+#include "robot/dynamics/kinematics.hpp"
 #include "tracker_svc/motion.hpp"
 #include "tracker_svc/wheel_log.hpp"
 

@@ -4,7 +4,7 @@
 #include <array>
 #include <vector>
 
-#include "dynamics/kinematics.hpp"
+#include "robot/dynamics/kinematics.hpp"
 #include "tracker_svc/wheel_log.hpp"
 
 namespace lab::tracker {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <set>
 
-#include "dynamics/kinematics.hpp"
+#include "robot/dynamics/kinematics.hpp"
 
 namespace lab::calibration {
 namespace {

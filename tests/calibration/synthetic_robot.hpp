@@ -9,7 +9,7 @@
 #include "calibration/pattern.hpp"
 #include "calibration/speed_check.hpp"
 #include "common/random.hpp"
-#include "dynamics/kinematics.hpp"
+#include "robot/dynamics/kinematics.hpp"
 
 namespace lab::calibration {
 

@@ -8,9 +8,9 @@
 #include <memory>
 #include <vector>
 
-#include "firmware/device.hpp"
-#include "wire/config.hpp"
-#include "wire/fields.hpp"
+#include "robot/firmware/device.hpp"
+#include "robot/wire/config.hpp"
+#include "robot/wire/fields.hpp"
 
 namespace lab::firmware {
 

@@ -8,7 +8,7 @@
 #include <cstdlib>
 #include <numbers>
 
-#include "dynamics/rng.hpp"
+#include "robot/dynamics/rng.hpp"
 
 namespace lab::light {
 namespace {

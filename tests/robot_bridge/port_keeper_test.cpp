@@ -9,7 +9,7 @@
 #include "common/memory_serial.hpp"
 #include "common/virtual_loop.hpp"
 #include "tests/robot_bridge/wire_robot.hpp"
-#include "wire/crc16.hpp"
+#include "robot/wire/crc16.hpp"
 
 namespace lab::bridge {
 namespace {

@@ -16,8 +16,8 @@
 #include "common/loop.hpp"
 #include "common/random.hpp"
 #include "common/serial.hpp"
-#include "firmware/device.hpp"
-#include "firmware/settings.hpp"
+#include "robot/firmware/device.hpp"
+#include "robot/firmware/settings.hpp"
 
 namespace lab::bridge {
 

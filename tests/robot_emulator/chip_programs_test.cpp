@@ -1,7 +1,7 @@
 // Light -> converter -> program -> pulse width, through the shipped binary.
 #include <iostream>
 
-#include "dynamics/motor.hpp"
+#include "robot/dynamics/motor.hpp"
 #include "tests/robot_emulator/robot_on_chip.hpp"
 
 namespace lab::emulator {

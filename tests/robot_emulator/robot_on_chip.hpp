@@ -8,10 +8,10 @@
 #include <optional>
 #include <vector>
 
-#include "firmware/settings.hpp"
+#include "robot/firmware/settings.hpp"
 #include "robot_emulator/chip.hpp"
-#include "wire/config.hpp"
-#include "wire/fields.hpp"
+#include "robot/wire/config.hpp"
+#include "robot/wire/fields.hpp"
 
 namespace lab::emulator {
 

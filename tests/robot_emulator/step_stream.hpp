@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "firmware/device.hpp"
+#include "robot/firmware/device.hpp"
 #include "tests/robot_emulator/robot_on_chip.hpp"
 
 namespace lab::emulator {

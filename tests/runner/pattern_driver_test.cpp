@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "common/units.hpp"
-#include "dynamics/kinematics.hpp"
+#include "robot/dynamics/kinematics.hpp"
 
 namespace lab::runner {
 namespace {

@@ -11,7 +11,7 @@
 #include "common/memory_serial.hpp"
 #include "common/random.hpp"
 #include "common/virtual_loop.hpp"
-#include "firmware/settings.hpp"
+#include "robot/firmware/settings.hpp"
 #include "sim_svc/outer_robots.hpp"
 #include "tests/common/temporary_folder.hpp"
 #include "tests/sim_svc/wire_host.hpp"

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "common/serial.hpp"
-#include "wire/config.hpp"
-#include "wire/messages.hpp"
+#include "robot/wire/config.hpp"
+#include "robot/wire/messages.hpp"
 
 namespace lab::sim {
 

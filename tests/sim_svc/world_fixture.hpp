@@ -3,7 +3,7 @@
 #include <cmath>
 #include <vector>
 
-#include "dynamics/params_from_physics.hpp"
+#include "robot/dynamics/robot_program.hpp"
 #include "sim_svc/world.hpp"
 
 namespace lab::sim {

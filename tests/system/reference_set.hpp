@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "analyzer/laws.hpp"
-#include "dynamics/params_from_physics.hpp"
+#include "robot/dynamics/robot_program.hpp"
 #include "tests/analyzer/reference_table.hpp"
 
 namespace lab::system_test {

@@ -6,7 +6,7 @@
 
 #include "analyzer/track_stitcher.hpp"
 #include "common/random.hpp"
-#include "dynamics/robot_core.hpp"
+#include "robot/dynamics/robot_core.hpp"
 #include "sim_svc/world.hpp"
 
 namespace lab::system_test {

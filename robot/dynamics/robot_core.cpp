@@ -1,0 +1,318 @@
+#include "robot/dynamics/robot_core.hpp"
+
+namespace lab {
+namespace dynamics {
+namespace {
+
+constexpr uint8_t kFrontSensors = (1U << 0) | (1U << 1) | (1U << 5);  // 0, +60, -60 degrees
+constexpr uint8_t kRearSensors = (1U << 2) | (1U << 3) | (1U << 4);   // +120, 180, -120 degrees
+
+// True if `a` is at or before `b` on a clock that wraps around.
+bool notAfter(uint32_t a, uint32_t b) { return static_cast<int32_t>(b - a) >= 0; }
+
+uint32_t reversalMs(const ReversalSettings& reversal) {
+  const uint32_t speed = static_cast<uint32_t>(reversal.speed_um_s);
+  return (reversal.distance_um * 1000U + speed / 2U) / speed;
+}
+
+bool equal(const ReversalSettings& a, const ReversalSettings& b) {
+  return a.enabled == b.enabled && a.distance_um == b.distance_um && a.speed_um_s == b.speed_um_s &&
+         a.ir_margin == b.ir_margin;
+}
+
+void addIf(bool condition, CoreFlag flag, uint16_t& flags) {
+  if (condition) {
+    flags = static_cast<uint16_t>(flags | flag);
+  }
+}
+
+}  // namespace
+
+constexpr uint32_t RobotCore::kNoEventMs;
+
+bool operator==(const CoreSettings& a, const CoreSettings& b) {
+  for (uint8_t i = 0; i < kSlots; ++i) {
+    if (a.programs[i] != b.programs[i]) {
+      return false;
+    }
+  }
+  return a.light == b.light && equal(a.reversal, b.reversal) &&
+         a.max_wheel_um_s == b.max_wheel_um_s && a.sensor_period_ms == b.sensor_period_ms;
+}
+
+void RobotCore::configure(uint32_t now_ms, const CoreSettings& settings) {
+  advanceTo(now_ms);
+  if (configured_ && settings == settings_) {
+    return;
+  }
+  configured_ = true;
+  settings_ = settings;
+  light_.configure(settings.light);
+  if (measured_) {
+    light_.update(sensors_.light_front, sensors_.light_back);
+  }
+  restart(now_ms);
+}
+
+void RobotCore::runPrograms(uint32_t now_ms) { setMode(now_ms, kTable); }
+
+void RobotCore::stand(uint32_t now_ms) { setMode(now_ms, kStand); }
+
+void RobotCore::driveWheels(uint32_t now_ms, int32_t left_um_s, int32_t right_um_s) {
+  if (left_um_s != driven_wheels_.left || right_um_s != driven_wheels_.right) {
+    advanceTo(now_ms);
+    driven_wheels_.left = left_um_s;
+    driven_wheels_.right = right_um_s;
+    if (mode_ == kDrive) {
+      restart(now_ms);
+    }
+  }
+  setMode(now_ms, kDrive);
+}
+
+void RobotCore::setMode(uint32_t now_ms, Mode mode) {
+  advanceTo(now_ms);
+  if (mode != mode_) {
+    mode_ = mode;
+    restart(now_ms);
+  }
+}
+
+void RobotCore::stop(uint32_t now_ms) {
+  advanceTo(now_ms);
+  if (!stopped_) {
+    stopped_ = true;
+    restart(now_ms);
+  }
+}
+
+void RobotCore::clearStop(uint32_t now_ms) {
+  advanceTo(now_ms);
+  if (stopped_) {
+    stopped_ = false;
+    restart(now_ms);
+  }
+}
+
+void RobotCore::renewLease(uint32_t now_ms, uint32_t lease_ms) {
+  advanceTo(now_ms);
+  const bool was_leased = leased_;
+  leased_ = lease_ms > 0;
+  lease_end_ms_ = now_ms + (lease_ms < kNoEventMs ? lease_ms : kNoEventMs);
+  if (leased_ != was_leased) {
+    restart(now_ms);
+  }
+}
+
+void RobotCore::sense(uint32_t now_ms, const Sensors& sensors) {
+  advanceTo(now_ms);
+  sensors_ = sensors;
+  measured_ = true;
+  const uint8_t approaching = approachingSensors();
+  const uint8_t old_slot = light_.slot();
+  const uint8_t slot = light_.update(sensors.light_front, sensors.light_back);
+  if (slot != old_slot && mode_ == kTable && mayMove()) {
+    switchProgram(now_ms);
+  }
+  if (reversal_direction_ != 0) {
+    const uint8_t ahead = reversal_direction_ > 0 ? kFrontSensors : kRearSensors;
+    if ((approaching & ahead) != 0) {
+      endReversal(now_ms);
+    }
+    return;
+  }
+  if (report_.slot == kNoSlot || !settings_.reversal.enabled) {
+    return;
+  }
+  const int32_t forward = report_.held.left + report_.held.right;
+  if (forward > 0 && (approaching & kFrontSensors) != 0) {
+    beginReversal(now_ms, -1);
+  } else if (forward < 0 && (approaching & kRearSensors) != 0) {
+    beginReversal(now_ms, 1);
+  }
+}
+
+void RobotCore::advanceTo(uint32_t now_ms) {
+  while (advanceOne(now_ms)) {
+  }
+}
+
+bool RobotCore::advanceOne(uint32_t now_ms) {
+  uint32_t at_ms = 0;
+  const Event event = nextEvent(now_ms, at_ms);
+  if (event == kNothing || !notAfter(at_ms, now_ms)) {
+    return false;
+  }
+  switch (event) {
+    case kLeaseEnd:
+      leased_ = false;
+      restart(at_ms);
+      break;
+    case kReversalEnd:
+      endReversal(at_ms);
+      break;
+    case kHoldEnd:
+      beginHold(at_ms);
+      break;
+    case kNothing:
+      break;
+  }
+  return true;
+}
+
+uint32_t RobotCore::nextEventMs(uint32_t now_ms) const {
+  uint32_t at_ms = 0;
+  return nextEvent(now_ms, at_ms) == kNothing ? now_ms + kNoEventMs : at_ms;
+}
+
+WheelSpeedsUmS RobotCore::wheels() const {
+  if (reversal_direction_ == 0) {
+    return report_.held;
+  }
+  WheelSpeedsUmS back;
+  back.left = reversal_direction_ * settings_.reversal.speed_um_s;
+  back.right = back.left;
+  return back;
+}
+
+CoreReport RobotCore::report() const {
+  CoreReport report = report_;
+  report.flags = flags();
+  return report;
+}
+
+uint16_t RobotCore::flags() const {
+  uint16_t flags = 0;
+  addIf(reversal_direction_ != 0, kReversing, flags);
+  addIf(stopped_, kStopped, flags);
+  addIf(!leased_, kLeaseExpired, flags);
+  addIf(saturated_, kSaturated, flags);
+  addIf(tumbling_, kTumbling, flags);
+  addIf(mode_ == kDrive, kDriven, flags);
+  addIf(light_.slot() == kNoSlot, kNoLightBand, flags);
+  addIf(!configured_, kUnconfigured, flags);
+  return flags;
+}
+
+uint32_t RobotCore::runTimeMs(uint32_t now_ms) const {
+  return run_time_ms_ + (inRun() ? now_ms - run_since_ms_ : 0);
+}
+
+// Brings the run time up to now; called before anything it depends on changes.
+void RobotCore::countRunTime(uint32_t now_ms) {
+  run_time_ms_ = runTimeMs(now_ms);
+  run_since_ms_ = now_ms;
+}
+
+// The earliest pending event; of two at one time the lease comes first (a stop outranks a draw).
+RobotCore::Event RobotCore::nextEvent(uint32_t now_ms, uint32_t& at_ms) const {
+  Event event = kNothing;
+  at_ms = now_ms + kNoEventMs;
+  if (leased_) {
+    event = kLeaseEnd;
+    at_ms = lease_end_ms_;
+  }
+  if (reversal_direction_ != 0) {
+    if (event == kNothing || !notAfter(at_ms, reversal_due_ms_)) {
+      event = kReversalEnd;
+      at_ms = reversal_due_ms_;
+    }
+  } else if (hold_ends_ && (event == kNothing || !notAfter(at_ms, hold_end_ms_))) {
+    event = kHoldEnd;
+    at_ms = hold_end_ms_;
+  }
+  return event;
+}
+
+// Ends what runs, a reversal too, and starts what should run now.
+void RobotCore::restart(uint32_t now_ms) {
+  if (reversal_direction_ != 0) {
+    endReversal(now_ms);
+  }
+  startSelected(now_ms);
+}
+
+// Starts what the light selects; during a reversal it waits, drawn and paused, for the end of it.
+void RobotCore::switchProgram(uint32_t now_ms) {
+  if (reversal_direction_ != 0 && light_.slot() == kNoSlot) {
+    endReversal(now_ms);  // nothing to resume: the robot stands
+  }
+  startSelected(now_ms);
+  hold_remaining_ms_ = hold_end_ms_ - now_ms;
+}
+
+void RobotCore::startSelected(uint32_t now_ms) {
+  countRunTime(now_ms);
+  report_.slot = kNoSlot;
+  ProgramParams params;
+  if (mayMove() && mode_ == kDrive) {
+    params.kind = kWheels;
+    params.left_um_s = driven_wheels_.left;
+    params.right_um_s = driven_wheels_.right;
+  } else if (mayMove() && mode_ == kTable && light_.slot() < kSlots) {
+    report_.slot = light_.slot();
+    params = settings_.programs[report_.slot];
+  }
+  program_.start(params);
+  report_.kind = params.kind;
+  ++report_.program_epoch;
+  report_.program_start_ms = now_ms;
+  beginHold(now_ms);
+}
+
+void RobotCore::beginHold(uint32_t now_ms) {
+  countRunTime(now_ms);
+  const Hold hold = program_.next(rng_);
+  saturated_ = false;
+  report_.held.left = clampWheel(hold.left_um_s, settings_.max_wheel_um_s, saturated_);
+  report_.held.right = clampWheel(hold.right_um_s, settings_.max_wheel_um_s, saturated_);
+  tumbling_ = hold.tumble;
+  hold_ends_ = hold.duration_ms != kForever;
+  hold_start_ms_ = now_ms;
+  hold_duration_ms_ = hold.duration_ms;
+  hold_end_ms_ = now_ms + hold.duration_ms;
+  ++report_.draw_count;
+  report_.tumble_count += hold.tumble ? 1U : 0U;
+  report_.saturation_count += saturated_ ? 1U : 0U;
+}
+
+void RobotCore::beginReversal(uint32_t now_ms, int8_t direction) {
+  countRunTime(now_ms);
+  hold_remaining_ms_ = hold_end_ms_ - now_ms;
+  reversal_direction_ = direction;
+  reversal_due_ms_ = now_ms + reversalMs(settings_.reversal);
+  ++report_.reversal_count;
+  report_.reversal_start_ms = now_ms;
+  resetFloors();
+}
+
+void RobotCore::endReversal(uint32_t now_ms) {
+  countRunTime(now_ms);
+  reversal_direction_ = 0;
+  hold_end_ms_ = now_ms + hold_remaining_ms_;
+  report_.reversal_end_ms = now_ms;
+  resetFloors();
+}
+
+void RobotCore::resetFloors() {
+  for (uint8_t i = 0; i < kIrSensors; ++i) {
+    floor_[i] = sensors_.ir[i];
+  }
+}
+
+// Lowers the floors to the present readings and returns the sensors above theirs, one bit each.
+uint8_t RobotCore::approachingSensors() {
+  uint8_t mask = 0;
+  for (uint8_t i = 0; i < kIrSensors; ++i) {
+    if (sensors_.ir[i] < floor_[i]) {
+      floor_[i] = sensors_.ir[i];
+    }
+    if (sensors_.ir[i] > floor_[i] + settings_.reversal.ir_margin) {
+      mask = static_cast<uint8_t>(mask | (1U << i));
+    }
+  }
+  return mask;
+}
+
+}  // namespace dynamics
+}  // namespace lab

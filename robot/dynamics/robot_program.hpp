@@ -1,0 +1,47 @@
+#pragma once
+
+#include <string>
+
+#include "robot/dynamics/program.hpp"
+
+namespace lab {
+namespace dynamics {
+
+/// A program in physical parameters (SI). What a kind does not name it ignores. Host only.
+struct ProgramPhysics {
+  ProgramKind kind = kNone;
+  double v = 0;            ///< Speed, m/s (ABP, RTP); negative drives backward.
+  double va = 0;           ///< Mean speed, m/s (noisy ABP; must be 0 for BP).
+  double V = 0;            ///< Half width of the wheel speeds' range, m/s (noisy ABP, BP).
+  double epsilon = 0;      ///< Time between draws, s (ABP, noisy ABP, BP).
+  double eta = 0;          ///< Largest rotation rate, rad/s (ABP).
+  double gamma = 0;        ///< Tumbling rate, 1/s (RTP).
+  double tau_t = 0;        ///< Duration of a tumble, s (RTP).
+  double wheel_left = 0;   ///< Left wheel, m/s (constant wheel speeds).
+  double wheel_right = 0;  ///< Right wheel, m/s (constant wheel speeds).
+};
+
+/// What the wheels can do (paper, "Robot model").
+struct WheelLimits {
+  double v_max = 0.27;        ///< Fastest wheel speed, m/s.
+  double wheel_base = 0.075;  ///< d, the distance between the wheels, m.
+};
+
+/// Either the robot's integers or the reason why the robot cannot do what is asked.
+struct ParamsResult {
+  bool ok = false;
+  ProgramParams params;
+  std::string reason;  ///< One line: the physical quantity, what was found, what is allowed.
+};
+
+/// Converts and validates. Times are rounded to the nearest millisecond and speeds to the nearest
+/// micrometre/s; see physicsFromParams for what is then executed.
+[[nodiscard]] ParamsResult paramsFromPhysics(const ProgramPhysics& physics,
+                                             const WheelLimits& limits = WheelLimits());
+
+/// The physical parameters the robot really executes, after rounding.
+[[nodiscard]] ProgramPhysics physicsFromParams(const ProgramParams& params,
+                                               const WheelLimits& limits = WheelLimits());
+
+}  // namespace dynamics
+}  // namespace lab

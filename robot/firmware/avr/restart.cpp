@@ -1,0 +1,91 @@
+#include "robot/firmware/avr/restart.hpp"
+
+#include <avr/interrupt.h>
+#include <avr/io.h>
+#include <avr/wdt.h>
+#include <util/atomic.h>
+
+#include "robot/firmware/avr/motors.hpp"
+#include "robot/wire/messages.hpp"
+
+extern uint8_t _end;     // of the data, from the linker
+extern uint8_t __stack;  // the last byte of RAM
+
+namespace {
+
+constexpr uint8_t kPaint = 0xC5;
+constexpr uint32_t kBitten = 0x1DEADD06UL;
+
+// Not cleared at the start: what was before a restart without reset.
+uint32_t watchdog_mark __attribute__((section(".noinit")));
+uint8_t reset_flags __attribute__((section(".noinit")));
+
+}  // namespace
+
+// Runs before the data are set up and before main(): keeps the reset cause, ends a watchdog that a
+// reset left on (it would bite again within 16 ms), and paints the free RAM.
+extern "C" void atStart() __attribute__((naked, used, section(".init3")));
+void atStart() {
+  reset_flags = MCUSR;
+  MCUSR = 0;
+  wdt_disable();
+  for (uint8_t* at = &_end; at <= &__stack; ++at) {
+    *at = kPaint;
+  }
+}
+
+namespace lab {
+namespace avr {
+
+uint8_t resetCause() {
+  const bool bitten = watchdog_mark == kBitten;
+  watchdog_mark = 0;
+  if ((reset_flags & 1U << PORF) != 0) {
+    return wire::kResetPower;
+  }
+  if ((reset_flags & 1U << BORF) != 0) {
+    return wire::kResetBrownOut;
+  }
+  if ((reset_flags & 1U << WDRF) != 0) {
+    return wire::kResetWatchdog;
+  }
+  if ((reset_flags & 1U << EXTRF) != 0) {
+    return wire::kResetPin;
+  }
+  return bitten ? wire::kResetWatchdog : wire::kResetUnknown;
+}
+
+void startWatchdog() {
+#ifdef LAB_WATCHDOG_RESET
+  wdt_enable(WDTO_250MS);
+#else
+  ATOMIC_BLOCK(ATOMIC_RESTORESTATE) {
+    wdt_reset();
+    WDTCSR = 1U << WDCE | 1U << WDE;  // opens it for four cycles
+    WDTCSR = 1U << WDIE | 1U << WDP2;
+  }
+#endif
+}
+
+void feedWatchdog() { wdt_reset(); }
+
+uint16_t stackLeft() {
+  const uint8_t* at = &_end;
+  while (*at == kPaint) {
+    ++at;
+  }
+  return static_cast<uint16_t>(at - &_end);
+}
+
+}  // namespace avr
+}  // namespace lab
+
+#ifndef LAB_WATCHDOG_RESET
+// Never returns, so nothing is saved; only the register that the compiler takes for zero is.
+ISR(WDT_vect, ISR_NAKED) {
+  asm volatile("clr __zero_reg__");
+  lab::avr::cutMotors();
+  watchdog_mark = kBitten;
+  asm volatile("jmp 0");
+}
+#endif

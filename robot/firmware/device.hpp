@@ -1,0 +1,184 @@
+#pragma once
+
+#include <stdint.h>
+
+#include "robot/dynamics/motor.hpp"
+#include "robot/dynamics/robot_core.hpp"
+#include "robot/firmware/board.hpp"
+#include "robot/firmware/ring.hpp"
+#include "robot/firmware/settings.hpp"
+#include "robot/wire/frame.hpp"
+#include "robot/wire/messages.hpp"
+
+/// A function with large locals, which must not become part of its caller's frame: the chip's stack
+/// has 300 bytes.
+#define LAB_APART __attribute__((noinline))
+
+namespace lab {
+namespace firmware {
+
+/// Major * 256 + minor, as HELLO says it.
+constexpr uint16_t kFirmwareVersion = 0x0100;
+
+constexpr uint16_t kHelloPeriodMs = 1000;
+constexpr uint16_t kStatePeriodMs = 250;
+constexpr uint16_t kCountersPeriodMs = 1000;
+constexpr uint16_t kDefaultTelemetryPeriodMs = 50;
+
+/// What the electronics know about themselves at boot.
+struct BootFacts {
+  uint8_t reset_cause = 0;  ///< wire::ResetCause
+  uint8_t board = 0;        ///< as in wire::Hello
+  uint32_t baud = 0;
+  uint32_t build = 0;  ///< first 8 hex digits of the commit, 0: unknown
+};
+
+/// The whole program of a robot but its electronics: the core under the wire protocol, with
+/// failsafe, stop latch, settings, telemetry and the record of its draws. The firmware owns one on
+/// the chip; sim_svc owns hundreds.
+///
+/// Calls must not go back in time. After each, the motors (Board::setMotors) are as the core wants.
+///
+/// Until the first good frame of a host it says nothing but HELLO. Answers are queued at once; all
+/// else one frame at a time while nothing is queued, so that no answer waits behind more than the
+/// one frame under way.
+class Device {
+ public:
+  Device(Board& board, const BootFacts& facts);
+
+  /// Once, first: motors off, settings from the store, HELLO.
+  void boot(uint32_t now_ms);
+
+  /// One byte from the line, with the robot's time when it came (the one time that may lie before
+  /// that of the last call). A frame that it completes is obeyed at once and answered.
+  void receive(uint32_t now_ms, uint16_t now_us, uint8_t byte);
+
+  /// Bytes were lost between line and receive().
+  void noteOverrun(uint16_t bytes);
+
+  /// The program hung and was restarted by the watchdog (the electronics call this after boot()).
+  void noteWatchdog(uint32_t now_ms);
+
+  /// Whether a scan of the sensors is due; then call sense() with it.
+  bool scanDue(uint32_t now_ms) const;
+  void sense(uint32_t now_ms, const dynamics::Sensors& sensors);
+
+  /// Every millisecond: draws, lease, motors, and whatever is due for the line.
+  void tick(uint32_t now_ms);
+
+  const dynamics::RobotCore& core() const { return core_; }
+  const Settings& settings() const { return settings_; }
+
+ private:
+  /// What a command came to.
+  struct Answer {
+    uint8_t status;
+    uint8_t detail;
+  };
+
+  /// The last command that was executed, to know it when it comes again.
+  struct Executed {
+    uint8_t type = 0;  ///< 0: none yet
+    uint8_t seq = 0;
+    uint16_t crc = 0;  ///< of the payload
+    Answer answer = {0, 0};
+  };
+
+  // device.cpp
+  void advance(uint32_t now_ms);
+  LAB_APART void settle(uint32_t now_ms);
+  LAB_APART void recordDraw();
+  void driveMotors();
+  void note(uint32_t now_ms, wire::EventCode code, uint32_t data);
+  void startBootCounter();
+
+  // device_commands.cpp
+  LAB_APART void obey(const wire::Frame& frame, uint32_t now_ms, uint32_t came_ms,
+                      uint16_t came_us);
+  Answer execute(const wire::Frame& frame, uint32_t now_ms);
+  LAB_APART Answer executeSetProgram(const wire::Frame& frame);
+  LAB_APART Answer executeSetLight(const wire::Frame& frame);
+  LAB_APART Answer executeSetMotion(const wire::Frame& frame);
+  LAB_APART Answer executeApply(const wire::Frame& frame, uint32_t now_ms);
+  LAB_APART Answer executeOrder(const wire::Frame& frame, uint32_t now_ms);
+  LAB_APART Answer executeStop(const wire::Frame& frame, uint32_t now_ms);
+  LAB_APART Answer executeSetSeed(const wire::Frame& frame);
+  LAB_APART Answer executeSetParam(const wire::Frame& frame, uint32_t now_ms);
+  LAB_APART Answer executeCommit(const wire::Frame& frame);
+  LAB_APART void goOnStoring(uint32_t now_ms);
+  bool readParam(uint8_t id, int32_t& value) const;
+  bool writeParam(uint8_t id, int32_t value, uint32_t now_ms);
+  void seed(uint32_t high, uint32_t low);
+
+  // device_reports.cpp
+  LAB_APART void report(uint32_t now_ms);
+  void startReports(uint32_t now_ms);
+  bool telemetryDue(uint32_t now_ms) const;
+  bool stateDue(uint32_t now_ms) const;
+  bool sendInTurn(uint8_t turn, uint32_t now_ms);
+  LAB_APART void sendHello(uint32_t now_ms, uint8_t seq);
+  LAB_APART void sendTelemetry(uint32_t now_ms);
+  LAB_APART void sendState(uint32_t now_ms);
+  LAB_APART void sendCounters(uint32_t now_ms);
+  LAB_APART void sendAck(uint8_t seq, uint8_t type, const Answer& answer);
+  LAB_APART void sendEvent(const wire::Event& event);
+  LAB_APART void sendStep(const wire::Step& step);
+  LAB_APART void sendPong(const wire::Ping& ping, uint8_t seq, uint32_t came_ms, uint16_t came_us);
+  LAB_APART void sendParam(uint8_t seq, uint8_t id, int32_t value);
+  template <class Message>
+  void send(const Message& message, uint8_t seq);
+  LAB_APART void transmit(const wire::Frame& frame);
+
+  Board& board_;
+  BootFacts facts_;
+  dynamics::RobotCore core_;
+  dynamics::CoreSettings staged_;
+  Settings settings_;
+  SettingsStore store_;
+  wire::Decoder decoder_;
+
+  uint32_t now_ms_ = 0;  ///< of the last call
+  uint32_t scan_due_ms_ = 0;
+  uint16_t boot_id_ = 0;
+  uint16_t config_ = 0;  ///< CRC of the settings in force, 0: none
+  uint32_t seed_high_ = 0;
+  uint32_t seed_low_ = 0;
+  uint8_t order_id_ = 0;
+  uint8_t stop_id_ = 0;
+  bool host_heard_ = false;
+  bool leased_ = false;
+  bool storing_ = false;  ///< COMMIT is under way
+  uint8_t commit_seq_ = 0;
+  Executed executed_;
+
+  uint32_t draws_recorded_ = 0;
+  dynamics::WheelSpeedsUmS driven_wheels_;  ///< what the duties are for
+  bool recalibrated_ = true;                ///< the duties are to be computed anew
+  int16_t duty_left_ = 0;
+  int16_t duty_right_ = 0;
+
+  bool step_log_ = true;
+  uint8_t turn_ = 0;  ///< which of the reports that can wait went last
+  bool state_changed_ = false;
+  uint16_t telemetry_period_ms_ = kDefaultTelemetryPeriodMs;
+  uint8_t telemetry_seq_ = 0;
+  uint8_t state_seq_ = 0;
+  uint8_t counters_seq_ = 0;
+  uint32_t hello_due_ms_ = 0;
+  uint32_t telemetry_due_ms_ = 0;
+  uint32_t state_due_ms_ = 0;
+  uint32_t counters_due_ms_ = 0;
+  uint16_t known_epoch_ = 0;
+  uint16_t known_reversals_ = 0;
+  uint32_t known_reversal_end_ms_ = 0;
+
+  uint16_t event_number_ = 0;
+  uint16_t bytes_overrun_ = 0;
+  uint16_t frames_dropped_ = 0;
+  uint16_t commands_repeated_ = 0;
+  Ring<wire::Event, 4> events_;
+  Ring<wire::Step, 4> steps_;
+};
+
+}  // namespace firmware
+}  // namespace lab

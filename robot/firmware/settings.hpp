@@ -1,0 +1,76 @@
+#pragma once
+
+#include <stdint.h>
+
+#include "robot/dynamics/motor.hpp"
+#include "robot/firmware/board.hpp"
+
+namespace lab {
+namespace firmware {
+
+/// What a robot knows about itself, for good.
+struct Settings {
+  uint32_t uid = 0;  ///< 0: none was ever stored
+  dynamics::WheelCalibration left;
+  dynamics::WheelCalibration right;
+  int32_t wheel_base_um = 75000L;  ///< kept for the host, which converts
+};
+
+bool operator==(const Settings& a, const Settings& b);
+
+/// Gains 0.5 to 1.5, dead bands up to 127, wheel base 1 to 50 cm.
+bool isValid(const Settings& settings);
+
+/// Where things lie in the EEPROM. Address 0 stays unused: it is the one that a brown-out in the
+/// middle of a write has been seen to hit.
+constexpr uint16_t kBootCounterAddress = 2;  ///< 2 bytes, little endian
+constexpr uint16_t kBankAddress[2] = {16, 64};
+constexpr uint16_t kStoreSize = 128;
+
+/// One bank: magic, layout version, length of the data, sequence number (2), data, CRC-16 of all
+/// before it (2).
+constexpr uint8_t kStoreMagic = 0xA7;
+constexpr uint8_t kStoreLayout = 1;
+constexpr uint8_t kStoreDataSize = 18;
+constexpr uint8_t kBankSize = 1 + 1 + 1 + 2 + kStoreDataSize + 2;
+constexpr uint8_t kNoBank = 255;
+
+/// The EEPROM of a robot that has these settings and was never booted: fills kStoreSize bytes.
+void encodeStore(const Settings& settings, uint8_t* image);
+
+/// The settings in two banks of the EEPROM. Always the older bank is written, its magic first
+/// cleared and set last: whenever the power fails, the robot has the old settings or the new ones.
+class SettingsStore {
+ public:
+  explicit SettingsStore(Board& board) : board_(board) {}
+
+  /// Reads the newest good bank. Without one the settings become the defaults.
+  void load(Settings& settings);
+
+  /// The bank the settings are in, or kNoBank.
+  uint8_t bank() const { return bank_; }
+
+  /// Begins to write. Settings that are stored already are not written again.
+  void begin(const Settings& settings);
+
+  enum Progress : uint8_t { kIdle, kWriting, kWritten, kUnchanged, kFailed };
+
+  /// Goes on by at most one byte and never waits. kWritten, kUnchanged and kFailed are said once.
+  Progress step();
+
+ private:
+  bool readBank(uint8_t bank, uint16_t& sequence, Settings& settings) const;
+  bool put(uint8_t index, uint8_t byte);
+  Progress finish();
+
+  Board& board_;
+  uint8_t bank_ = kNoBank;
+  uint16_t sequence_ = 0;  ///< of bank_
+  uint8_t target_ = 0;     ///< bank being written
+  uint8_t next_ = 0;       ///< step of the write, see step()
+  Progress progress_ = kIdle;
+  uint8_t record_[kBankSize] = {};
+};
+
+}  // namespace firmware
+}  // namespace lab

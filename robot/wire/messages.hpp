@@ -1,0 +1,444 @@
+#pragma once
+
+#include <stdint.h>
+
+#include "robot/dynamics/robot_core.hpp"
+#include "robot/wire/fields.hpp"
+
+// The messages between host and robot (docs/protocol.md, byte by byte). Each struct lists its
+// fields once, in the order on the wire: writing, reading, size and schema all follow that list.
+
+namespace lab {
+namespace wire {
+
+/// Of the fields of all messages, as robot/wire/schema.hpp computes it. A robot says it in HELLO; a host
+/// does not drive a robot of another schema.
+constexpr uint16_t kSchema = 0xD336;  // compared by tests/robot/wire/schema_test.cpp
+
+// ---- host to robot. Every command says what shall be, never a difference, so that it may be
+// repeated; each is answered by an ACK with its seq. ----
+
+/// Measures the round trip and the robot's clock. Answered by PONG.
+struct Ping {
+  static constexpr uint8_t kType = 0x01;
+  uint32_t token_high = 0;
+  uint32_t token_low = 0;
+  template <class M, class V>
+  static constexpr void fields(M& m, V& v) {
+    v(m.token_high);
+    v(m.token_low);
+  }
+};
+
+/// Asks for HELLO.
+struct GetInfo {
+  static constexpr uint8_t kType = 0x02;
+  template <class M, class V>
+  static constexpr void fields(M&, V&) {}
+};
+
+/// Stages the program of one slot (ProgramParams). Nothing changes before APPLY.
+struct SetProgram {
+  static constexpr uint8_t kType = 0x10;
+  uint8_t slot = 0;
+  uint8_t kind = 0;
+  int32_t speed_um_s = 0;
+  int32_t amplitude_um_s = 0;
+  uint32_t hold_ms = 0;
+  uint32_t mean_run_us = 0;
+  uint32_t tumble_ms = 0;
+  int32_t tumble_amplitude_um_s = 0;
+  int32_t left_um_s = 0;
+  int32_t right_um_s = 0;
+  template <class M, class V>
+  static constexpr void fields(M& m, V& v) {
+    v(m.slot);
+    v(m.kind);
+    v(m.speed_um_s);
+    v(m.amplitude_um_s);
+    v(m.hold_ms);
+    v(m.mean_run_us);
+    v(m.tumble_ms);
+    v(m.tumble_amplitude_um_s);
+    v(m.left_um_s);
+    v(m.right_um_s);
+  }
+};
+
+/// Stages the light bands (LightSettings).
+struct SetLight {
+  static constexpr uint8_t kType = 0x11;
+  uint8_t count = 0;
+  uint8_t reading = 0;
+  uint16_t hysteresis = 0;
+  uint16_t low[dynamics::kSlots] = {};
+  uint16_t high[dynamics::kSlots] = {};
+  uint8_t slot[dynamics::kSlots] = {};
+  template <class M, class V>
+  static constexpr void fields(M& m, V& v) {
+    v(m.count);
+    v(m.reading);
+    v(m.hysteresis);
+    for (uint8_t i = 0; i < dynamics::kSlots; ++i) {
+      v(m.low[i]);
+      v(m.high[i]);
+      v(m.slot[i]);
+    }
+  }
+};
+
+/// Stages how the robot turns back (ReversalSettings), its fastest wheel and its sensor period.
+struct SetMotion {
+  static constexpr uint8_t kType = 0x12;
+  uint8_t reversal = 0;  ///< 1: enabled
+  uint32_t distance_um = 0;
+  int32_t speed_um_s = 0;
+  uint16_t ir_margin = 0;
+  int32_t max_wheel_um_s = 0;
+  uint16_t sensor_period_ms = 0;
+  template <class M, class V>
+  static constexpr void fields(M& m, V& v) {
+    v(m.reversal);
+    v(m.distance_um);
+    v(m.speed_um_s);
+    v(m.ir_margin);
+    v(m.max_wheel_um_s);
+    v(m.sensor_period_ms);
+  }
+};
+
+/// Puts the staged settings in force, all at once, if their CRC (configCrc) is this one and they
+/// are within the wheels' limits. The same settings again change nothing.
+struct Apply {
+  static constexpr uint8_t kType = 0x13;
+  uint16_t config = 0;
+  template <class M, class V>
+  static constexpr void fields(M& m, V& v) {
+    v(m.config);
+  }
+};
+
+/// What the robot shall do now, repeated at 5 Hz; it is also the host's heartbeat: the robot may
+/// move for lease_ms from its reception. Refused while other settings than `config` are in force.
+struct Order {
+  static constexpr uint8_t kType = 0x14;
+  static constexpr uint8_t kStand = 0;
+  static constexpr uint8_t kTable = 1;
+  static constexpr uint8_t kDrive = 2;
+  uint8_t id = 0;  ///< of the host's order, echoed in TELEMETRY
+  uint8_t mode = kStand;
+  uint16_t config = 0;
+  int32_t left_um_s = 0;   ///< kDrive
+  int32_t right_um_s = 0;  ///< kDrive
+  uint32_t lease_ms = 0;
+  template <class M, class V>
+  static constexpr void fields(M& m, V& v) {
+    v(m.id);
+    v(m.mode);
+    v(m.config);
+    v(m.left_um_s);
+    v(m.right_um_s);
+    v(m.lease_ms);
+  }
+};
+
+/// Stops and latches, or releases the latch. Obeyed before anything else that is waiting.
+struct Stop {
+  static constexpr uint8_t kType = 0x15;
+  static constexpr uint8_t kStop = 0x5A;
+  static constexpr uint8_t kRelease = 0xA5;
+  uint8_t id = 0;  ///< of the host's request, echoed in TELEMETRY
+  uint8_t action = kStop;
+  template <class M, class V>
+  static constexpr void fields(M& m, V& v) {
+    v(m.id);
+    v(m.action);
+  }
+};
+
+/// Seeds the draws. The seed already in force changes nothing: a repeated command repeats no draw.
+struct SetSeed {
+  static constexpr uint8_t kType = 0x16;
+  uint32_t high = 0;
+  uint32_t low = 0;
+  template <class M, class V>
+  static constexpr void fields(M& m, V& v) {
+    v(m.high);
+    v(m.low);
+  }
+};
+
+/// One of the robot's own settings, see Param. It holds until the robot is switched off, and after
+/// COMMIT for good.
+struct SetParam {
+  static constexpr uint8_t kType = 0x17;
+  uint8_t id = 0;
+  int32_t value = 0;
+  template <class M, class V>
+  static constexpr void fields(M& m, V& v) {
+    v(m.id);
+    v(m.value);
+  }
+};
+
+/// Asks for PARAM.
+struct GetParam {
+  static constexpr uint8_t kType = 0x18;
+  uint8_t id = 0;
+  template <class M, class V>
+  static constexpr void fields(M& m, V& v) {
+    v(m.id);
+  }
+};
+
+/// Writes the settings into the EEPROM. Refused (kBusy) while the robot moves: a byte takes 3.4 ms.
+struct Commit {
+  static constexpr uint8_t kType = 0x19;
+  template <class M, class V>
+  static constexpr void fields(M&, V&) {}
+};
+
+// ---- robot to host ----
+
+struct Pong {
+  static constexpr uint8_t kType = 0x81;
+  uint32_t token_high = 0;
+  uint32_t token_low = 0;
+  uint32_t t_ms = 0;  ///< the robot's clock when PING had come in
+  uint16_t t_us = 0;  ///< and its microseconds in that millisecond
+  template <class M, class V>
+  static constexpr void fields(M& m, V& v) {
+    v(m.token_high);
+    v(m.token_low);
+    v(m.t_ms);
+    v(m.t_us);
+  }
+};
+
+enum ResetCause : uint8_t {
+  kResetUnknown = 0,  ///< a bootloader cleared it
+  kResetPower = 1,
+  kResetPin = 2,
+  kResetBrownOut = 3,
+  kResetWatchdog = 4,
+};
+
+/// Who the robot is. Sent at boot, then every second until the first good frame comes in, and when
+/// asked.
+struct Hello {
+  static constexpr uint8_t kType = 0x82;
+  uint16_t schema = 0;
+  uint16_t firmware = 0;  ///< major * 256 + minor
+  uint32_t build = 0;     ///< first digits of the commit
+  uint32_t uid = 0;       ///< of the electronics; 0: none was ever stored
+  uint16_t boot_id = 0;   ///< another one after every reset
+  uint8_t reset_cause = 0;
+  uint8_t board = 0;          ///< 1: Pro Mini 3.3 V 8 MHz, 2: the same sources on a host
+  uint8_t settings_from = 0;  ///< EEPROM bank 0 or 1, 255: defaults
+  uint32_t uptime_ms = 0;
+  uint32_t baud = 0;
+  template <class M, class V>
+  static constexpr void fields(M& m, V& v) {
+    v(m.schema);
+    v(m.firmware);
+    v(m.build);
+    v(m.uid);
+    v(m.boot_id);
+    v(m.reset_cause);
+    v(m.board);
+    v(m.settings_from);
+    v(m.uptime_ms);
+    v(m.baud);
+  }
+};
+
+enum AckStatus : uint8_t {
+  kOk = 0,
+  kUnknownType = 1,  ///< newer host than robot
+  kBadLength = 2,
+  kBadValue = 3,     ///< detail: the field, counted from 0 in the order on the wire; of APPLY a
+                     ///< ConfigFault
+  kWrongConfig = 4,  ///< ORDER or APPLY for other settings than those the robot has
+  kBusy = 5,
+  kStoreFailed = 6,  ///< the EEPROM does not hold what was written
+};
+
+/// The answer to every command but PING, GET_INFO and GET_PARAM; seq is the command's.
+struct Ack {
+  static constexpr uint8_t kType = 0x83;
+  uint8_t type = 0;
+  uint8_t status = 0;
+  uint8_t detail = 0;
+  template <class M, class V>
+  static constexpr void fields(M& m, V& v) {
+    v(m.type);
+    v(m.status);
+    v(m.detail);
+  }
+};
+
+/// What changes all the time; seq counts them.
+struct Telemetry {
+  static constexpr uint8_t kType = 0x90;
+  uint32_t t_ms = 0;   ///< when sampled, on the robot's clock
+  uint16_t flags = 0;  ///< CoreFlag
+  uint8_t slot = 0;
+  uint8_t kind = 0;
+  uint16_t program_epoch = 0;  ///< low 16 bits
+  int32_t left_um_s = 0;       ///< as driven
+  int32_t right_um_s = 0;      ///< as driven
+  uint16_t sensors[8] = {};    ///< front light, back light, six IR; 10 bits each
+  uint16_t config = 0;         ///< of the settings in force, 0: none
+  uint8_t order_id = 0;
+  uint8_t stop_id = 0;
+  template <class M, class V>
+  static constexpr void fields(M& m, V& v) {
+    v(m.t_ms);
+    v(m.flags);
+    v(m.slot);
+    v(m.kind);
+    v(m.program_epoch);
+    v(m.left_um_s);
+    v(m.right_um_s);
+    v.counts10(m.sensors);
+    v(m.config);
+    v(m.order_id);
+    v(m.stop_id);
+  }
+};
+
+/// What changes with programs and reversals: sent with each change, before the telemetry that shows
+/// it, and four times a second.
+struct State {
+  static constexpr uint8_t kType = 0x91;
+  uint32_t t_ms = 0;
+  uint16_t program_epoch = 0;
+  uint32_t program_start_ms = 0;
+  int32_t held_left_um_s = 0;
+  int32_t held_right_um_s = 0;
+  uint16_t reversal_count = 0;
+  uint32_t reversal_start_ms = 0;
+  uint32_t reversal_end_ms = 0;
+  uint16_t tumble_count = 0;
+  template <class M, class V>
+  static constexpr void fields(M& m, V& v) {
+    v(m.t_ms);
+    v(m.program_epoch);
+    v(m.program_start_ms);
+    v(m.held_left_um_s);
+    v(m.held_right_um_s);
+    v(m.reversal_count);
+    v(m.reversal_start_ms);
+    v(m.reversal_end_ms);
+    v(m.tumble_count);
+  }
+};
+
+/// One draw of the wheels, as it begins: the full record of what the program did.
+struct Step {
+  static constexpr uint8_t kType = 0x92;
+  uint32_t t_ms = 0;
+  uint32_t draw_count = 0;  ///< since boot; a gap is a STEP that was lost
+  uint16_t program_epoch = 0;
+  uint8_t slot = 0;
+  uint8_t kind = 0;
+  int32_t left_um_s = 0;   ///< as held, after clamping
+  int32_t right_um_s = 0;  ///< as held, after clamping
+  uint32_t duration_ms = 0;
+  uint32_t rng = 0;  ///< a digest of the generator's state after the draw
+  template <class M, class V>
+  static constexpr void fields(M& m, V& v) {
+    v(m.t_ms);
+    v(m.draw_count);
+    v(m.program_epoch);
+    v(m.slot);
+    v(m.kind);
+    v(m.left_um_s);
+    v(m.right_um_s);
+    v(m.duration_ms);
+    v(m.rng);
+  }
+};
+
+/// Health, once a second. The counts wrap around.
+struct Counters {
+  static constexpr uint8_t kType = 0x93;
+  uint32_t t_ms = 0;
+  uint32_t run_time_ms = 0;
+  uint32_t draw_count = 0;
+  uint16_t saturation_count = 0;
+  uint16_t battery_mv = 0;  ///< 0: not measured
+  uint16_t frames_received = 0;
+  uint16_t frames_bad = 0;         ///< CRC, length, version
+  uint16_t bytes_overrun = 0;      ///< came in faster than they were read
+  uint16_t frames_dropped = 0;     ///< telemetry, steps and events for which the line had no room
+  uint16_t commands_repeated = 0;  ///< the same command again: answered again, not executed again
+  uint8_t stack_left = 0;          ///< smallest free RAM seen, in units of 8 bytes
+  template <class M, class V>
+  static constexpr void fields(M& m, V& v) {
+    v(m.t_ms);
+    v(m.run_time_ms);
+    v(m.draw_count);
+    v(m.saturation_count);
+    v(m.battery_mv);
+    v(m.frames_received);
+    v(m.frames_bad);
+    v(m.bytes_overrun);
+    v(m.frames_dropped);
+    v(m.commands_repeated);
+    v(m.stack_left);
+  }
+};
+
+enum EventCode : uint8_t {
+  kBooted = 1,           ///< data: ResetCause
+  kLeaseOver = 2,        ///< the host is silent: standing
+  kStopLatched = 3,      ///< data: the stop's id
+  kStopReleased = 4,     ///< data: the stop's id
+  kWatchdogBit = 5,      ///< the program hung: restarted, standing
+  kSettingsDefault = 6,  ///< no EEPROM bank is good: defaults
+  kSettingsStored = 7,   ///< data: the bank
+};
+
+/// Something that happened; all of it can also be seen in state and counters.
+struct Event {
+  static constexpr uint8_t kType = 0x94;
+  uint32_t t_ms = 0;
+  uint16_t number = 0;  ///< since boot, from 1; a gap is an event that was lost
+  uint8_t code = 0;
+  uint32_t data = 0;
+  template <class M, class V>
+  static constexpr void fields(M& m, V& v) {
+    v(m.t_ms);
+    v(m.number);
+    v(m.code);
+    v(m.data);
+  }
+};
+
+/// The answer to GET_PARAM.
+struct ParamValue {
+  static constexpr uint8_t kType = 0x95;
+  uint8_t id = 0;
+  int32_t value = 0;
+  template <class M, class V>
+  static constexpr void fields(M& m, V& v) {
+    v(m.id);
+    v(m.value);
+  }
+};
+
+/// The robot's own settings, by number.
+enum Param : uint8_t {
+  kUid = 1,              ///< 32 bits
+  kGainLeft = 2,         ///< real over nominal speed of the wheel, millionths (500000..1500000)
+  kGainRight = 3,        ///< likewise
+  kDeadBandLeft = 4,     ///< duty below which the wheel does not turn, 0..127
+  kDeadBandRight = 5,    ///< likewise
+  kWheelBase = 6,        ///< micrometres, 10000..500000: kept for the host, which converts
+  kTelemetryPeriod = 7,  ///< ms, 10..60000; 0: none. Not stored
+  kStepLog = 8,          ///< 1: STEP with every draw. Not stored
+};
+
+}  // namespace wire
+}  // namespace lab

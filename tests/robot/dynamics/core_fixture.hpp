@@ -1,0 +1,51 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include "robot/dynamics/robot_core.hpp"
+
+namespace lab::dynamics {
+
+/// ABP in slot 0 on light 0..512, RTP in slot 1 on light 512..900, nothing above.
+inline CoreSettings twoPrograms() {
+  CoreSettings s;
+  s.light.count = 2;
+  s.light.bands[0] = LightBand{0, 512, 0};
+  s.light.bands[1] = LightBand{512, 900, 1};
+  s.programs[0].kind = kAbp;
+  s.programs[0].speed_um_s = 30000;
+  s.programs[0].amplitude_um_s = 112500;
+  s.programs[0].hold_ms = 500;
+  s.programs[1].kind = kRtp;
+  s.programs[1].speed_um_s = 50000;
+  s.programs[1].mean_run_us = 1000000;
+  s.programs[1].tumble_ms = 500;
+  s.programs[1].tumble_amplitude_um_s = 235619;
+  return s;
+}
+
+inline Sensors light(uint16_t counts) {
+  Sensors sensors;
+  sensors.light_front = counts;
+  sensors.light_back = counts;
+  return sensors;
+}
+
+/// A core that runs the ABP of twoPrograms since t0, seeded with 42.
+inline RobotCore runningCore(uint32_t t0, const CoreSettings& settings = twoPrograms()) {
+  RobotCore core;
+  core.seed(42);
+  core.configure(t0, settings);
+  core.renewLease(t0, RobotCore::kNoEventMs);
+  core.sense(t0, light(100));
+  return core;
+}
+
+inline bool has(const RobotCore& core, CoreFlag flag) { return (core.report().flags & flag) != 0; }
+
+inline void expectWheels(const RobotCore& core, int32_t left, int32_t right) {
+  EXPECT_EQ(core.wheels().left, left);
+  EXPECT_EQ(core.wheels().right, right);
+}
+
+}  // namespace lab::dynamics

@@ -1,0 +1,163 @@
+// How many spoilt frames are taken for good ones: counted, and held against what a 16-bit CRC
+// promises. docs/protocol.md quotes the figures that these tests print.
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <string>
+
+#include "tests/robot/wire/tally.hpp"
+
+namespace lab::wire {
+namespace {
+
+void flip(Bytes& bytes, std::size_t bit) {
+  bytes[bit / 8] = static_cast<std::uint8_t>(bytes[bit / 8] ^ (1U << (bit % 8)));
+}
+
+TEST(LineErrors, OfOneBitAreSeen) {
+  Draws draws(11);
+  Decoder decoder;
+  Tally tally;
+  for (std::uint64_t round = 0; round < triesOr(1000000) / 5000; ++round) {
+    for (const Frame& frame : drawnFrames(draws)) {
+      Bytes bytes = encoded(frame);
+      for (std::size_t bit = 0; bit < 8 * bytes.size(); ++bit) {
+        flip(bytes, bit);
+        spoil(decoder, frame, bytes, tally);
+        flip(bytes, bit);
+      }
+    }
+  }
+  tally.print("one bit");
+  // Not none: one bit of a stuffing code moves zeros, which is more than the CRC is sure to see.
+  EXPECT_LE(tally.wrong, tally.limit());
+  EXPECT_GT(tally.checked, tally.tried / 2);
+}
+
+TEST(LineErrors, OfTwoBitsAreSeenButForTheShareOfTheCrc) {
+  Draws draws(12);
+  Decoder decoder;
+  Tally tally;
+  for (std::uint64_t round = 0; 250000 * round < triesOr(1000000); ++round) {
+    for (const Frame& frame : drawnFrames(draws)) {
+      Bytes bytes = encoded(frame);
+      for (std::size_t first = 0; first < 8 * bytes.size(); ++first) {
+        flip(bytes, first);
+        for (std::size_t second = 0; second < first; ++second) {
+          flip(bytes, second);
+          spoil(decoder, frame, bytes, tally);
+          flip(bytes, second);
+        }
+        flip(bytes, first);
+      }
+    }
+  }
+  tally.print("two bits");
+  EXPECT_LE(tally.wrong, tally.limit());
+  EXPECT_GT(tally.checked, tally.tried / 2);
+}
+
+TEST(LineErrors, OfOneAndTwoBitsAreAlwaysSeenWhereTheStuffingIsWhole) {
+  // Before stuffing the CRC's distance holds: up to three wrong bits are never missed.
+  Draws draws(13);
+  Decoder decoder;
+  Tally tally;
+  for (const Frame& frame : drawnFrames(draws)) {
+    Bytes raw = Bytes{1, frame.type, frame.seq, frame.size} +
+                Bytes(frame.payload, frame.payload + frame.size);
+    const std::uint16_t crc = crcByTheBook(raw);
+    raw = raw + Bytes{static_cast<std::uint8_t>(crc & 0xFFU), static_cast<std::uint8_t>(crc >> 8)};
+    for (std::size_t first = 0; first < 8 * raw.size(); ++first) {
+      flip(raw, first);
+      spoil(decoder, frame, stuffed(raw), tally);
+      for (std::size_t second = 0; second < first; ++second) {
+        flip(raw, second);
+        spoil(decoder, frame, stuffed(raw), tally);
+        flip(raw, second);
+      }
+      flip(raw, first);
+    }
+  }
+  tally.print("one and two bits before stuffing");
+  EXPECT_EQ(tally.wrong, 0U);
+  EXPECT_EQ(tally.checked, tally.tried);
+}
+
+TEST(LineErrors, OfAnyKindBehindARightHeaderPassOnceIn65536) {
+  // The worst that a line can do: everything behind the header is drawn. This is the share that the
+  // CRC cannot see, and the test that the bound of the other tests is neither too high nor too low.
+  Draws draws(14);
+  Decoder decoder;
+  Tally tally;
+  for (std::uint64_t i = 0; i < 4 * triesOr(1000000); ++i) {
+    const std::size_t size = draws.below(12);
+    const Bytes raw = Bytes{1, 0x95, 3, static_cast<std::uint8_t>(size)} + draws.bytes(size + 2);
+    spoil(decoder, Frame{}, stuffed(raw), tally);
+  }
+  tally.print("right header, the rest drawn");
+  EXPECT_EQ(tally.checked, tally.tried);
+  const double expected = static_cast<double>(tally.checked) / kCrcValues;
+  EXPECT_LE(tally.wrong, tally.limit());
+  EXPECT_GE(static_cast<double>(tally.wrong), expected - 6 * std::sqrt(expected));
+}
+
+TEST(LineErrors, RandomBytesAreNoFrames) {
+  // Version and length are a further 16 bits that would have to be right by chance.
+  Draws draws(15);
+  Decoder decoder;
+  Tally tally;
+  const Frame none;
+  for (std::uint64_t i = 0; i < 4 * triesOr(1000000); ++i) {
+    spoil(decoder, none, draws.bytes(6 + draws.below(40)), tally);
+  }
+  tally.print("random bytes");
+  EXPECT_LE(tally.wrong, tally.limit(32));
+  EXPECT_GT(tally.checked, tally.tried / 1000) << "random bytes that reach the CRC";
+}
+
+/// 1 to 4 changes as lines and buffers make them.
+Bytes mutated(Bytes bytes, Draws& draws) {
+  const std::size_t changes = 1 + draws.below(4);
+  for (std::size_t i = 0; i < changes && !bytes.empty(); ++i) {
+    const auto at = bytes.begin() + static_cast<std::ptrdiff_t>(draws.below(bytes.size()));
+    switch (draws.below(6)) {
+      case 0:
+        *at = draws.byte();
+        break;
+      case 1:
+        *at = static_cast<std::uint8_t>(*at ^ (1U << draws.below(8)));
+        break;
+      case 2:
+        bytes.erase(at);
+        break;
+      case 3:
+        bytes.insert(at, draws.byteOftenZero());
+        break;
+      case 4:
+        std::swap(*at, bytes[draws.below(bytes.size())]);
+        break;
+      default:
+        bytes.insert(at, *at);
+        break;
+    }
+  }
+  return bytes;
+}
+
+TEST(LineErrors, MutatedFramesAreSeenButForTheShareOfTheCrc) {
+  Draws draws(16);
+  Decoder decoder;
+  Tally tally;
+  std::vector<Frame> frames;
+  for (std::uint64_t i = 0; i < 2 * triesOr(1000000); ++i) {
+    if (i % 1000 == 0) frames = drawnFrames(draws);
+    const Frame& frame = frames[i % frames.size()];
+    spoil(decoder, frame, mutated(encoded(frame), draws), tally);
+  }
+  tally.print("mutated frames");
+  EXPECT_LE(tally.wrong, tally.limit());
+  EXPECT_GT(tally.checked, tally.tried / 5);
+}
+
+}  // namespace
+}  // namespace lab::wire

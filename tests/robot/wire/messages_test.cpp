@@ -1,0 +1,178 @@
+#include "robot/wire/messages.hpp"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <limits>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "tests/robot/wire/message_examples.hpp"
+#include "robot/wire/schema.hpp"
+
+namespace lab::wire {
+namespace {
+
+/// Sets every field to one end of its range.
+struct SetAll {
+  bool highest;
+  template <class Integer>
+  void operator()(Integer& value) const {
+    value = highest ? std::numeric_limits<Integer>::max() : std::numeric_limits<Integer>::min();
+  }
+  template <std::uint8_t N>
+  void counts10(std::uint16_t (&values)[N]) const {
+    for (auto& value : values) value = highest ? 1023 : 0;
+  }
+};
+
+/// Sets field after field to values of their own, so that exchanged fields are seen.
+struct SetDifferent {
+  std::uint32_t last = 0x9E3779B9U;
+  template <class Integer>
+  void operator()(Integer& value) {
+    last = last * 1664525U + 1013904223U;
+    value = static_cast<Integer>(last >> 7);
+  }
+  template <std::uint8_t N>
+  void counts10(std::uint16_t (&values)[N]) {
+    for (auto& value : values) {
+      (*this)(value);
+      value &= 1023U;
+    }
+  }
+};
+
+/// The values of all fields, as wide as it takes.
+struct Values {
+  std::vector<std::int64_t> all;
+  template <class Integer>
+  void operator()(const Integer& value) {
+    all.push_back(static_cast<std::int64_t>(value));
+  }
+  template <std::uint8_t N>
+  void counts10(const std::uint16_t (&values)[N]) {
+    for (const auto& value : values) (*this)(value);
+  }
+};
+
+template <class Message>
+std::vector<std::int64_t> valuesOf(const Message& message) {
+  Values values;
+  Message::fields(message, values);
+  return values.all;
+}
+
+/// Through the frame, the line and back.
+template <class Message>
+void expectToComeBack(const char* name, const Message& message) {
+  Frame sent;
+  pack(message, 42, sent);
+  Decoder decoder;
+  const auto frames = received(decoder, encoded(sent));
+  ASSERT_EQ(frames.size(), 1U) << name;
+  EXPECT_EQ(frames[0].seq, 42);
+  Message back;
+  ASSERT_TRUE(unpack(frames[0], back)) << name;
+  EXPECT_EQ(valuesOf(back), valuesOf(message)) << name;
+}
+
+TEST(Messages, ComeBackWithTheirValues) {
+  forEachMessage([](const char* name, auto message) {
+    using Message = decltype(message);
+    expectToComeBack(name, message);
+    for (const bool highest : {false, true}) {
+      SetAll extreme{highest};
+      Message::fields(message, extreme);
+      expectToComeBack(name, message);
+    }
+    SetDifferent different;
+    Message::fields(message, different);
+    expectToComeBack(name, message);
+  });
+}
+
+TEST(Messages, LieOnTheWireAsWrittenDown) {
+  std::vector<int> types;
+  forEachExample([&](const auto& message, int seq, const std::string& hex) {
+    Frame frame;
+    pack(message, static_cast<std::uint8_t>(seq), frame);
+    EXPECT_EQ(encoded(frame), hexBytes(hex)) << hex;
+    Decoder decoder;
+    const auto frames = received(decoder, hexBytes(hex));
+    ASSERT_EQ(frames.size(), 1U) << hex;
+    EXPECT_TRUE(frames[0] == frame) << hex;
+    types.push_back(frame.type);
+  });
+  std::vector<int> all;
+  forEachMessage([&](const char*, const auto& message) { all.push_back(message.kType); });
+  EXPECT_EQ(types, all) << "an example of every message";
+}
+
+TEST(Messages, HaveTheSizesThatAreWrittenDown) {
+  std::vector<int> sizes;
+  forEachMessage([&](const char*, const auto& message) {
+    sizes.push_back(payloadSize<std::remove_cvref_t<decltype(message)>>());
+  });
+  EXPECT_EQ(sizes, (std::vector<int>{8,  0,  34, 24, 17, 2,  16, 2,  8, 5, 1, 0,  //
+                                     14, 25, 3,  32, 30, 28, 27, 11, 5}));
+}
+
+TEST(Messages, HaveTypesOfTheirOwnThatTellTheDirection) {
+  std::set<int> types;
+  std::set<std::string> names;
+  forEachMessage([&](const char* name, const auto& message) {
+    EXPECT_TRUE(types.insert(message.kType).second) << name;
+    EXPECT_TRUE(names.insert(name).second) << name;
+  });
+  EXPECT_FALSE(types.contains(0));
+  // The high bit means robot to host: 12 commands before, 9 answers and reports behind it.
+  EXPECT_EQ(std::distance(types.begin(), types.lower_bound(0x80)), 12);
+  EXPECT_EQ(std::distance(types.lower_bound(0x80), types.end()), 9);
+}
+
+TEST(Messages, AreAllKnownToForEachMessage) {
+  std::ifstream source(LAB_WIRE_DIRECTORY "/messages.hpp");
+  ASSERT_TRUE(source);
+  int declared = 0;
+  for (std::string line; std::getline(source, line);) {
+    declared += line.find("constexpr uint8_t kType") != std::string::npos ? 1 : 0;
+  }
+  int visited = 0;
+  forEachMessage([&](const char*, const auto&) { ++visited; });
+  EXPECT_EQ(visited, declared) << "a message of robot/wire/messages.hpp is missing in robot/wire/schema.hpp";
+}
+
+TEST(Messages, AreRefusedWithAnotherLengthOrType) {
+  forEachMessage([](const char* name, auto message) {
+    using Message = decltype(message);
+    Frame frame;
+    pack(message, 0, frame);
+    for (int size = 0; size < 256; ++size) {
+      frame.size = static_cast<std::uint8_t>(size);
+      EXPECT_EQ(unpack(frame, message), size == payloadSize<Message>()) << name << " " << size;
+    }
+    frame.size = payloadSize<Message>();
+    for (int type = 0; type < 256; ++type) {
+      frame.type = static_cast<std::uint8_t>(type);
+      EXPECT_EQ(unpack(frame, message), type == Message::kType) << name << " " << type;
+    }
+  });
+}
+
+TEST(Messages, CutCountsBeyondTenBitsInsteadOfSpillingOver) {
+  Telemetry telemetry;
+  for (auto& each : telemetry.sensors) each = 0;
+  telemetry.sensors[1] = 0xFFFF;
+  Frame frame;
+  pack(telemetry, 0, frame);
+  Telemetry back;
+  ASSERT_TRUE(unpack(frame, back));
+  EXPECT_EQ(back.sensors[0], 0);
+  EXPECT_EQ(back.sensors[1], 1023);
+  EXPECT_EQ(back.sensors[2], 0);
+}
+
+}  // namespace
+}  // namespace lab::wire
