@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <vector>
 
-#include "light/field.hpp"
-#include "light/raster.hpp"
+#include "light/field/field.hpp"
+#include "light/field/raster.hpp"
 
 namespace {
 

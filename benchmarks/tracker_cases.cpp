@@ -18,7 +18,7 @@
 #include <vector>
 
 #include "common/camera_file.hpp"
-#include "optics/response.hpp"
+#include "light/photometry/camera_response.hpp"
 #include "tests/detector/kinds/score.hpp"
 #ifdef LAB_HAS_OPENCV
 #include "benchmarks/tracker_cases_opencv.hpp"

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "calibration/camera_fit.hpp"
-#include "calibration/camera_fit_solver.hpp"
+#include "light/optics/bundle_adjustment.hpp"
 
 namespace lab::calibration {
 

@@ -6,7 +6,7 @@
 #include <numeric>
 
 #include "calibration/camera_error_map.hpp"
-#include "calibration/camera_fit_solver.hpp"
+#include "light/optics/bundle_adjustment.hpp"
 #include "calibration/camera_fit_start.hpp"
 #include "calibration/camera_fit_verdict.hpp"
 

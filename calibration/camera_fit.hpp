@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "optics/camera_model.hpp"
-#include "optics/cap.hpp"
+#include "light/optics/camera_model.hpp"
+#include "light/optics/cap.hpp"
 
 namespace lab::calibration {
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "optics/cap.hpp"
+#include "light/optics/cap.hpp"
 
 namespace lab::calibration {
 

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "optics/projector_model.hpp"
+#include "light/optics/projector_model.hpp"
 
 namespace lab::calibration {
 namespace {

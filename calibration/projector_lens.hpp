@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
-#include "calibration/camera_fit_solver.hpp"
-#include "optics/camera_model.hpp"
+#include "light/optics/bundle_adjustment.hpp"
+#include "light/optics/camera_model.hpp"
 
 namespace lab::calibration {
 

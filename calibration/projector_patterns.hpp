@@ -12,9 +12,9 @@
 #include <vector>
 
 #include "calibration/projector_lens.hpp"
-#include "light/layer.hpp"
-#include "optics/camera_model.hpp"
-#include "optics/projector_model.hpp"
+#include "light/field/layer.hpp"
+#include "light/optics/camera_model.hpp"
+#include "light/optics/projector_model.hpp"
 
 namespace lab::calibration {
 

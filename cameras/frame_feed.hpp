@@ -9,7 +9,7 @@
 #include <string>
 
 #include "common/serial_line.hpp"
-#include "optics/image.hpp"
+#include "light/optics/grey_image.hpp"
 
 namespace lab::cameras {
 

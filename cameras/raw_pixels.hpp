@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "optics/image.hpp"
+#include "light/optics/grey_image.hpp"
 
 namespace lab::cameras {
 

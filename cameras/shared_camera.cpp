@@ -15,7 +15,7 @@
 
 #include "cameras/frame_ring.hpp"
 #include "cameras/sim_camera.hpp"
-#include "light/image.hpp"
+#include "light/field/image.hpp"
 
 namespace lab::cameras {
 namespace {

@@ -5,9 +5,9 @@
 #include <optional>
 #include <string>
 
-#include "optics/camera_model.hpp"
-#include "optics/cap.hpp"
-#include "optics/imaging.hpp"
+#include "light/optics/camera_model.hpp"
+#include "light/optics/cap.hpp"
+#include "light/photometry/imaging.hpp"
 
 namespace lab {
 

@@ -10,7 +10,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "optics/image.hpp"
+#include "light/optics/grey_image.hpp"
 
 namespace lab {
 

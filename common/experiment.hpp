@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "light/drive.hpp"
+#include "light/field/drive.hpp"
 
 namespace lab {
 
@@ -143,7 +143,7 @@ struct SerialLines {
   bool operator==(const SerialLines&) const = default;
 };
 
-/// As light_layer_t: kinds and their keys in light/layer.hpp.
+/// As light_layer_t: kinds and their keys in light/field/layer.hpp.
 struct LayerSpec {
   std::int8_t kind = 1;
   std::int8_t blend = 0;

@@ -17,7 +17,7 @@
 #include "common/experiment_cores.hpp"
 #include "common/experiment_keys.hpp"
 #include "common/file_values.hpp"
-#include "light/image.hpp"
+#include "light/field/image.hpp"
 
 namespace lab::keys {
 namespace {

@@ -3,7 +3,7 @@
 
 #include "common/experiment.hpp"
 #include "robot/dynamics/robot_program.hpp"
-#include "light/layer.hpp"
+#include "light/field/layer.hpp"
 
 namespace lab {
 
@@ -16,7 +16,7 @@ namespace lab {
 [[nodiscard]] bool contains(const LightBand& band, double light, double widened = 0);
 
 /// An image layer comes without its pixels and its SHA-256: who knows where the file lies adds them
-/// (light/image.hpp).
+/// (light/field/image.hpp).
 [[nodiscard]] light::Layer toLightLayer(const LayerSpec& layer);
 
 }  // namespace lab

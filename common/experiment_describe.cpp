@@ -12,7 +12,7 @@
 #include "common/experiment_places.hpp"
 #include "common/file_values.hpp"
 #include "common/script_plan.hpp"
-#include "light/field.hpp"
+#include "light/field/field.hpp"
 
 namespace lab {
 namespace {

@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "common/script_plan.hpp"
-#include "light/layer.hpp"
+#include "light/field/layer.hpp"
 
 namespace lab::keys {
 namespace {

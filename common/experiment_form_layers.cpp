@@ -6,7 +6,7 @@
 
 #include "common/experiment_form.hpp"
 #include "common/file_values.hpp"
-#include "light/layer.hpp"
+#include "light/field/layer.hpp"
 
 namespace lab::keys {
 namespace {

@@ -3,7 +3,7 @@
 #include <limits>
 
 #include "common/experiment_key_tools.hpp"
-#include "light/layer.hpp"
+#include "light/field/layer.hpp"
 
 namespace lab::keys {
 namespace {
@@ -76,7 +76,7 @@ void visitImages(KeyVisitor& v, const Selector& kind, LayerSpec& layer) {
       drive.image_loop);
 }
 
-// Lengths and places go to the fields of the same layer that light/layer.hpp lists.
+// Lengths and places go to the fields of the same layer that light/field/layer.hpp lists.
 void visitShape(KeyVisitor& v, const Selector& kind, LayerEntry& entry) {
   using enum LayerKind;
   LayerSpec& layer = entry.layer;

@@ -1,7 +1,7 @@
 #include <array>
 
 #include "common/experiment_key_tools.hpp"
-#include "light/layer.hpp"
+#include "light/field/layer.hpp"
 
 namespace lab::keys {
 namespace {

@@ -15,7 +15,7 @@
 
 #include "common/channels.hpp"
 #include "common/experiment_messages.hpp"
-#include "light/image.hpp"
+#include "light/field/image.hpp"
 
 namespace lab {
 namespace {

@@ -8,7 +8,7 @@
 #include <iterator>
 #include <system_error>
 
-#include "light/image.hpp"
+#include "light/field/image.hpp"
 
 namespace lab {
 namespace {

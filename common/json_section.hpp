@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "common/experiment_file.hpp"
-#include "optics/camera_model.hpp"
+#include "light/optics/camera_model.hpp"
 
 namespace lab {
 

@@ -10,7 +10,7 @@
 #include <string>
 
 #include "common/experiment.hpp"
-#include "optics/projector_tone.hpp"
+#include "light/photometry/projector_tone.hpp"
 
 namespace lab {
 
@@ -23,7 +23,7 @@ struct SensorGains {
 };
 
 /// A sensor reads g (ambient + scale V(x, y) value^gamma) where a pixel of that value lights it
-/// (optics::ProjectorTone, calibration/light_fit.hpp).
+/// (optics::ProjectorTone, light/photometry/light_fit.hpp).
 struct LightCalibration {
   double gamma = 1;
   std::array<double, 5> vignetting{};

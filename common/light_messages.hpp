@@ -12,9 +12,9 @@
 #include <vector>
 
 #include "common/experiment.hpp"
-#include "light/drive.hpp"
-#include "light/field.hpp"
-#include "light/image.hpp"
+#include "light/field/drive.hpp"
+#include "light/field/field.hpp"
+#include "light/field/image.hpp"
 
 namespace lab {
 

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "common/experiment.hpp"
-#include "optics/projector_model.hpp"
+#include "light/optics/projector_model.hpp"
 
 namespace lab {
 

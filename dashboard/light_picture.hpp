@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "light/image.hpp"
-#include "light/raster.hpp"
+#include "light/field/image.hpp"
+#include "light/field/raster.hpp"
 
 namespace lab::dashboard {
 

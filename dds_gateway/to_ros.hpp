@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "common/experiment.hpp"
-#include "light/field.hpp"
+#include "light/field/field.hpp"
 #include "ros_types/ros_type.hpp"
 
 namespace lab::gateway {

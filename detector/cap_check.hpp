@@ -5,9 +5,9 @@
 #include <cstdint>
 
 #include "detector/scale_map.hpp"
-#include "optics/cap.hpp"
-#include "optics/image.hpp"
-#include "optics/imaging.hpp"
+#include "light/optics/cap.hpp"
+#include "light/optics/grey_image.hpp"
+#include "light/photometry/imaging.hpp"
 
 namespace lab::detector {
 

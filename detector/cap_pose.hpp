@@ -3,8 +3,8 @@
 
 #include <array>
 
-#include "optics/camera_model.hpp"
-#include "optics/cap.hpp"
+#include "light/optics/camera_model.hpp"
+#include "light/optics/cap.hpp"
 
 namespace lab::detector {
 

@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <functional>
 
-#include "optics/image.hpp"
-#include "optics/imaging.hpp"
+#include "light/optics/grey_image.hpp"
+#include "light/photometry/imaging.hpp"
 
 namespace lab::detector {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <optional>
 
-#include "optics/image.hpp"
+#include "light/optics/grey_image.hpp"
 
 namespace lab::detector::fit {
 

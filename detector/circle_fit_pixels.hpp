@@ -12,7 +12,7 @@
 
 #include "detector/circle_fit_grid.hpp"
 #include "detector/circle_fit_window.hpp"
-#include "optics/image.hpp"
+#include "light/optics/grey_image.hpp"
 
 namespace lab::detector::fit {
 

@@ -8,7 +8,7 @@
 #include "detector/circle_fit_grid.hpp"
 #include "detector/circle_fit_model.hpp"
 #include "detector/circle_fit_pixels.hpp"
-#include "optics/imaging.hpp"
+#include "light/photometry/imaging.hpp"
 
 namespace lab::detector::fit {
 

@@ -13,8 +13,8 @@
 #include "detector/first_glance.hpp"
 #include "detector/padded_picture.hpp"
 #include "detector/scale_map.hpp"
-#include "optics/image.hpp"
-#include "optics/imaging.hpp"
+#include "light/optics/grey_image.hpp"
+#include "light/photometry/imaging.hpp"
 
 namespace lab::detector {
 

@@ -13,11 +13,11 @@
 #include "detector/circle_search.hpp"
 #include "detector/pairing.hpp"
 #include "detector/scale_map.hpp"
-#include "optics/camera_model.hpp"
-#include "optics/cap.hpp"
-#include "optics/image.hpp"
-#include "optics/imaging.hpp"
-#include "optics/response.hpp"
+#include "light/optics/camera_model.hpp"
+#include "light/optics/cap.hpp"
+#include "light/optics/grey_image.hpp"
+#include "light/photometry/imaging.hpp"
+#include "light/photometry/camera_response.hpp"
 
 namespace lab::detector {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "detector/dark_words.hpp"
-#include "optics/image.hpp"
+#include "light/optics/grey_image.hpp"
 
 namespace lab::detector {
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "optics/image.hpp"
+#include "light/optics/grey_image.hpp"
 
 namespace lab::detector {
 

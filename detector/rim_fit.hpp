@@ -4,10 +4,10 @@
 
 #include <array>
 
-#include "optics/camera_model.hpp"
-#include "optics/cap.hpp"
-#include "optics/image.hpp"
-#include "optics/imaging.hpp"
+#include "light/optics/camera_model.hpp"
+#include "light/optics/cap.hpp"
+#include "light/optics/grey_image.hpp"
+#include "light/photometry/imaging.hpp"
 
 namespace lab::detector {
 

@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "detector/circle_fit.hpp"
-#include "optics/camera_model.hpp"
-#include "optics/cap.hpp"
-#include "optics/image.hpp"
+#include "light/optics/camera_model.hpp"
+#include "light/optics/cap.hpp"
+#include "light/optics/grey_image.hpp"
 
 namespace lab::detector {
 

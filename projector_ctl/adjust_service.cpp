@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "common/projector_file.hpp"
-#include "light/image.hpp"
+#include "light/field/image.hpp"
 
 namespace lab::projector {
 

@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "optics/projector_model.hpp"
-#include "optics/projector_tone.hpp"
+#include "light/optics/projector_model.hpp"
+#include "light/photometry/projector_tone.hpp"
 #include "projector_ctl/tone.hpp"
 
 namespace lab::projector {

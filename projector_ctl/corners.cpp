@@ -4,8 +4,8 @@
 #include <cmath>
 #include <utility>
 
-#include "optics/letters.hpp"
-#include "optics/projector_model.hpp"
+#include "light/optics/bitmap_font.hpp"
+#include "light/optics/projector_model.hpp"
 
 namespace lab::projector {
 

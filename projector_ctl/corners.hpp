@@ -6,7 +6,7 @@
 #include <string>
 
 #include "calibration/projector_lens.hpp"
-#include "optics/image.hpp"
+#include "light/optics/grey_image.hpp"
 #include "projector_ctl/display.hpp"
 
 namespace lab::projector {

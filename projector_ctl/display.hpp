@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "optics/image.hpp"
+#include "light/optics/grey_image.hpp"
 #include "projector_ctl/box.hpp"
 
 namespace lab::projector {

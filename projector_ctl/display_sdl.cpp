@@ -9,7 +9,7 @@
 #include <string_view>
 #include <utility>
 
-#include "light/clones.hpp"
+#include "light/field/target_clones.hpp"
 
 namespace lab::projector {
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "light/field.hpp"
+#include "light/field/field.hpp"
 #include "projector_ctl/scene.hpp"
 
 namespace lab::projector {

@@ -6,7 +6,7 @@
 #include <lab/tracked_frame_t.hpp>
 
 #include "common/experiment.hpp"
-#include "light/image.hpp"
+#include "light/field/image.hpp"
 #include "projector_ctl/projector_core.hpp"
 #include "projector_ctl/replay.hpp"
 

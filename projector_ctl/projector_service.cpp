@@ -15,7 +15,7 @@
 #include "common/projector_file.hpp"
 #include "common/experiment_messages.hpp"
 #include "common/units.hpp"
-#include "light/raster.hpp"
+#include "light/field/raster.hpp"
 #include "projector_ctl/overlay.hpp"
 #include "projector_ctl/projector_messages.hpp"
 

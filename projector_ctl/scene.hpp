@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "light/drive.hpp"
-#include "light/image.hpp"
+#include "light/field/drive.hpp"
+#include "light/field/image.hpp"
 #include "projector_ctl/prediction.hpp"
 #include "projector_ctl/trail.hpp"
 

@@ -4,7 +4,7 @@
 #include <array>
 #include <utility>
 
-#include "optics/letters.hpp"
+#include "light/optics/bitmap_font.hpp"
 
 namespace lab::projector {
 

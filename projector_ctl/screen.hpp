@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
-#include "light/field.hpp"
-#include "optics/projector_model.hpp"
+#include "light/field/field.hpp"
+#include "light/optics/projector_model.hpp"
 #include "projector_ctl/display.hpp"
 #include "projector_ctl/screen_painter.hpp"
 

@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-#include "light/clones.hpp"
+#include "light/field/target_clones.hpp"
 
 namespace lab::projector {
 

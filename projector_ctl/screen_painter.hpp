@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "light/field.hpp"
-#include "optics/image.hpp"
-#include "optics/projector_model.hpp"
+#include "light/field/field.hpp"
+#include "light/optics/grey_image.hpp"
+#include "light/optics/projector_model.hpp"
 #include "projector_ctl/box.hpp"
 #include "projector_ctl/tone.hpp"
 

@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "light/image.hpp"
+#include "light/field/image.hpp"
 
 namespace lab::projector {
 

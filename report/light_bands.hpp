@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "calibration/light_margin.hpp"
+#include "light/photometry/light_margin.hpp"
 #include "common/light_file.hpp"
 #include "report/run_record.hpp"
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "light/field.hpp"
+#include "light/field/field.hpp"
 
 namespace lab::report {
 

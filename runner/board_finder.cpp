@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "detector/circle_fit.hpp"
-#include "optics/response.hpp"
+#include "light/photometry/camera_response.hpp"
 
 namespace lab::runner {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "calibration/board.hpp"
 #include "calibration/camera_fit.hpp"
-#include "optics/image.hpp"
+#include "light/optics/grey_image.hpp"
 
 namespace lab::runner {
 

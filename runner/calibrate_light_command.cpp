@@ -7,12 +7,12 @@
 #include <set>
 
 #include "calibration/projector_patterns.hpp"
-#include "calibration/tone_pictures.hpp"
+#include "light/photometry/tone_pictures.hpp"
 #include "common/experiment_file.hpp"
 #include "common/light_file.hpp"
 #include "common/units.hpp"
-#include "optics/response.hpp"
-#include "optics/simulated_projector.hpp"
+#include "light/photometry/camera_response.hpp"
+#include "light/optics/simulated_projector.hpp"
 #include "runner/calibration_lab.hpp"
 #include "runner/commands.hpp"
 #include "runner/launch.hpp"

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "optics/simulated_camera.hpp"
+#include "light/optics/simulated_camera.hpp"
 #include "runner/exit_code.hpp"
 #include "runner/run_directory.hpp"
 

@@ -8,8 +8,8 @@
 
 #include "calibration/camera_fit.hpp"
 #include "detector/detector.hpp"
-#include "optics/image.hpp"
-#include "optics/imaging.hpp"
+#include "light/optics/grey_image.hpp"
+#include "light/photometry/imaging.hpp"
 
 namespace lab::runner {
 

@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "optics/camera_model.hpp"
-#include "optics/cap.hpp"
+#include "light/optics/camera_model.hpp"
+#include "light/optics/cap.hpp"
 #include "tracker_svc/film_tracking.hpp"
 
 namespace lab::runner {

@@ -11,7 +11,7 @@
 #include "common/experiment_file.hpp"
 #include "common/experiment_messages.hpp"
 #include "common/units.hpp"
-#include "optics/simulated_camera.hpp"
+#include "light/optics/simulated_camera.hpp"
 #include "runner/calibration_lab.hpp"
 #include "runner/launch.hpp"
 

@@ -10,7 +10,7 @@
 #include <map>
 #include <vector>
 
-#include "calibration/light_fit.hpp"
+#include "light/photometry/light_fit.hpp"
 #include "runner/pilot.hpp"
 
 namespace lab::runner {

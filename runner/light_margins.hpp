@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "calibration/light_fit.hpp"
+#include "light/photometry/light_fit.hpp"
 #include "common/light_file.hpp"
 
 namespace lab::runner {

@@ -7,7 +7,7 @@
 #include "common/experiment_cores.hpp"
 #include "common/experiment_messages.hpp"
 #include "common/units.hpp"
-#include "light/field.hpp"
+#include "light/field/field.hpp"
 
 namespace lab::runner {
 namespace {

@@ -8,9 +8,9 @@
 #include <numbers>
 #include <optional>
 
-#include "light/raster.hpp"
+#include "light/field/raster.hpp"
 #include "sim_svc/placement.hpp"
-#include "tracker_svc/canvas.hpp"
+#include "light/optics/canvas.hpp"
 
 namespace lab::runner {
 namespace {

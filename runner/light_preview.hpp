@@ -7,7 +7,7 @@
 #include "common/experiment.hpp"
 #include "common/light_messages.hpp"
 #include "projector_ctl/scene.hpp"
-#include "tracker_svc/rgb_image.hpp"
+#include "light/optics/rgb_image.hpp"
 
 namespace lab::runner {
 

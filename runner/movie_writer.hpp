@@ -5,7 +5,7 @@
 
 #include <filesystem>
 
-#include "tracker_svc/rgb_image.hpp"
+#include "light/optics/rgb_image.hpp"
 
 namespace lab::runner {
 

@@ -5,7 +5,7 @@
 #include <system_error>
 
 #include "common/experiment_file.hpp"
-#include "light/image.hpp"
+#include "light/field/image.hpp"
 #include "runner/commands.hpp"
 #include "runner/light_preview.hpp"
 #include "runner/movie_writer.hpp"

@@ -7,12 +7,12 @@
 #include <span>
 #include <vector>
 
-#include "light/field.hpp"
-#include "optics/camera_model.hpp"
-#include "optics/cap.hpp"
-#include "optics/imaging.hpp"
-#include "optics/projector_tone.hpp"
-#include "optics/simulated_projector.hpp"
+#include "light/field/field.hpp"
+#include "light/optics/camera_model.hpp"
+#include "light/optics/cap.hpp"
+#include "light/photometry/imaging.hpp"
+#include "light/photometry/projector_tone.hpp"
+#include "light/optics/simulated_projector.hpp"
 
 namespace lab::sim {
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "optics/simulated_projector.hpp"
+#include "light/optics/simulated_projector.hpp"
 #include "sim_svc/camera_painter_cells.hpp"
 #include "sim_svc/camera_painter_ground.hpp"
 #include "sim_svc/camera_painter_light.hpp"

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "optics/camera_model.hpp"
+#include "light/optics/camera_model.hpp"
 #include "sim_svc/camera_painter.hpp"
 #include "sim_svc/camera_painter_cells.hpp"
 

@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "light/field.hpp"
+#include "light/field/field.hpp"
 #include "sim_svc/camera_painter.hpp"
 #include "sim_svc/camera_painter_cells.hpp"
 

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "optics/response.hpp"
+#include "light/photometry/camera_response.hpp"
 #include "sim_svc/camera_painter.hpp"
 
 namespace lab::sim::painter {

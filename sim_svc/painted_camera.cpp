@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "common/units.hpp"
-#include "optics/simulated_camera.hpp"
+#include "light/optics/simulated_camera.hpp"
 
 namespace lab::sim {
 namespace {

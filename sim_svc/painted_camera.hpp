@@ -8,7 +8,7 @@
 #include "common/cameras.hpp"
 #include "common/experiment.hpp"
 #include "common/loop.hpp"
-#include "light/field.hpp"
+#include "light/field/field.hpp"
 #include "sim_svc/camera_painter.hpp"
 
 namespace lab::sim {

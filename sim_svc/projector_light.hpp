@@ -4,8 +4,8 @@
 #include <filesystem>
 
 #include "common/experiment.hpp"
-#include "optics/projector_tone.hpp"
-#include "optics/simulated_projector.hpp"
+#include "light/photometry/projector_tone.hpp"
+#include "light/optics/simulated_projector.hpp"
 
 namespace lab::sim {
 

@@ -8,7 +8,7 @@
 
 #include "common/channels.hpp"
 #include "common/units.hpp"
-#include "light/layer.hpp"
+#include "light/field/layer.hpp"
 #include "sim_svc/chip_robots.hpp"
 #include "sim_svc/wire_robots.hpp"
 

@@ -11,7 +11,7 @@
 #include "common/light_messages.hpp"
 #include "common/motor_file.hpp"
 #include "common/service_main.hpp"
-#include "light/field.hpp"
+#include "light/field/field.hpp"
 #include "sim_svc/bus_robots.hpp"
 #include "sim_svc/ghosts.hpp"
 #include "sim_svc/outer_robots.hpp"

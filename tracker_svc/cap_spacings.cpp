@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "optics/camera_model.hpp"
+#include "light/optics/camera_model.hpp"
 
 namespace lab::tracker {
 namespace {

@@ -4,7 +4,7 @@
 #include <functional>
 #include <memory>
 
-#include "tracker_svc/rgb_image.hpp"
+#include "light/optics/rgb_image.hpp"
 
 namespace lab::tracker {
 

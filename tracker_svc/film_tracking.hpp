@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "detector/detector.hpp"
-#include "optics/image.hpp"
+#include "light/optics/grey_image.hpp"
 #include "tracker_svc/cap_tracker.hpp"
 
 namespace lab::tracker {

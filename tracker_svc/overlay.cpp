@@ -11,7 +11,7 @@
 #include <set>
 #include <utility>
 
-#include "tracker_svc/canvas.hpp"
+#include "light/optics/canvas.hpp"
 
 namespace lab::tracker {
 namespace {

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "detector/detector.hpp"
-#include "optics/image.hpp"
+#include "light/optics/grey_image.hpp"
 #include "tracker_svc/cap_tracker.hpp"
-#include "tracker_svc/rgb_image.hpp"
+#include "light/optics/rgb_image.hpp"
 
 namespace lab::tracker {
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include "optics/image.hpp"
+#include "light/optics/grey_image.hpp"
 
 namespace lab::tracker {
 

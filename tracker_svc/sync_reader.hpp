@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
-#include "optics/camera_model.hpp"
-#include "optics/image.hpp"
+#include "light/optics/camera_model.hpp"
+#include "light/optics/grey_image.hpp"
 
 namespace lab::tracker {
 

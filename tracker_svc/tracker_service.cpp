@@ -14,7 +14,7 @@
 #include "common/channels.hpp"
 #include "common/units.hpp"
 #include "detector/scale_map.hpp"
-#include "optics/simulated_camera.hpp"
+#include "light/optics/simulated_camera.hpp"
 #include "tracker_svc/cap_spacings.hpp"
 
 namespace lab::tracker {

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "common/random.hpp"
-#include "optics/simulated_projector.hpp"
+#include "light/optics/simulated_projector.hpp"
 
 namespace lab::calibration::projector_fit_test {
 namespace {

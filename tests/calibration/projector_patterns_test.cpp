@@ -6,9 +6,9 @@
 
 #include <cmath>
 
-#include "light/field.hpp"
-#include "optics/simulated_camera.hpp"
-#include "optics/simulated_projector.hpp"
+#include "light/field/field.hpp"
+#include "light/optics/simulated_camera.hpp"
+#include "light/optics/simulated_projector.hpp"
 
 namespace lab::calibration::projector_patterns_test {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "calibration/camera_fit.hpp"
 #include "common/random.hpp"
-#include "optics/simulated_camera.hpp"
+#include "light/optics/simulated_camera.hpp"
 
 namespace lab::calibration {
 

@@ -7,8 +7,8 @@
 #include <fstream>
 #include <string>
 
-#include "light/image.hpp"
-#include "optics/image.hpp"
+#include "light/field/image.hpp"
+#include "light/optics/grey_image.hpp"
 
 namespace lab {
 

@@ -6,7 +6,7 @@
 #include <fstream>
 
 #include "common/experiment_file.hpp"
-#include "optics/simulated_camera.hpp"
+#include "light/optics/simulated_camera.hpp"
 #include "tests/common/temporary_folder.hpp"
 
 namespace lab {

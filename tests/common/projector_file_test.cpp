@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/experiment_file.hpp"
-#include "optics/simulated_projector.hpp"
+#include "light/optics/simulated_projector.hpp"
 #include "tests/common/temporary_folder.hpp"
 
 namespace lab {

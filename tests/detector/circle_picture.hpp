@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "detector/circle_fit.hpp"
-#include "optics/image.hpp"
-#include "optics/imaging.hpp"
+#include "light/optics/grey_image.hpp"
+#include "light/photometry/imaging.hpp"
 
 namespace lab::detector::testing {
 

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "optics/camera_model.hpp"
-#include "optics/cap.hpp"
-#include "optics/image.hpp"
+#include "light/optics/camera_model.hpp"
+#include "light/optics/cap.hpp"
+#include "light/optics/grey_image.hpp"
 #include "sim_svc/camera_painter.hpp"
 
 namespace lab::detector {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "detector/padded_picture.hpp"
-#include "optics/image.hpp"
+#include "light/optics/grey_image.hpp"
 
 namespace lab::detector {
 namespace {

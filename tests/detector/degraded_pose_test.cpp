@@ -9,7 +9,7 @@
 #include "detector/cap_pose.hpp"
 #include "detector/detector.hpp"
 #include "detector/rim_fit.hpp"
-#include "optics/simulated_camera.hpp"
+#include "light/optics/simulated_camera.hpp"
 #include "tests/detector/covered_cap.hpp"
 
 namespace lab::detector::degraded_pose_test {

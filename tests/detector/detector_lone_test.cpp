@@ -10,7 +10,7 @@
 
 #include "detector/cap_check.hpp"
 #include "detector/detector.hpp"
-#include "optics/simulated_camera.hpp"
+#include "light/optics/simulated_camera.hpp"
 #include "sim_svc/camera_painter.hpp"
 #include "tests/detector/scattered_robots.hpp"
 

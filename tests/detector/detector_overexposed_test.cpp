@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "detector/detector.hpp"
-#include "optics/simulated_camera.hpp"
+#include "light/optics/simulated_camera.hpp"
 #include "sim_svc/camera_painter.hpp"
 #include "tests/detector/scattered_robots.hpp"
 

@@ -12,7 +12,7 @@
 #include "detector/claim_map.hpp"
 #include "detector/pairing.hpp"
 #include "detector/scale_map.hpp"
-#include "optics/simulated_camera.hpp"
+#include "light/optics/simulated_camera.hpp"
 
 namespace lab::detector::detector_parts_test {
 namespace {

@@ -10,7 +10,7 @@
 #include <random>
 #include <vector>
 
-#include "optics/simulated_camera.hpp"
+#include "light/optics/simulated_camera.hpp"
 #include "sim_svc/camera_painter.hpp"
 #include "tests/detector/scattered_robots.hpp"
 

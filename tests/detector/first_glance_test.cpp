@@ -9,7 +9,7 @@
 #include <random>
 #include <vector>
 
-#include "optics/image.hpp"
+#include "light/optics/grey_image.hpp"
 
 namespace lab::detector::first_glance_test {
 namespace {

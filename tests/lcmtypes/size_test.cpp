@@ -79,7 +79,7 @@ TEST(MessageSizes, KeepAnAnalysisBelowEightKilobytes) {
 }
 
 TEST(MessageSizes, KeepTheLargestLightFieldInOneDatagram) {
-  constexpr std::size_t kMostLayers = 160;  // light/layer.hpp, in one picture
+  constexpr std::size_t kMostLayers = 160;  // light/field/layer.hpp, in one picture
   auto layer = sample<light_layer_t>(0);
   layer.image = std::string(64, 'f');  // a SHA-256
   auto status = sample<light_status_t>(0);

@@ -4,8 +4,8 @@
 #include <memory>
 #include <vector>
 
-#include "light/field.hpp"
-#include "light/image.hpp"
+#include "light/field/field.hpp"
+#include "light/field/image.hpp"
 
 namespace lab::light {
 

@@ -17,7 +17,7 @@
 #include "common/memory_bus.hpp"
 #include "common/units.hpp"
 #include "common/virtual_loop.hpp"
-#include "light/raster.hpp"
+#include "light/field/raster.hpp"
 
 namespace lab::projector {
 namespace {

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <vector>
 
-#include "light/raster.hpp"
-#include "optics/simulated_projector.hpp"
+#include "light/field/raster.hpp"
+#include "light/optics/simulated_projector.hpp"
 
 namespace lab::projector::screen_painter_test {
 namespace {

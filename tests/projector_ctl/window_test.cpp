@@ -11,9 +11,9 @@
 #include <memory>
 #include <vector>
 
-#include "light/image.hpp"
-#include "light/raster.hpp"
-#include "optics/simulated_projector.hpp"
+#include "light/field/image.hpp"
+#include "light/field/raster.hpp"
+#include "light/optics/simulated_projector.hpp"
 #include "projector_ctl/display_sdl.hpp"
 #include "projector_ctl/screen.hpp"
 #include "tests/projector_ctl/virtual_x.hpp"

@@ -8,7 +8,7 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "light/image.hpp"
+#include "light/field/image.hpp"
 
 namespace lab::ros {
 namespace {

@@ -9,8 +9,8 @@
 #include <stdexcept>
 
 #include "common/random.hpp"
-#include "optics/response.hpp"
-#include "optics/simulated_camera.hpp"
+#include "light/photometry/camera_response.hpp"
+#include "light/optics/simulated_camera.hpp"
 
 namespace lab::runner::board_finder_test {
 namespace {

@@ -13,8 +13,8 @@
 #include "common/experiment_file.hpp"
 #include "common/random.hpp"
 #include "tests/common/temporary_folder.hpp"
-#include "light/image.hpp"
-#include "optics/simulated_camera.hpp"
+#include "light/field/image.hpp"
+#include "light/optics/simulated_camera.hpp"
 #include "runner/commands.hpp"
 #include "sim_svc/camera_painter.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "optics/simulated_camera.hpp"
+#include "light/optics/simulated_camera.hpp"
 #include "tests/common/temporary_folder.hpp"
 
 namespace lab::runner {

@@ -7,7 +7,7 @@
 #include <fstream>
 
 #include "common/experiment_file.hpp"
-#include "light/image.hpp"
+#include "light/field/image.hpp"
 #include "runner/exit_code.hpp"
 #include "tests/common/temporary_folder.hpp"
 

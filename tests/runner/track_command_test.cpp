@@ -16,7 +16,7 @@
 #include "cameras/film_reader.hpp"
 #include "common/camera_file.hpp"
 #include "common/experiment_file.hpp"
-#include "light/image.hpp"
+#include "light/field/image.hpp"
 #include "runner/commands.hpp"
 #include "runner/exit_code.hpp"
 #include "runner/movie_writer.hpp"

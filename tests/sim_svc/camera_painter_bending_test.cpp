@@ -4,8 +4,8 @@
 #include <cmath>
 #include <vector>
 
-#include "optics/simulated_camera.hpp"
-#include "optics/simulated_projector.hpp"
+#include "light/optics/simulated_camera.hpp"
+#include "light/optics/simulated_projector.hpp"
 #include "sim_svc/camera_painter.hpp"
 
 namespace lab::sim {

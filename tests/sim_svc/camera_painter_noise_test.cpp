@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "optics/simulated_camera.hpp"
+#include "light/optics/simulated_camera.hpp"
 #include "sim_svc/camera_painter.hpp"
 
 namespace lab::sim::camera_painter_noise_test {

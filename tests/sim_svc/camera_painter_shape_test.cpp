@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "optics/simulated_camera.hpp"
+#include "light/optics/simulated_camera.hpp"
 #include "sim_svc/camera_painter.hpp"
 #include "tests/sim_svc/painter_reference.hpp"
 

@@ -16,7 +16,7 @@
 #include "common/light_messages.hpp"
 #include "common/memory_bus.hpp"
 #include "common/virtual_loop.hpp"
-#include "optics/simulated_camera.hpp"
+#include "light/optics/simulated_camera.hpp"
 #include "sim_svc/sim_service.hpp"
 
 namespace lab::sim {

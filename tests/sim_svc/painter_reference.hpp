@@ -6,7 +6,7 @@
 #include <functional>
 #include <vector>
 
-#include "optics/camera_model.hpp"
+#include "light/optics/camera_model.hpp"
 #include "sim_svc/camera_painter.hpp"
 
 namespace lab::sim::reference {

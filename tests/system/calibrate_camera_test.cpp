@@ -6,7 +6,7 @@
 #include <fstream>
 
 #include "common/camera_file.hpp"
-#include "optics/simulated_camera.hpp"
+#include "light/optics/simulated_camera.hpp"
 #include "tests/system/lab_process.hpp"
 
 namespace lab::system_test {

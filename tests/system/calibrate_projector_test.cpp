@@ -8,8 +8,8 @@
 #include "common/camera_file.hpp"
 #include "common/experiment_file.hpp"
 #include "common/projector_file.hpp"
-#include "optics/simulated_camera.hpp"
-#include "optics/simulated_projector.hpp"
+#include "light/optics/simulated_camera.hpp"
+#include "light/optics/simulated_projector.hpp"
 #include "tests/system/lab_process.hpp"
 
 namespace lab::system_test {

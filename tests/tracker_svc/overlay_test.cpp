@@ -6,8 +6,8 @@
 #include <cmath>
 #include <memory>
 
-#include "optics/simulated_camera.hpp"
-#include "tracker_svc/canvas.hpp"
+#include "light/optics/simulated_camera.hpp"
+#include "light/optics/canvas.hpp"
 
 namespace lab::tracker {
 namespace {

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <vector>
 
-#include "optics/simulated_camera.hpp"
+#include "light/optics/simulated_camera.hpp"
 #include "sim_svc/camera_painter.hpp"
 
 namespace lab::tracker {

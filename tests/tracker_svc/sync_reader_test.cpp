@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "light/image.hpp"
-#include "optics/simulated_camera.hpp"
+#include "light/field/image.hpp"
+#include "light/optics/simulated_camera.hpp"
 #include "sim_svc/camera_painter.hpp"
 
 namespace lab::tracker {

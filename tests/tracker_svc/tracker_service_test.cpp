@@ -10,7 +10,7 @@
 #include "common/channels.hpp"
 #include "common/memory_bus.hpp"
 #include "common/virtual_loop.hpp"
-#include "optics/simulated_camera.hpp"
+#include "light/optics/simulated_camera.hpp"
 #include "sim_svc/camera_painter.hpp"
 #include "tests/common/temporary_folder.hpp"
 #include "tests/detector/covered_cap.hpp"

@@ -11,9 +11,9 @@
 #include <stdexcept>
 
 #include "cameras/raw_pixels.hpp"
-#include "optics/camera_model.hpp"
-#include "optics/simulated_camera.hpp"
-#include "tracker_svc/rgb_image.hpp"
+#include "light/optics/camera_model.hpp"
+#include "light/optics/simulated_camera.hpp"
+#include "light/optics/rgb_image.hpp"
 
 namespace lab::cases {
 namespace {

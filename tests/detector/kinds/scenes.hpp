@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "light/field.hpp"
-#include "optics/image.hpp"
+#include "light/field/field.hpp"
+#include "light/optics/grey_image.hpp"
 #include "sim_svc/camera_painter.hpp"
 #include "tests/detector/kinds/kinds.hpp"
 #include "tests/detector/kinds/score.hpp"

@@ -1,0 +1,113 @@
+/// How a layer changes with time and with the robots. Plain data, as light_drive_t carries it.
+///
+/// What depends on time alone is worked out by driven() below; what depends on robots, by the
+/// projector, which alone knows where they are. Either way what comes out is layers that anybody
+/// can evaluate (layer.hpp).
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "light/field/layer.hpp"
+
+namespace lab::light {
+
+/// Of the intensity, between `low` (m = 0) and the layer's own (m = 1); s counts periods from
+/// `start` at time 0.
+enum class Waveform : std::int8_t {
+  kSteady = 0,     ///< m = 1
+  kSine = 1,       ///< m = (1 + cos(2 pi s)) / 2
+  kSquare = 2,     ///< m = 1 in the first half of each period, else 0
+  kTelegraph = 3,  ///< m = 1 and 0 in turn, each for a time drawn from an exponential law of mean
+                   ///< period / 2, beginning with 1; a function of `seed` alone
+};
+
+enum class Follow : std::int8_t {
+  kNothing = 0,
+  kRobots = 1,  ///< one copy of the layer for each robot; x, y and angle are in the robot's frame
+  kTrail = 2,   ///< what robots leave behind (projector_ctl/trail.hpp)
+};
+
+enum class WhenLost : std::int8_t {
+  kRemove = 0,  ///< the layer goes with its robot
+  kHold = 1,    ///< it stays where the robot was seen last
+  kSafe = 2,    ///< the safe field is shown until the robot is back
+};
+
+enum class Gate : std::int8_t {
+  kOpen = 0,
+  kProgram = 1,  ///< the robot runs `gate_program`
+  kInside = 2,   ///< the robot's axis is in the circle
+  kOutside = 3,
+};
+
+struct Drive {
+  double vx = 0;          ///< [m/s] of the layer's x
+  double vy = 0;          ///< [m/s]
+  double spin = 0;        ///< [rad/s] of its angle
+  double phase_rate = 0;  ///< [rad/s] of a wave, [1/s] of noise
+
+  Waveform waveform = Waveform::kSteady;
+  double period = 1;  ///< [s]
+  double low = 0;     ///< [1]
+  double start = 0;   ///< [1] of a period
+  std::uint64_t seed = 0;
+
+  double image_rate = 1;  ///< [1/s] of an image sequence
+  bool image_loop = true;
+  std::vector<std::string> images{};  ///< SHA-256, in a file: paths; empty: no sequence
+
+  Follow follow = Follow::kNothing;
+  std::vector<std::int32_t> robots{};  ///< empty: every one
+  bool predict = true;                 ///< to when the picture is on the arena
+  double stale = 0.5;                  ///< [s] an older pose is lost
+  WhenLost when_lost = WhenLost::kRemove;
+  double rate = 1;       ///< [1/s] of a trail: intensity laid down under a robot
+  double decay = 0.1;    ///< [1/s] of a trail
+  double diffusion = 0;  ///< [m^2/s] of a trail
+
+  Gate gate = Gate::kOpen;
+  std::int32_t gate_robot = 0;  ///< 0: a followed robot's own; any robot's where none is followed
+  std::string gate_program{};   ///< name in the experiment file
+  double gate_x = 0;            ///< [m]
+  double gate_y = 0;            ///< [m]
+  double gate_radius = 0;       ///< [m]
+
+  bool operator==(const Drive&) const = default;
+};
+
+/// A layer and how it changes.
+struct DrivenLayer {
+  Layer layer{};
+  Drive drive{};
+
+  bool operator==(const DrivenLayer&) const = default;
+};
+
+/// Whether the layer never changes.
+[[nodiscard]] inline bool isStill(const Drive& drive) { return drive == Drive{}; }
+
+/// Limits that validate() keeps.
+inline constexpr double kLargestSpeed = 1;           ///< [m/s] of vx and vy
+inline constexpr double kLargestRate = 1000;         ///< [1/s] or [rad/s]
+inline constexpr double kLargestDiffusion = 0.01;    ///< [m^2/s]
+inline constexpr double kShortestPeriod = 0.001;     ///< [s]
+inline constexpr double kLongestTime = 864000;       ///< [s] ten days
+inline constexpr std::size_t kMostImages = 1000;     ///< in a sequence
+inline constexpr std::size_t kMostFollowed = 250;    ///< robots
+inline constexpr std::int32_t kLargestRobot = 9999;  ///< id
+
+/// m of the waveform at `time` [s], 0..1.
+[[nodiscard]] double modulation(const Drive& drive, double time);
+
+/// The layer `time` [s] after its command began, as far as that depends on time alone: moved,
+/// turned, dimmed, with the picture of its sequence (the SHA-256; the caller attaches pixels).
+[[nodiscard]] Layer driven(const DrivenLayer& layer, double time);
+
+/// Why the layer cannot be shown, as "field = found, allowed: range", or nothing. Beside validate()
+/// of the layer itself.
+[[nodiscard]] std::optional<std::string> validate(const Drive& drive, LayerKind kind);
+
+}  // namespace lab::light

@@ -1,0 +1,64 @@
+/// Pictures as light: grey grids small enough to travel, known by the SHA-256 of their file.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "light/field/layer.hpp"
+
+namespace lab::light {
+
+inline constexpr int kMostColumns = 160;
+inline constexpr int kMostRows = 120;
+
+/// Grey values as the projector should show them: 0 dark, 255 white, linear in intensity.
+struct Image {
+  int columns = 0;                 ///< at most kMostColumns
+  int rows = 0;                    ///< at most kMostRows
+  std::vector<std::uint8_t> grey;  ///< rows x columns, the top row first
+  std::string sha256;              ///< of the file's bytes
+};
+
+/// Grey in 0..1 at `across` (0 left edge .. 1 right edge) and `up` (0 bottom .. 1 top), bilinear
+/// between pixel centres and constant outside the outermost centres.
+[[nodiscard]] double sample(const Image& image, double across, double up);
+
+/// SHA-256 of the bytes in 64 lower-case hexadecimal digits (FIPS 180-4, by libmd).
+[[nodiscard]] std::string sha256(std::span<const std::uint8_t> bytes);
+
+/// Either an image or the reason why there is none.
+struct DecodedImage {
+  std::shared_ptr<const Image> image;
+  std::string error;
+};
+
+/// Decodes PNG, JPEG, BMP, PGM, ... (whatever stb_image reads) to 8-bit grey. An image above
+/// 160 x 120 is shrunk to fit, keeping its proportions to the nearest pixel, by a triangle filter.
+[[nodiscard]] DecodedImage decodeImage(std::span<const std::uint8_t> file);
+
+/// decodeImage() of a file; an error begins with the path.
+[[nodiscard]] DecodedImage loadImage(const std::filesystem::path& path);
+
+/// Images by their SHA-256.
+using ImageStore = std::map<std::string, std::shared_ptr<const Image>>;
+
+/// Gives every image layer that the store knows its pixels; the others stay without.
+void attachImages(std::vector<Layer>& layers, const ImageStore& store);
+
+/// An 8-bit grey PNG file.
+/// @param grey columns x rows values, the top row first.
+/// @throws std::invalid_argument when their number is not columns * rows.
+[[nodiscard]] std::vector<std::uint8_t> encodePng(int columns, int rows,
+                                                  std::span<const std::uint8_t> grey);
+
+/// Writes a whole file, or says in one line why not.
+[[nodiscard]] std::optional<std::string> writeFile(const std::filesystem::path& path,
+                                                   std::span<const std::uint8_t> bytes);
+
+}  // namespace lab::light

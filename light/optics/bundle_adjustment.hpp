@@ -1,0 +1,64 @@
+/// Least squares over a camera and the poses of boards. Used by camera_fit only.
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <functional>
+#include <vector>
+
+#include "light/optics/camera_model.hpp"
+
+namespace lab::calibration {
+
+/// From the board to the camera.
+struct BoardPose {
+  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d translation = Eigen::Vector3d::Zero();
+};
+
+enum CameraUnknown : int {
+  kFx, kFy, kCx, kCy, kK1, kK2, kP1, kP2, kK3,
+  kTurn,                   ///< three: rotation vector, of the camera
+  kShift = kTurn + 3,      ///< three: of the arena's middle in camera coordinates
+  kSpacing = kShift + 3,   ///< share by which the caps are made too wide
+  kCameraUnknowns,         ///< then six for each board: turn, shift
+};
+
+struct CameraState {
+  optics::CameraParameters camera;
+  double spacing = 0;  ///< share by which the caps are made too wide
+  std::vector<BoardPose> boards;
+  Eigen::Vector3d pivot = Eigen::Vector3d::Zero();  ///< [m] of the arena: what turns leave in place
+
+  [[nodiscard]] int unknowns() const {
+    return kCameraUnknowns + 6 * static_cast<int>(boards.size());
+  }
+  [[nodiscard]] CameraState moved(const Eigen::VectorXd& by) const;
+  [[nodiscard]] CameraState moved(int unknown, double by) const;
+
+  /// A step of each unknown that is small and yet seen: for derivatives [its unit].
+  [[nodiscard]] static double step(int unknown);
+};
+
+/// Residuals in units of their standard deviations, and the unknowns that they depend on.
+struct ResidualBlock {
+  std::vector<int> unknowns;
+  std::function<Eigen::VectorXd(const CameraState&)> residuals;
+  bool robust = false;  ///< Huber's weights
+};
+
+struct CameraSolution {
+  CameraState state;
+  Eigen::MatrixXd covariance;  ///< of the unknowns, where determined
+  double cost = 0;
+  bool determined = false;
+};
+
+/// d residuals / d unknowns, by central differences.
+[[nodiscard]] Eigen::MatrixXd slopesOf(const ResidualBlock& block, const CameraState& state);
+
+/// Levenberg and Marquardt.
+[[nodiscard]] CameraSolution solveCamera(const std::vector<ResidualBlock>& blocks,
+                                         const CameraState& start);
+
+}  // namespace lab::calibration

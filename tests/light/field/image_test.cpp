@@ -1,0 +1,105 @@
+#include "light/field/image.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+#include <string_view>
+
+#include "tests/light/light_samples.hpp"
+
+namespace lab::light {
+namespace {
+
+using testing::HasSubstr;
+
+std::vector<std::uint8_t> bytesOf(std::string_view text) { return {text.begin(), text.end()}; }
+
+TEST(LightImage, DigestIsThatOfTheStandardsExample) {
+  EXPECT_EQ(sha256(bytesOf("abc")),
+            "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+}
+
+TEST(LightImage, ReadsBackWhatWasWritten) {
+  const std::vector<std::uint8_t> grey = {0, 50, 100, 150, 200, 255};
+  const std::vector<std::uint8_t> png = encodePng(3, 2, grey);
+  const std::filesystem::path path = testing::TempDir() + "light_image_test.png";
+  ASSERT_EQ(writeFile(path, png), std::nullopt);
+
+  const DecodedImage dut = loadImage(path);
+  std::filesystem::remove(path);
+
+  ASSERT_TRUE(dut.image) << dut.error;
+  EXPECT_EQ(dut.image->columns, 3);
+  EXPECT_EQ(dut.image->rows, 2);
+  EXPECT_EQ(dut.image->grey, grey);
+  EXPECT_EQ(dut.image->sha256, sha256(png));
+}
+
+TEST(LightImage, LargerThanTheGridIsShrunkToFitWithItsProportions) {
+  std::vector<std::uint8_t> halves;
+  for (int i = 0; i < 640 * 240; ++i) halves.push_back(i % 640 < 320 ? 0 : 255);
+  const DecodedImage dut = decodeImage(encodePng(640, 240, halves));
+  ASSERT_TRUE(dut.image) << dut.error;
+  EXPECT_EQ(dut.image->columns, 160);
+  EXPECT_EQ(dut.image->rows, 60);
+  EXPECT_NEAR(sample(*dut.image, 0.25, 0.5), 0, 1e-12);
+  EXPECT_NEAR(sample(*dut.image, 0.75, 0.5), 1, 1e-12);
+  EXPECT_NEAR(sample(*dut.image, 0.5, 0.5), 0.5, 1.0 / 255);
+}
+
+TEST(LightImage, SamplesBetweenPixelCentresAndConstantBeyondThem) {
+  const auto dut = makeImage(2, 2, {0, 102, 204, 255});
+  EXPECT_NEAR(sample(*dut, 0.25, 0.75), 0, 1e-12);
+  EXPECT_NEAR(sample(*dut, 0.5, 0.75), 0.2, 1e-12);
+  EXPECT_NEAR(sample(*dut, 0.25, 0.5), 0.4, 1e-12);
+  EXPECT_NEAR(sample(*dut, 0.0, 0.0), 0.8, 1e-12);
+  EXPECT_NEAR(sample(*dut, 1.0, 0.0), 1.0, 1e-12);
+  EXPECT_NEAR(sample(*dut, 7.0, -7.0), 1.0, 1e-12);
+}
+
+TEST(LightImage, ThatIsNoneSaysWhatWasExpected) {
+  const DecodedImage dut = decodeImage(bytesOf("light = 1"));
+  EXPECT_FALSE(dut.image);
+  EXPECT_THAT(dut.error, HasSubstr("no image of a known format"));
+}
+
+TEST(LightImage, ThatIsCutShortIsRefused) {
+  std::vector<std::uint8_t> png = encodePng(64, 64, std::vector<std::uint8_t>(64 * 64, 77));
+  png.resize(png.size() / 2);
+  const DecodedImage dut = decodeImage(png);
+  EXPECT_FALSE(dut.image);
+  EXPECT_THAT(dut.error, HasSubstr("cannot be decoded"));
+}
+
+TEST(LightImage, ThatIsMissingNamesItsPath) {
+  const DecodedImage dut = loadImage("no_such_picture.png");
+  EXPECT_FALSE(dut.image);
+  EXPECT_EQ(dut.error, "no_such_picture.png: No such file or directory");
+}
+
+TEST(LightImage, IsAttachedToTheLayersThatNameIt) {
+  const auto image = makeImage(1, 1, {255});
+  std::vector<Layer> layers(3);
+  layers[1].kind = layers[2].kind = LayerKind::kImage;
+  layers[1].image = image->sha256;
+  layers[2].image = std::string(64, '0');
+
+  attachImages(layers, {{image->sha256, image}});
+
+  EXPECT_EQ(layers[0].pixels, nullptr);
+  EXPECT_EQ(layers[1].pixels, image);
+  EXPECT_EQ(layers[2].pixels, nullptr);
+}
+
+TEST(LightImage, PngNeedsAsManyValuesAsPixels) {
+  EXPECT_THROW((void)encodePng(3, 2, std::vector<std::uint8_t>(5)), std::invalid_argument);
+}
+
+TEST(LightImage, ThatCannotBeWrittenNamesThePath) {
+  EXPECT_THAT(writeFile("no_such_folder/light.png", bytesOf("x")).value_or(""),
+              HasSubstr("no_such_folder/light.png"));
+}
+
+}  // namespace
+}  // namespace lab::light
