@@ -13,7 +13,7 @@
 
 #include "analyzer/analysis.hpp"
 #include "analyzer/program_book.hpp"
-#include "common/experiment.hpp"
+#include "common/experiment/experiment.hpp"
 
 namespace lab::analysis {
 

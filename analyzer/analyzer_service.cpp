@@ -3,9 +3,9 @@
 #include <memory>
 
 #include "analyzer/analysis_message.hpp"
-#include "common/channels.hpp"
-#include "common/experiment_messages.hpp"
-#include "common/units.hpp"
+#include "common/bus/channels.hpp"
+#include "common/experiment/experiment_messages.hpp"
+#include "common/math/units.hpp"
 
 namespace lab::analysis {
 namespace {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "analyzer/analysis_feed.hpp"
-#include "common/service_main.hpp"
+#include "common/service/service_main.hpp"
 
 namespace lab::analysis {
 

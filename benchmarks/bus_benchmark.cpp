@@ -5,10 +5,10 @@
 #include <lab/robot_status_t.hpp>
 #include <string>
 
-#include "common/channels.hpp"
-#include "common/memory_bus.hpp"
-#include "common/node.hpp"
-#include "common/virtual_loop.hpp"
+#include "common/bus/channels.hpp"
+#include "common/bus/memory_bus.hpp"
+#include "common/service/node.hpp"
+#include "common/loop/virtual_loop.hpp"
 
 namespace {
 

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <vector>
 
-#include "common/random.hpp"
+#include "common/math/random.hpp"
 #include "robot/dynamics/kinematics.hpp"
 #include "tracker_svc/cap_tracker.hpp"
 

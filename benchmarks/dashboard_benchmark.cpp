@@ -8,8 +8,8 @@
 #include <lab/tracked_frame_t.hpp>
 #include <vector>
 
-#include "common/channels.hpp"
-#include "common/experiment_messages.hpp"
+#include "common/bus/channels.hpp"
+#include "common/experiment/experiment_messages.hpp"
 #include "dashboard/lab_view.hpp"
 
 namespace lab::dashboard {

@@ -18,8 +18,8 @@
 #include <thread>
 #include <vector>
 
-#include "common/channels.hpp"
-#include "common/lcm_bus.hpp"
+#include "common/bus/channels.hpp"
+#include "common/bus/lcm_bus.hpp"
 #include "dds/configuration.hpp"
 #include "dds/domain.hpp"
 #include "dds/endpoint.hpp"

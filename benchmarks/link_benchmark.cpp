@@ -11,7 +11,7 @@
 #include <sstream>
 #include <thread>
 
-#include "common/percentiles.hpp"
+#include "common/math/percentiles.hpp"
 #include "tests/dds_gateway/hosts.hpp"
 
 namespace lab::gateway {

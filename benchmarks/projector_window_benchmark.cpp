@@ -12,7 +12,7 @@
 #include <memory>
 #include <vector>
 
-#include "common/asio_loop.hpp"
+#include "common/loop/asio_loop.hpp"
 #include "projector_ctl/display_sdl.hpp"
 #include "projector_ctl/frame_loop.hpp"
 #include "projector_ctl/screen_setup.hpp"

@@ -9,7 +9,7 @@
 #include <memory>
 #include <vector>
 
-#include "common/random.hpp"
+#include "common/math/random.hpp"
 #include "robot/firmware/settings.hpp"
 #include "robot_emulator/chip.hpp"
 #include "robot/wire/config.hpp"

@@ -8,8 +8,8 @@
 #include <cmath>
 #include <filesystem>
 
-#include "common/memory_serial.hpp"
-#include "common/virtual_loop.hpp"
+#include "common/serial/memory_serial.hpp"
+#include "common/loop/virtual_loop.hpp"
 #include "sim_svc/chip_robots.hpp"
 #include "sim_svc/outer_robots.hpp"
 #include "sim_svc/wire_robots.hpp"

@@ -17,7 +17,7 @@
 #include <string>
 #include <vector>
 
-#include "common/camera_file.hpp"
+#include "common/calibration/camera_file.hpp"
 #include "light/photometry/camera_response.hpp"
 #include "tests/detector/kinds/score.hpp"
 #ifdef LAB_HAS_OPENCV

@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "cameras/film_source.hpp"
-#include "cameras/shared_camera.hpp"
+#include "common/camera/shared_camera.hpp"
 #include "cameras/v4l2_source.hpp"
 
 namespace lab {

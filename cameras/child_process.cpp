@@ -12,7 +12,7 @@
 #include <csignal>
 #include <cstring>
 
-#include "common/cameras.hpp"
+#include "common/camera/cameras.hpp"
 
 namespace lab::cameras {
 namespace {

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "common/serial_line.hpp"
+#include "common/serial/serial_line.hpp"
 
 namespace lab::cameras {
 

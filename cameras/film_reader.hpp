@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "common/cameras.hpp"
+#include "common/camera/cameras.hpp"
 
 namespace lab {
 

@@ -4,8 +4,8 @@
 #include <memory>
 #include <string>
 
-#include "common/asio_loop.hpp"
-#include "common/cameras.hpp"
+#include "common/loop/asio_loop.hpp"
+#include "common/camera/cameras.hpp"
 
 namespace lab::cameras {
 

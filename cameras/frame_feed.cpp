@@ -7,7 +7,7 @@
 #include <chrono>
 #include <utility>
 
-#include "common/cameras.hpp"
+#include "common/camera/cameras.hpp"
 
 namespace lab::cameras {
 

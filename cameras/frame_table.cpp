@@ -7,7 +7,7 @@
 #include <sstream>
 #include <string_view>
 
-#include "common/cameras.hpp"
+#include "common/camera/cameras.hpp"
 
 namespace lab::cameras {
 namespace {

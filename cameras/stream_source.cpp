@@ -10,7 +10,7 @@
 #include "cameras/frame_feed.hpp"
 #include "cameras/grey.hpp"
 #include "cameras/movie_reader.hpp"
-#include "cameras/sim_camera.hpp"
+#include "common/camera/sim_camera.hpp"
 
 namespace lab::cameras {
 namespace {

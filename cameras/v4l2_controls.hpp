@@ -2,7 +2,7 @@
 #pragma once
 
 #include "cameras/v4l2_calls.hpp"
-#include "common/cameras.hpp"
+#include "common/camera/cameras.hpp"
 
 namespace lab::cameras {
 

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "cameras/v4l2_controls.hpp"
-#include "common/serial_line.hpp"
+#include "common/serial/serial_line.hpp"
 
 namespace lab::cameras {
 namespace {

@@ -11,7 +11,7 @@
 
 #include "cameras/raw_pixels.hpp"
 #include "cameras/v4l2_calls.hpp"
-#include "common/cameras.hpp"
+#include "common/camera/cameras.hpp"
 
 namespace lab::cameras {
 

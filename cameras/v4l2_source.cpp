@@ -4,7 +4,7 @@
 #include <optional>
 #include <utility>
 
-#include "cameras/sim_camera.hpp"
+#include "common/camera/sim_camera.hpp"
 #include "cameras/v4l2_device.hpp"
 
 namespace lab::cameras {

@@ -5,8 +5,8 @@
 #include <string>
 
 #include "cameras/v4l2_calls.hpp"
-#include "common/asio_loop.hpp"
-#include "common/cameras.hpp"
+#include "common/loop/asio_loop.hpp"
+#include "common/camera/cameras.hpp"
 
 namespace lab::cameras {
 

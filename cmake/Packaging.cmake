@@ -1,5 +1,5 @@
 # What is installed where, and the Debian packages made of it (docs/install.md). One component a
-# package: main, gateway, emulator. common/installation.cpp knows the same folders.
+# package: main, gateway, emulator. common/process/installation.cpp knows the same folders.
 set(programs lib/active-lab/bin)
 set(documents share/doc/active-lab)
 set(staged "${CMAKE_BINARY_DIR}/packaging")

@@ -4,9 +4,9 @@
 
 #include <algorithm>
 
-#include "common/channels.hpp"
-#include "common/units.hpp"
-#include "common/version.hpp"
+#include "common/bus/channels.hpp"
+#include "common/math/units.hpp"
+#include "common/process/version.hpp"
 
 namespace lab::dashboard {
 namespace {

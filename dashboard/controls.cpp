@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/light_messages.hpp"
-#include "common/units.hpp"
+#include "common/experiment/light_messages.hpp"
+#include "common/math/units.hpp"
 #include "dashboard/json.hpp"
 #include "dashboard/timeline_view.hpp"
 

@@ -12,9 +12,9 @@
 #include <string>
 #include <utility>
 
-#include "common/experiment_request.hpp"
-#include "common/stop_desk.hpp"
-#include "common/uniform_light.hpp"
+#include "common/service/experiment_request.hpp"
+#include "common/service/stop_coordinator.hpp"
+#include "common/service/manual_light.hpp"
 #include "dashboard/wish.hpp"
 
 namespace lab::dashboard {

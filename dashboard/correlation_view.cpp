@@ -5,8 +5,8 @@
 #include <limits>
 #include <utility>
 
-#include "common/experiment_messages.hpp"
-#include "common/units.hpp"
+#include "common/experiment/experiment_messages.hpp"
+#include "common/math/units.hpp"
 
 namespace lab::dashboard {
 namespace {

@@ -2,9 +2,9 @@
 
 #include <cmath>
 
-#include "common/experiment_messages.hpp"
-#include "common/units.hpp"
-#include "report/people.hpp"
+#include "common/experiment/experiment_messages.hpp"
+#include "common/math/units.hpp"
+#include "common/text/format.hpp"
 
 namespace lab::dashboard {
 namespace {

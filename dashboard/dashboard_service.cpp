@@ -7,10 +7,10 @@
 #include <memory>
 #include <utility>
 
-#include "common/channels.hpp"
-#include "common/installation.hpp"
-#include "common/light_messages.hpp"
-#include "common/units.hpp"
+#include "common/bus/channels.hpp"
+#include "common/process/installation.hpp"
+#include "common/experiment/light_messages.hpp"
+#include "common/math/units.hpp"
 #include "dashboard/address_file.hpp"
 
 namespace lab::dashboard {

@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-#include "common/service_main.hpp"
+#include "common/service/service_main.hpp"
 #include "dashboard/hub.hpp"
 #include "dashboard/lab_inbox.hpp"
 #include "dashboard/lab_view.hpp"

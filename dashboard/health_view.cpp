@@ -4,8 +4,8 @@
 #include <cmath>
 #include <lab/robot_state_t.hpp>
 
-#include "common/channels.hpp"
-#include "common/units.hpp"
+#include "common/bus/channels.hpp"
+#include "common/math/units.hpp"
 
 namespace lab::dashboard {
 namespace {

@@ -13,8 +13,8 @@
 #include <utility>
 #include <vector>
 
-#include "common/header.hpp"
-#include "common/stream_counter.hpp"
+#include "common/bus/message_header.hpp"
+#include "common/bus/stream_counter.hpp"
 #include "dashboard/json.hpp"
 #include "dashboard/process_meter.hpp"
 

@@ -3,9 +3,9 @@
 #include <limits>
 #include <utility>
 
-#include "common/units.hpp"
+#include "common/math/units.hpp"
 #include "dashboard/json.hpp"
-#include "report/people.hpp"
+#include "common/text/format.hpp"
 
 namespace lab::dashboard {
 namespace {

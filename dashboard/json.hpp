@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "common/units.hpp"
-#include "report/json_numbers.hpp"
+#include "common/math/units.hpp"
+#include "common/text/json_number.hpp"
 
 namespace lab::dashboard {
 

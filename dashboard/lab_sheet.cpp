@@ -4,11 +4,11 @@
 
 #include <utility>
 
-#include "common/experiment_file.hpp"
-#include "common/experiment_messages.hpp"
-#include "common/script_plan.hpp"
-#include "common/units.hpp"
-#include "common/version.hpp"
+#include "common/experiment/experiment_file.hpp"
+#include "common/experiment/experiment_messages.hpp"
+#include "common/experiment/script_plan.hpp"
+#include "common/math/units.hpp"
+#include "common/process/version.hpp"
 #include "dashboard/json.hpp"
 
 namespace lab::dashboard {

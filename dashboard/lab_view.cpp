@@ -4,9 +4,9 @@
 #include <limits>
 #include <utility>
 
-#include "common/channels.hpp"
-#include "common/experiment_messages.hpp"
-#include "common/units.hpp"
+#include "common/bus/channels.hpp"
+#include "common/experiment/experiment_messages.hpp"
+#include "common/math/units.hpp"
 #include "dashboard/advice.hpp"
 
 namespace lab::dashboard {

@@ -11,7 +11,7 @@
 #include <string>
 #include <string_view>
 
-#include "common/bus.hpp"
+#include "common/bus/bus.hpp"
 #include "dashboard/controls.hpp"
 #include "dashboard/correlation_view.hpp"
 #include "dashboard/curves_view.hpp"

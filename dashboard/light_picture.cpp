@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "common/light_messages.hpp"
+#include "common/experiment/light_messages.hpp"
 #include "dashboard/json.hpp"
 
 namespace lab::dashboard {

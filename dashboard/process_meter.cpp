@@ -7,7 +7,7 @@
 #include <limits>
 #include <sstream>
 
-#include "common/units.hpp"
+#include "common/math/units.hpp"
 
 namespace lab::dashboard {
 

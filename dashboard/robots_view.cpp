@@ -7,8 +7,8 @@
 #include <cmath>
 #include <iterator>
 
-#include "common/experiment_messages.hpp"
-#include "common/units.hpp"
+#include "common/experiment/experiment_messages.hpp"
+#include "common/math/units.hpp"
 #include "dashboard/json.hpp"
 #include "dashboard/places.hpp"
 

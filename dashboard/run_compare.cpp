@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "report/people.hpp"
+#include "common/text/format.hpp"
 
 namespace lab::dashboard {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "common/units.hpp"
+#include "common/math/units.hpp"
 #include "dashboard/json.hpp"
 
 namespace lab::dashboard {

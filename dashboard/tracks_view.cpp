@@ -7,7 +7,7 @@
 #include <iterator>
 #include <map>
 
-#include "common/units.hpp"
+#include "common/math/units.hpp"
 #include "dashboard/json.hpp"
 #include "dashboard/places.hpp"
 

@@ -9,8 +9,8 @@
 #include <map>
 #include <utility>
 
-#include "common/channels.hpp"
-#include "common/units.hpp"
+#include "common/bus/channels.hpp"
+#include "common/math/units.hpp"
 #include "dds/configuration.hpp"
 #include "dds/domain.hpp"
 #include "dds/endpoint.hpp"

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "common/descriptors.hpp"
-#include "common/loop.hpp"
-#include "common/node.hpp"
+#include "common/loop/descriptor_watcher.hpp"
+#include "common/loop/loop.hpp"
+#include "common/service/node.hpp"
 #include "dds_gateway/link_peers.hpp"
 
 namespace lab::gateway {

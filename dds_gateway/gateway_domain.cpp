@@ -3,7 +3,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "common/experiment_file.hpp"
+#include "common/experiment/experiment_file.hpp"
 #include "dds/configuration.hpp"
 #include "dds/error.hpp"
 

@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "common/experiment.hpp"
+#include "common/experiment/experiment.hpp"
 #include "dds/domain.hpp"
 
 namespace lab::gateway {

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "common/experiment_file.hpp"
-#include "common/experiment_places.hpp"
+#include "common/experiment/experiment_file.hpp"
+#include "common/experiment/service_placement.hpp"
 #include "dds/error.hpp"
 
 namespace lab::gateway {

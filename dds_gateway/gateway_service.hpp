@@ -4,7 +4,7 @@
 #include <memory>
 #include <optional>
 
-#include "common/service_main.hpp"
+#include "common/service/service_main.hpp"
 #include "dds_gateway/bus_link.hpp"
 #include "dds_gateway/ros_bridge.hpp"
 

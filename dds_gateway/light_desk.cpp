@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "common/utf8.hpp"
+#include "common/text/utf8.hpp"
 
 namespace lab::gateway {
 namespace {

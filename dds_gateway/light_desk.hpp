@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "common/uniform_light.hpp"
+#include "common/service/manual_light.hpp"
 #include "dds_gateway/command_desk.hpp"
 
 namespace lab::gateway {

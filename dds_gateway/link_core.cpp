@@ -4,8 +4,8 @@
 #include <array>
 #include <lab/robot_stop_t.hpp>
 
-#include "common/channels.hpp"
-#include "common/fingerprints.hpp"
+#include "common/bus/channels.hpp"
+#include "common/bus/fingerprints.hpp"
 
 namespace lab::gateway {
 namespace {

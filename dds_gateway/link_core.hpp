@@ -10,8 +10,8 @@
 #include <tuple>
 #include <utility>
 
-#include "common/bus.hpp"
-#include "common/header.hpp"
+#include "common/bus/bus.hpp"
+#include "common/bus/message_header.hpp"
 #include "dds_gateway/link_recent.hpp"
 
 namespace lab::gateway {

@@ -6,8 +6,8 @@
 #include <cstdio>
 #include <utility>
 
-#include "common/fingerprints.hpp"
-#include "common/version.hpp"
+#include "common/bus/fingerprints.hpp"
+#include "common/process/version.hpp"
 
 namespace lab::gateway {
 namespace {

@@ -7,9 +7,9 @@
 #include <iterator>
 #include <set>
 
-#include "common/experiment_file.hpp"
-#include "common/experiment_problems.hpp"
-#include "common/toml_document.hpp"
+#include "common/experiment/experiment_file.hpp"
+#include "common/files/file_problems.hpp"
+#include "common/files/toml_document.hpp"
 #include "dds_gateway/names.hpp"
 
 namespace lab::gateway {

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "common/units.hpp"
+#include "common/math/units.hpp"
 
 namespace lab::gateway {
 

@@ -5,10 +5,10 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "common/channels.hpp"
-#include "common/experiment_file.hpp"
-#include "common/experiment_messages.hpp"
-#include "common/units.hpp"
+#include "common/bus/channels.hpp"
+#include "common/experiment/experiment_file.hpp"
+#include "common/experiment/experiment_messages.hpp"
+#include "common/math/units.hpp"
 #include "dds_gateway/gateway_domain.hpp"
 #include "dds/error.hpp"
 

@@ -12,8 +12,8 @@
 #include <string>
 #include <vector>
 
-#include "common/light_messages.hpp"
-#include "common/service_main.hpp"
+#include "common/experiment/light_messages.hpp"
+#include "common/service/service_main.hpp"
 #include "dds/domain.hpp"
 #include "dds_gateway/foreign_endpoints.hpp"
 #include "dds_gateway/mapping.hpp"

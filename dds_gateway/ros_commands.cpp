@@ -7,9 +7,9 @@
 #include <functional>
 #include <utility>
 
-#include "common/channels.hpp"
-#include "common/experiment_messages.hpp"
-#include "common/units.hpp"
+#include "common/bus/channels.hpp"
+#include "common/experiment/experiment_messages.hpp"
+#include "common/math/units.hpp"
 
 namespace lab::gateway {
 namespace {

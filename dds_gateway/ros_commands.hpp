@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "common/service_main.hpp"
+#include "common/service/service_main.hpp"
 #include "dds/domain.hpp"
 #include "dds/waker.hpp"
 #include "dds_gateway/command_desk.hpp"

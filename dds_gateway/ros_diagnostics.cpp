@@ -1,7 +1,7 @@
 /// RosBridge's word about itself and the lab: /diagnostics.
 #include <fmt/format.h>
 
-#include "common/units.hpp"
+#include "common/math/units.hpp"
 #include "dds_gateway/ros_bridge.hpp"
 
 namespace lab::gateway {

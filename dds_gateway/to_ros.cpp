@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/units.hpp"
-#include "common/utf8.hpp"
+#include "common/math/units.hpp"
+#include "common/text/utf8.hpp"
 
 namespace lab::gateway {
 namespace {

@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "common/experiment.hpp"
+#include "common/experiment/experiment.hpp"
 #include "light/field/field.hpp"
 #include "ros_types/ros_type.hpp"
 

@@ -4,7 +4,7 @@
 
 #include <utility>
 
-#include "common/projector_file.hpp"
+#include "common/calibration/projector_file.hpp"
 #include "light/field/image.hpp"
 
 namespace lab::projector {

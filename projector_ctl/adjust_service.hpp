@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <memory>
 
-#include "common/service_main.hpp"
+#include "common/service/service_main.hpp"
 #include "projector_ctl/corners.hpp"
 #include "projector_ctl/display.hpp"
 

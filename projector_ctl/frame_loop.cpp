@@ -4,8 +4,8 @@
 #include <cmath>
 #include <utility>
 
-#include "common/experiment.hpp"
-#include "common/units.hpp"
+#include "common/experiment/experiment.hpp"
+#include "common/math/units.hpp"
 
 namespace lab::projector {
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "common/loop.hpp"
+#include "common/loop/loop.hpp"
 #include "projector_ctl/frame_clock.hpp"
 #include "projector_ctl/presenter.hpp"
 

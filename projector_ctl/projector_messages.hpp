@@ -5,7 +5,7 @@
 #include <lab/light_status_t.hpp>
 #include <lab/tracked_frame_t.hpp>
 
-#include "common/experiment.hpp"
+#include "common/experiment/experiment.hpp"
 #include "light/field/image.hpp"
 #include "projector_ctl/projector_core.hpp"
 #include "projector_ctl/replay.hpp"

@@ -9,12 +9,12 @@
 #include <lab/tracked_frame_t.hpp>
 #include <utility>
 
-#include "common/channels.hpp"
-#include "common/light_file.hpp"
-#include "common/light_messages.hpp"
-#include "common/projector_file.hpp"
-#include "common/experiment_messages.hpp"
-#include "common/units.hpp"
+#include "common/bus/channels.hpp"
+#include "common/calibration/light_file.hpp"
+#include "common/experiment/light_messages.hpp"
+#include "common/calibration/projector_file.hpp"
+#include "common/experiment/experiment_messages.hpp"
+#include "common/math/units.hpp"
 #include "light/field/raster.hpp"
 #include "projector_ctl/overlay.hpp"
 #include "projector_ctl/projector_messages.hpp"

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "common/light_messages.hpp"
-#include "common/service_main.hpp"
+#include "common/experiment/light_messages.hpp"
+#include "common/service/service_main.hpp"
 #include "projector_ctl/frame_clock.hpp"
 #include "projector_ctl/frame_loop.hpp"
 #include "projector_ctl/projector_core.hpp"

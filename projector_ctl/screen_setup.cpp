@@ -4,9 +4,9 @@
 #include <thread>
 #include <utility>
 
-#include "common/experiment_file.hpp"
-#include "common/light_file.hpp"
-#include "common/projector_file.hpp"
+#include "common/experiment/experiment_file.hpp"
+#include "common/calibration/light_file.hpp"
+#include "common/calibration/projector_file.hpp"
 #include "projector_ctl/calibrated_tone.hpp"
 #include "projector_ctl/display_sdl.hpp"
 

@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <memory>
 
-#include "common/experiment.hpp"
-#include "common/loop.hpp"
+#include "common/experiment/experiment.hpp"
+#include "common/loop/loop.hpp"
 #include "projector_ctl/presenter.hpp"
 
 namespace lab::projector {

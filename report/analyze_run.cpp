@@ -8,7 +8,7 @@
 #include "report/figures.hpp"
 #include "report/findings.hpp"
 #include "report/html.hpp"
-#include "report/people.hpp"
+#include "common/text/format.hpp"
 #include "report/report_error.hpp"
 #include "report/run_record.hpp"
 #include "report/segments.hpp"

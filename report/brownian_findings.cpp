@@ -2,8 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "report/json_numbers.hpp"
-#include "report/people.hpp"
+#include "common/text/json_number.hpp"
+#include "common/text/format.hpp"
 
 namespace lab::report {
 namespace {

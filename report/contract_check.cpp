@@ -24,10 +24,10 @@
 #include <lab/tracker_status_t.hpp>
 #include <sstream>
 
-#include "common/channels.hpp"
-#include "common/contract_upgrade.hpp"
-#include "common/fingerprints.hpp"
-#include "common/version.hpp"
+#include "common/bus/channels.hpp"
+#include "common/bus/contract_upgrade.hpp"
+#include "common/bus/fingerprints.hpp"
+#include "common/process/version.hpp"
 #include "report/report_error.hpp"
 
 namespace lab::report {

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "common/units.hpp"
+#include "common/math/units.hpp"
 
 namespace lab::report {
 namespace {

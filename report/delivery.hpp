@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "common/percentiles.hpp"
+#include "common/math/percentiles.hpp"
 #include "report/run_record.hpp"
 
 namespace lab::report {

@@ -2,11 +2,11 @@
 #include <cmath>
 #include <limits>
 
-#include "common/units.hpp"
+#include "common/math/units.hpp"
 #include "report/figure_files.hpp"
 #include "report/figure_scripts.hpp"
 #include "report/gnuplot.hpp"
-#include "report/people.hpp"
+#include "common/text/format.hpp"
 
 namespace lab::report {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "report/figure_files.hpp"
 #include "report/gnuplot.hpp"
-#include "report/people.hpp"
+#include "common/text/format.hpp"
 #include "report/run_findings.hpp"
 
 namespace lab::report {

@@ -3,11 +3,11 @@
 #include <cstdlib>
 #include <optional>
 
-#include "common/units.hpp"
+#include "common/math/units.hpp"
 #include "report/figure_files.hpp"
 #include "report/figure_scripts.hpp"
 #include "report/gnuplot.hpp"
-#include "report/people.hpp"
+#include "common/text/format.hpp"
 
 namespace lab::report {
 namespace {

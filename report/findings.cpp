@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/experiment_messages.hpp"
-#include "common/units.hpp"
-#include "report/people.hpp"
+#include "common/experiment/experiment_messages.hpp"
+#include "common/math/units.hpp"
+#include "common/text/format.hpp"
 
 namespace lab::report {
 namespace {

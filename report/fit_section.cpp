@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "report/html_sections.hpp"
-#include "report/json_numbers.hpp"
-#include "report/people.hpp"
+#include "common/text/json_number.hpp"
+#include "common/text/format.hpp"
 
 namespace lab::report {
 namespace {
@@ -50,6 +50,22 @@ std::string testText(const std::optional<LawTest>& test, const char* what) {
 }
 
 }  // namespace
+
+Json estimatesJson(const std::vector<analysis::Estimate>& estimates) {
+  Json all = Json::object();
+  for (const analysis::Estimate& estimate : estimates) {
+    const PeopleUnit unit = peopleUnit(estimate.unit);
+    all[unit.key.empty() ? estimate.name : estimate.name + "_" + unit.key] = {
+        {"value", number(estimate.value * unit.factor)},
+        {"standard_error", number(estimate.sigma * unit.factor)},
+        {"low95", number(estimate.low95 * unit.factor)},
+        {"high95", number(estimate.high95 * unit.factor)},
+        {"theory", number(estimate.theory * unit.factor)},
+        {"effective_samples", number(estimate.n_eff)},
+        {"note", estimate.note}};
+  }
+  return all;
+}
 
 Json fitJson(const LawFit& fit) {
   Json json;

@@ -3,10 +3,16 @@
 
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
+#include "analyzer/estimates.hpp"
 #include "analyzer/law_fit.hpp"
 
 namespace lab::report {
+
+/// Each estimate under its name with its unit, in people's units.
+[[nodiscard]] nlohmann::ordered_json estimatesJson(
+    const std::vector<analysis::Estimate>& estimates);
 
 /// Key "fit" of summary.json: a refusal in words, or parameters, intervals and tests.
 [[nodiscard]] nlohmann::ordered_json fitJson(const analysis::LawFit& fit);

@@ -13,7 +13,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "report/people.hpp"
+#include "common/text/format.hpp"
 #include "report/report_error.hpp"
 
 namespace lab::report {

@@ -6,7 +6,7 @@
 #include "report/html_sections.hpp"
 #include "report/html_style.hpp"
 #include "report/light_bands.hpp"
-#include "report/people.hpp"
+#include "common/text/format.hpp"
 #include "report/segments.hpp"
 #include "report/run_findings.hpp"
 

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "report/html_sections.hpp"
-#include "report/people.hpp"
+#include "common/text/format.hpp"
 
 namespace lab::report::html {
 

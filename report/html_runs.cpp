@@ -2,9 +2,9 @@
 
 #include <cmath>
 
-#include "common/units.hpp"
+#include "common/math/units.hpp"
 #include "report/html_sections.hpp"
-#include "report/people.hpp"
+#include "common/text/format.hpp"
 #include "report/run_findings.hpp"
 
 namespace lab::report::html {

@@ -6,12 +6,12 @@
 #include <cctype>
 #include <cmath>
 
-#include "common/installation.hpp"
-#include "common/units.hpp"
-#include "common/version.hpp"
+#include "common/process/installation.hpp"
+#include "common/math/units.hpp"
+#include "common/process/version.hpp"
 #include "report/delivery.hpp"
 #include "report/gnuplot.hpp"
-#include "report/people.hpp"
+#include "common/text/format.hpp"
 
 namespace lab::report::html {
 namespace {

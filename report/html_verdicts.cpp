@@ -6,7 +6,7 @@
 #include "report/brownian_findings.hpp"
 #include "report/fit_section.hpp"
 #include "report/html_sections.hpp"
-#include "report/people.hpp"
+#include "common/text/format.hpp"
 
 namespace lab::report::html {
 namespace {

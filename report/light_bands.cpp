@@ -4,9 +4,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "common/units.hpp"
+#include "common/math/units.hpp"
 #include "report/html_sections.hpp"
-#include "report/people.hpp"
+#include "common/text/format.hpp"
 
 namespace lab::report {
 namespace {

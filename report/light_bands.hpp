@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "light/photometry/light_margin.hpp"
-#include "common/light_file.hpp"
+#include "common/calibration/light_file.hpp"
 #include "report/run_record.hpp"
 
 namespace lab::report {

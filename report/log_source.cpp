@@ -7,9 +7,9 @@
 #include <fstream>
 #include <string_view>
 
-#include "common/channels.hpp"
-#include "common/header.hpp"
-#include "common/log_file.hpp"
+#include "common/bus/channels.hpp"
+#include "common/bus/message_header.hpp"
+#include "common/bus/log_file.hpp"
 #include "report/contract_check.hpp"
 #include "report/report_error.hpp"
 

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <tuple>
 
-#include "common/experiment_places.hpp"
-#include "common/stream_counter.hpp"
-#include "common/units.hpp"
+#include "common/experiment/service_placement.hpp"
+#include "common/bus/stream_counter.hpp"
+#include "common/math/units.hpp"
 
 namespace lab::report {
 

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "common/header.hpp"
+#include "common/bus/message_header.hpp"
 
 namespace lab::report {
 

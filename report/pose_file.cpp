@@ -17,7 +17,7 @@
 #include <utility>
 #include <vector>
 
-#include "common/units.hpp"
+#include "common/math/units.hpp"
 #include "report/pose_frames.hpp"
 #include "report/report_error.hpp"
 

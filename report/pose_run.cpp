@@ -14,9 +14,9 @@
 
 #include "analyzer/analysis_feed.hpp"
 #include "analyzer/reversal_finder.hpp"
-#include "common/experiment_file.hpp"
-#include "common/experiment_messages.hpp"
-#include "common/units.hpp"
+#include "common/experiment/experiment_file.hpp"
+#include "common/experiment/experiment_messages.hpp"
+#include "common/math/units.hpp"
 #include "report/pose_units.hpp"
 #include "report/report_error.hpp"
 

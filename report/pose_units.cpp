@@ -9,7 +9,7 @@
 #include <map>
 #include <numbers>
 
-#include "report/people.hpp"
+#include "common/text/format.hpp"
 
 namespace lab::report {
 namespace {

@@ -5,7 +5,7 @@
 #include <map>
 
 #include "analyzer/analysis_feed.hpp"
-#include "common/units.hpp"
+#include "common/math/units.hpp"
 #include "report/log_source.hpp"
 #include "report/report_error.hpp"
 #include "report/run_record.hpp"

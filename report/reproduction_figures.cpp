@@ -4,10 +4,10 @@
 #include <array>
 #include <cmath>
 
-#include "common/units.hpp"
+#include "common/math/units.hpp"
 #include "report/figure_files.hpp"
 #include "report/gnuplot.hpp"
-#include "report/people.hpp"
+#include "common/text/format.hpp"
 
 namespace lab::report {
 namespace panels {

@@ -5,12 +5,12 @@
 #include <cmath>
 #include <fstream>
 
-#include "common/version.hpp"
+#include "common/process/version.hpp"
 #include "report/figure_files.hpp"
 #include "report/gnuplot.hpp"
 #include "report/html_sections.hpp"
 #include "report/html_style.hpp"
-#include "report/people.hpp"
+#include "common/text/format.hpp"
 #include "report/report_error.hpp"
 #include "report/reproduction_figures.hpp"
 

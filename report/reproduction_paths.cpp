@@ -5,7 +5,7 @@
 
 #include "report/figure_files.hpp"
 #include "report/gnuplot.hpp"
-#include "report/people.hpp"
+#include "common/text/format.hpp"
 #include "report/reproduction_figures.hpp"
 
 namespace lab::report::panels {

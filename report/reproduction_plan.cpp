@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "common/units.hpp"
+#include "common/math/units.hpp"
 #include "report/report_error.hpp"
 
 namespace lab::report {

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "common/experiment.hpp"
+#include "common/experiment/experiment.hpp"
 
 namespace lab::report {
 

@@ -7,8 +7,8 @@
 #include <limits>
 
 #include "analyzer/statistics.hpp"
-#include "common/units.hpp"
-#include "report/people.hpp"
+#include "common/math/units.hpp"
+#include "common/text/format.hpp"
 
 namespace lab::report {
 namespace {

@@ -4,9 +4,9 @@
 #include <deque>
 
 #include "analyzer/program_book.hpp"
-#include "common/experiment_file.hpp"
-#include "common/experiment_messages.hpp"
-#include "common/units.hpp"
+#include "common/experiment/experiment_file.hpp"
+#include "common/experiment/experiment_messages.hpp"
+#include "common/math/units.hpp"
 #include "report/event_record.hpp"
 
 namespace lab::report {

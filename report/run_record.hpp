@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "analyzer/analysis_feed.hpp"
-#include "common/experiment.hpp"
-#include "common/light_file.hpp"
+#include "common/experiment/experiment.hpp"
+#include "common/calibration/light_file.hpp"
 #include "report/links.hpp"
 #include "report/log_source.hpp"
 #include "report/timelines.hpp"

@@ -8,11 +8,11 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
-#include "common/units.hpp"
+#include "common/math/units.hpp"
 #include "report/findings.hpp"
 #include "report/html_sections.hpp"
-#include "report/json_numbers.hpp"
-#include "report/people.hpp"
+#include "common/text/json_number.hpp"
+#include "common/text/format.hpp"
 #include "report/trajectories.hpp"
 
 namespace lab::report {

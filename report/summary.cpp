@@ -5,14 +5,14 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "common/version.hpp"
+#include "common/process/version.hpp"
 #include "report/brownian_findings.hpp"
 #include "report/delivery.hpp"
 #include "report/findings.hpp"
 #include "report/fit_section.hpp"
-#include "report/json_numbers.hpp"
+#include "common/text/json_number.hpp"
 #include "report/light_bands.hpp"
-#include "report/people.hpp"
+#include "common/text/format.hpp"
 #include "report/segments.hpp"
 #include "report/run_findings.hpp"
 

@@ -1,6 +1,7 @@
 #include <nlohmann/json.hpp>
 
-#include "report/json_numbers.hpp"
+#include "common/text/json_number.hpp"
+#include "report/fit_section.hpp"
 #include "report/run_findings.hpp"
 
 namespace lab::report {

@@ -5,7 +5,7 @@
 #include <map>
 #include <utility>
 
-#include "common/units.hpp"
+#include "common/math/units.hpp"
 
 namespace lab::report {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "common/light_messages.hpp"
+#include "common/experiment/light_messages.hpp"
 
 namespace lab::report {
 namespace {

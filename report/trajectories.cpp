@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "common/units.hpp"
+#include "common/math/units.hpp"
 
 namespace lab::report {
 namespace {

@@ -7,8 +7,8 @@
 #include <lab/robot_status_t.hpp>
 #include <lab/robot_steps_t.hpp>
 
-#include "common/channels.hpp"
-#include "common/units.hpp"
+#include "common/bus/channels.hpp"
+#include "common/math/units.hpp"
 
 namespace lab::bridge {
 namespace {

@@ -10,7 +10,7 @@
 #include <memory>
 #include <string>
 
-#include "common/service_main.hpp"
+#include "common/service/service_main.hpp"
 #include "robot_bridge/port_keeper.hpp"
 #include "robot_bridge/robot_link.hpp"
 #include "robot_bridge/status_of.hpp"

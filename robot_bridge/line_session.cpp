@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "common/installation.hpp"
+#include "common/process/installation.hpp"
 
 namespace lab::bridge {
 namespace {

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "common/loop.hpp"
-#include "common/serial.hpp"
+#include "common/loop/loop.hpp"
+#include "common/serial/serial.hpp"
 #include "robot_bridge/line_session.hpp"
 
 namespace lab::bridge {

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "common/asio_loop.hpp"
-#include "common/experiment.hpp"
-#include "common/serial_devices.hpp"
+#include "common/loop/asio_loop.hpp"
+#include "common/experiment/experiment.hpp"
+#include "common/serial/serial_devices.hpp"
 #include "robot_bridge/line_survey.hpp"
 #include "robot_bridge/uid_writer.hpp"
 

@@ -8,8 +8,8 @@
 #include <optional>
 #include <string>
 
-#include "common/loop.hpp"
-#include "common/serial.hpp"
+#include "common/loop/loop.hpp"
+#include "common/serial/serial.hpp"
 #include "robot_bridge/line_session.hpp"
 #include "robot_bridge/robot_link.hpp"
 

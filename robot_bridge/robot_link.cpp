@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "common/units.hpp"
+#include "common/math/units.hpp"
 #include "robot/wire/config.hpp"
 
 namespace lab::bridge {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "common/order_settings.hpp"
+#include "common/experiment/order_settings.hpp"
 #include "robot_bridge/calibration_errand.hpp"
 #include "robot_bridge/clock_estimate.hpp"
 #include "robot_bridge/command_sender.hpp"

@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/random.hpp"
-#include "common/units.hpp"
+#include "common/math/random.hpp"
+#include "common/math/units.hpp"
 #include "robot_bridge/robot_link.hpp"
 #include "robot/wire/config.hpp"
 

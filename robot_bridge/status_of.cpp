@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "common/units.hpp"
+#include "common/math/units.hpp"
 #include "robot/dynamics/light_table.hpp"
 #include "robot/dynamics/program.hpp"
 

@@ -5,8 +5,8 @@
 #include <memory>
 #include <string>
 
-#include "common/loop.hpp"
-#include "common/serial.hpp"
+#include "common/loop/loop.hpp"
+#include "common/serial/serial.hpp"
 #include "robot_bridge/command_sender.hpp"
 #include "robot_bridge/line_session.hpp"
 

@@ -7,7 +7,7 @@
 #include <cstring>
 #include <string>
 
-#include "common/random.hpp"
+#include "common/math/random.hpp"
 #include "robot_emulator/chip_simavr.hpp"
 #include "robot_emulator/motor_pins.hpp"
 #include "robot_emulator/registers.hpp"

@@ -1,7 +1,7 @@
 // The EEPROM of a Chip.
 #include <algorithm>
 
-#include "common/random.hpp"
+#include "common/math/random.hpp"
 #include "robot_emulator/chip_simavr.hpp"
 #include "robot_emulator/registers.hpp"
 

@@ -7,7 +7,7 @@
 #include <iostream>
 #include <iterator>
 
-#include "common/experiment.hpp"
+#include "common/experiment/experiment.hpp"
 #include "robot/firmware/settings.hpp"
 
 namespace lab::emulator {

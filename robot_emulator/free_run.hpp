@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "common/asio_loop.hpp"
-#include "common/serial_devices.hpp"
+#include "common/loop/asio_loop.hpp"
+#include "common/serial/serial_devices.hpp"
 #include "robot_emulator/emulated_robot.hpp"
 
 namespace lab::emulator {

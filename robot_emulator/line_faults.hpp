@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "common/random.hpp"
+#include "common/math/random.hpp"
 
 namespace lab::emulator {
 

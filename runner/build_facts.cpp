@@ -9,7 +9,7 @@
 #include <Eigen/Core>
 #include <nlohmann/json.hpp>
 
-#include "common/version.hpp"
+#include "common/process/version.hpp"
 #include "runner/revision.hpp"
 
 namespace lab::runner {

@@ -6,8 +6,8 @@
 
 #include "calibration/motor_report.hpp"
 #include "calibration/pattern.hpp"
-#include "common/experiment_file.hpp"
-#include "common/experiment_messages.hpp"
+#include "common/experiment/experiment_file.hpp"
+#include "common/experiment/experiment_messages.hpp"
 #include "runner/calibration_lab.hpp"
 #include "runner/commands.hpp"
 #include "runner/launch.hpp"

@@ -8,9 +8,9 @@
 
 #include "calibration/projector_patterns.hpp"
 #include "light/photometry/tone_pictures.hpp"
-#include "common/experiment_file.hpp"
-#include "common/light_file.hpp"
-#include "common/units.hpp"
+#include "common/experiment/experiment_file.hpp"
+#include "common/calibration/light_file.hpp"
+#include "common/math/units.hpp"
 #include "light/photometry/camera_response.hpp"
 #include "light/optics/simulated_projector.hpp"
 #include "runner/calibration_lab.hpp"

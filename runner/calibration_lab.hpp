@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <string>
 
-#include "common/camera_file.hpp"
-#include "common/experiment.hpp"
+#include "common/calibration/camera_file.hpp"
+#include "common/experiment/experiment.hpp"
 
 namespace lab::runner {
 

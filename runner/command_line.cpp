@@ -5,8 +5,8 @@
 #include <iostream>
 #include <iterator>
 
-#include "common/experiment_file.hpp"
-#include "common/installation.hpp"
+#include "common/experiment/experiment_file.hpp"
+#include "common/process/installation.hpp"
 #include "runner/build_facts.hpp"
 #include "runner/command_line_parts.hpp"
 #include "runner/commands.hpp"

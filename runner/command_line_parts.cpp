@@ -9,7 +9,7 @@
 #include <system_error>
 #include <vector>
 
-#include "common/installation.hpp"
+#include "common/process/installation.hpp"
 #include "runner/exit_code.hpp"
 #include "runner/experiment_lookup.hpp"
 

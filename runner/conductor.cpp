@@ -3,15 +3,15 @@
 #include <algorithm>
 #include <utility>
 
-#include "common/channels.hpp"
-#include "common/experiment_messages.hpp"
-#include "common/experiment_places.hpp"
-#include "common/fingerprints.hpp"
-#include "common/json_section.hpp"
-#include "common/light_file.hpp"
-#include "common/script_plan.hpp"
-#include "common/units.hpp"
-#include "common/version.hpp"
+#include "common/bus/channels.hpp"
+#include "common/experiment/experiment_messages.hpp"
+#include "common/experiment/service_placement.hpp"
+#include "common/bus/fingerprints.hpp"
+#include "common/files/json_section.hpp"
+#include "common/calibration/light_file.hpp"
+#include "common/experiment/script_plan.hpp"
+#include "common/math/units.hpp"
+#include "common/process/version.hpp"
 
 namespace lab::runner {
 namespace {

@@ -16,7 +16,7 @@
 #include <set>
 #include <string>
 
-#include "common/service_main.hpp"
+#include "common/service/service_main.hpp"
 #include "runner/handshake.hpp"
 #include "runner/light_part.hpp"
 #include "runner/stop_rules.hpp"

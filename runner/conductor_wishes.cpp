@@ -2,8 +2,8 @@
 
 #include <limits>
 
-#include "common/channels.hpp"
-#include "common/units.hpp"
+#include "common/bus/channels.hpp"
+#include "common/math/units.hpp"
 #include "runner/conductor.hpp"
 
 /// The conductor's part of EXPERIMENT_COMMAND and EXPERIMENT_STATUS.

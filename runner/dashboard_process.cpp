@@ -8,8 +8,8 @@
 #include <fstream>
 #include <system_error>
 
-#include "common/experiment_places.hpp"
-#include "common/installation.hpp"
+#include "common/experiment/service_placement.hpp"
+#include "common/process/installation.hpp"
 #include "runner/exit_code.hpp"
 #include "runner/progress_line.hpp"
 

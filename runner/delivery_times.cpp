@@ -1,7 +1,7 @@
 #include "runner/delivery_times.hpp"
 
-#include "common/percentiles.hpp"
-#include "common/units.hpp"
+#include "common/math/percentiles.hpp"
+#include "common/math/units.hpp"
 
 namespace lab::runner {
 

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "common/experiment_messages.hpp"
-#include "common/units.hpp"
+#include "common/experiment/experiment_messages.hpp"
+#include "common/math/units.hpp"
 #include "projector_ctl/projector_core.hpp"
 
 namespace lab::runner {

@@ -1,6 +1,6 @@
 #include "runner/disk_need.hpp"
 
-#include "common/experiment_log_size.hpp"
+#include "common/experiment/experiment_log_size.hpp"
 
 namespace lab::runner {
 

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "common/experiment.hpp"
+#include "common/experiment/experiment.hpp"
 
 namespace lab::runner {
 

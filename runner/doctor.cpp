@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <ostream>
 
-#include "common/installation.hpp"
+#include "common/process/installation.hpp"
 
 namespace lab::runner {
 namespace {

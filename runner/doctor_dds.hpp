@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "common/experiment.hpp"
+#include "common/experiment/experiment.hpp"
 #include "runner/doctor.hpp"
 
 namespace lab::runner {

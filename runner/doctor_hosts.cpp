@@ -6,7 +6,7 @@
 #include <memory>
 #include <thread>
 
-#include "common/experiment_places.hpp"
+#include "common/experiment/service_placement.hpp"
 #include "runner/remote_host.hpp"
 #include "runner/services.hpp"
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "common/experiment.hpp"
+#include "common/experiment/experiment.hpp"
 #include "runner/doctor.hpp"
 
 namespace lab::runner {

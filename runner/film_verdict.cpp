@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "common/units.hpp"
+#include "common/math/units.hpp"
 #include "tracker_svc/cap_spacings.hpp"
 
 namespace lab::runner {

@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "calibration/spacing_check.hpp"
-#include "common/camera_file.hpp"
+#include "common/calibration/camera_file.hpp"
 #include "tracker_svc/film_tracking.hpp"
 
 namespace lab::runner {

@@ -8,9 +8,9 @@
 #include <optional>
 #include <vector>
 
-#include "common/asio_loop.hpp"
-#include "common/installation.hpp"
-#include "common/serial_devices.hpp"
+#include "common/loop/asio_loop.hpp"
+#include "common/process/installation.hpp"
+#include "common/serial/serial_devices.hpp"
 #include "runner/commands.hpp"
 #include "runner/robot_adoption.hpp"
 

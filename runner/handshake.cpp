@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/experiment_messages.hpp"
+#include "common/experiment/experiment_messages.hpp"
 
 namespace lab::runner {
 namespace {

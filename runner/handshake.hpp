@@ -9,7 +9,7 @@
 #include <set>
 #include <vector>
 
-#include "common/experiment.hpp"
+#include "common/experiment/experiment.hpp"
 
 namespace lab::runner {
 

@@ -18,11 +18,11 @@
 #include <thread>
 #include <vector>
 
-#include "common/asio_loop.hpp"
-#include "common/channels.hpp"
-#include "common/codec.hpp"
-#include "common/installation.hpp"
-#include "common/lcm_bus.hpp"
+#include "common/loop/asio_loop.hpp"
+#include "common/bus/channels.hpp"
+#include "common/bus/codec.hpp"
+#include "common/process/installation.hpp"
+#include "common/bus/lcm_bus.hpp"
 #include "runner/child_process.hpp"
 #include "runner/exit_code.hpp"
 #include "runner/host_contract.hpp"
@@ -32,7 +32,7 @@
 #include "runner/network.hpp"
 #include "runner/only_agent.hpp"
 #include "runner/run_directory.hpp"
-#include "runner/wall_clock.hpp"
+#include "common/loop/wall_clock.hpp"
 
 namespace lab::runner {
 namespace fs = std::filesystem;

@@ -10,10 +10,10 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "common/fingerprints.hpp"
-#include "common/installation.hpp"
-#include "common/units.hpp"
-#include "common/version.hpp"
+#include "common/bus/fingerprints.hpp"
+#include "common/process/installation.hpp"
+#include "common/math/units.hpp"
+#include "common/process/version.hpp"
 #include "runner/machine.hpp"
 #include "runner/revision.hpp"
 

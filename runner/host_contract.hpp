@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "common/experiment.hpp"
+#include "common/experiment/experiment.hpp"
 
 namespace lab::runner {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "common/experiment.hpp"
+#include "common/experiment/experiment.hpp"
 
 namespace lab::runner {
 

@@ -6,7 +6,7 @@
 #include <limits>
 #include <string>
 
-#include "common/experiment.hpp"
+#include "common/experiment/experiment.hpp"
 
 namespace lab::runner {
 

@@ -8,9 +8,9 @@
 #include <utility>
 
 #include "cameras/camera_devices.hpp"
-#include "common/experiment_file.hpp"
-#include "common/experiment_messages.hpp"
-#include "common/units.hpp"
+#include "common/experiment/experiment_file.hpp"
+#include "common/experiment/experiment_messages.hpp"
+#include "common/math/units.hpp"
 #include "light/optics/simulated_camera.hpp"
 #include "runner/calibration_lab.hpp"
 #include "runner/launch.hpp"

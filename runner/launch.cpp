@@ -10,11 +10,11 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "common/experiment_places.hpp"
-#include "common/installation.hpp"
-#include "common/lcm_bus.hpp"
-#include "common/units.hpp"
-#include "common/version.hpp"
+#include "common/experiment/service_placement.hpp"
+#include "common/process/installation.hpp"
+#include "common/bus/lcm_bus.hpp"
+#include "common/math/units.hpp"
+#include "common/process/version.hpp"
 #include "runner/disk_need.hpp"
 #include "runner/doctor.hpp"
 #include "runner/exit_code.hpp"
@@ -23,7 +23,7 @@
 #include "runner/remote_hosts.hpp"
 #include "runner/run_live.hpp"
 #include "runner/services.hpp"
-#include "runner/wall_clock.hpp"
+#include "common/loop/wall_clock.hpp"
 
 namespace lab::runner {
 namespace fs = std::filesystem;

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <regex>
 
-#include "common/experiment_file.hpp"
+#include "common/experiment/experiment_file.hpp"
 #include "runner/exit_code.hpp"
 
 namespace lab::runner {

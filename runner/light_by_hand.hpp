@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "common/experiment.hpp"
-#include "common/light_messages.hpp"
+#include "common/experiment/experiment.hpp"
+#include "common/experiment/light_messages.hpp"
 
 namespace lab::runner {
 

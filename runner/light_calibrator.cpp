@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/channels.hpp"
-#include "common/experiment_messages.hpp"
-#include "common/light_messages.hpp"
-#include "common/units.hpp"
+#include "common/bus/channels.hpp"
+#include "common/experiment/experiment_messages.hpp"
+#include "common/experiment/light_messages.hpp"
+#include "common/math/units.hpp"
 
 namespace lab::runner {
 namespace {

@@ -3,13 +3,13 @@
 #include <lab/light_command_t.hpp>
 #include <lab/light_status_t.hpp>
 
-#include "common/asio_loop.hpp"
-#include "common/channels.hpp"
-#include "common/experiment_file.hpp"
-#include "common/lcm_bus.hpp"
-#include "common/light_messages.hpp"
-#include "common/node.hpp"
-#include "common/units.hpp"
+#include "common/loop/asio_loop.hpp"
+#include "common/bus/channels.hpp"
+#include "common/experiment/experiment_file.hpp"
+#include "common/bus/lcm_bus.hpp"
+#include "common/experiment/light_messages.hpp"
+#include "common/service/node.hpp"
+#include "common/math/units.hpp"
 #include "runner/commands.hpp"
 #include "runner/lab_registry.hpp"
 #include "runner/light_by_hand.hpp"

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "common/units.hpp"
+#include "common/math/units.hpp"
 #include "report/light_bands.hpp"
 
 namespace lab::runner {

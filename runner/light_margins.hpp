@@ -4,7 +4,7 @@
 #include <string>
 
 #include "light/photometry/light_fit.hpp"
-#include "common/light_file.hpp"
+#include "common/calibration/light_file.hpp"
 
 namespace lab::runner {
 

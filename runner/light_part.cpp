@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <utility>
 
-#include "common/channels.hpp"
-#include "common/experiment_cores.hpp"
-#include "common/experiment_messages.hpp"
-#include "common/units.hpp"
+#include "common/bus/channels.hpp"
+#include "common/experiment/experiment_conversions.hpp"
+#include "common/experiment/experiment_messages.hpp"
+#include "common/math/units.hpp"
 #include "light/field/field.hpp"
 
 namespace lab::runner {

@@ -13,8 +13,8 @@
 #include <optional>
 #include <string>
 
-#include "common/light_messages.hpp"
-#include "common/node.hpp"
+#include "common/experiment/light_messages.hpp"
+#include "common/service/node.hpp"
 #include "runner/delivery_times.hpp"
 #include "runner/delivery_watch.hpp"
 #include "runner/script_player.hpp"

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "common/experiment.hpp"
-#include "common/light_messages.hpp"
+#include "common/experiment/experiment.hpp"
+#include "common/experiment/light_messages.hpp"
 #include "projector_ctl/scene.hpp"
 #include "light/optics/rgb_image.hpp"
 

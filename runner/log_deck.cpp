@@ -8,9 +8,9 @@
 #include <set>
 #include <tuple>
 
-#include "common/channels.hpp"
-#include "common/codec.hpp"
-#include "common/units.hpp"
+#include "common/bus/channels.hpp"
+#include "common/bus/codec.hpp"
+#include "common/math/units.hpp"
 
 namespace lab::runner {
 namespace {

@@ -5,9 +5,9 @@
 #include <lab/service_status_t.hpp>
 #include <lab/tracked_frame_t.hpp>
 
-#include "common/channels.hpp"
-#include "common/log_file.hpp"
-#include "common/units.hpp"
+#include "common/bus/channels.hpp"
+#include "common/bus/log_file.hpp"
+#include "common/math/units.hpp"
 
 namespace lab::runner {
 

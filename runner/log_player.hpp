@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "common/bus.hpp"
+#include "common/bus/bus.hpp"
 
 namespace lab::runner {
 

@@ -24,7 +24,7 @@
 #include <system_error>
 #include <thread>
 
-#include "common/installation.hpp"
+#include "common/process/installation.hpp"
 #include "runner/network.hpp"
 
 namespace lab::runner {

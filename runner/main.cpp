@@ -4,8 +4,8 @@
 #include <csignal>
 #include <iostream>
 
-#include "common/bus_error.hpp"
-#include "common/experiment_file.hpp"
+#include "common/bus/bus_error.hpp"
+#include "common/experiment/experiment_file.hpp"
 #include "report/report_error.hpp"
 #include "runner/command_line.hpp"
 #include "runner/exit_code.hpp"

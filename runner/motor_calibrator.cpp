@@ -7,8 +7,8 @@
 
 #include "calibration/motor_message.hpp"
 #include "calibration/track_noise.hpp"
-#include "common/channels.hpp"
-#include "common/experiment_messages.hpp"
+#include "common/bus/channels.hpp"
+#include "common/experiment/experiment_messages.hpp"
 
 namespace lab::runner {
 namespace {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "common/units.hpp"
+#include "common/math/units.hpp"
 
 namespace lab::runner {
 namespace {

@@ -12,7 +12,7 @@
 #include "calibration/motors.hpp"
 #include "calibration/pattern.hpp"
 #include "calibration/speed_check.hpp"
-#include "common/experiment.hpp"
+#include "common/experiment/experiment.hpp"
 
 namespace lab::runner {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <system_error>
 
-#include "common/experiment_file.hpp"
+#include "common/experiment/experiment_file.hpp"
 #include "light/field/image.hpp"
 #include "runner/commands.hpp"
 #include "runner/light_preview.hpp"

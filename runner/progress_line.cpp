@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <system_error>
 
-#include "runner/left_text.hpp"
+#include "common/text/duration_text.hpp"
 
 namespace lab::runner {
 namespace {

@@ -6,9 +6,9 @@
 #include <utility>
 
 #include "cameras/camera_devices.hpp"
-#include "common/channels.hpp"
-#include "common/light_messages.hpp"
-#include "common/units.hpp"
+#include "common/bus/channels.hpp"
+#include "common/experiment/light_messages.hpp"
+#include "common/math/units.hpp"
 
 namespace lab::runner {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "common/units.hpp"
+#include "common/math/units.hpp"
 
 namespace lab::runner {
 

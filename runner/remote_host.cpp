@@ -11,11 +11,11 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "common/experiment_places.hpp"
+#include "common/experiment/service_placement.hpp"
 #include "runner/exit_code.hpp"
 #include "runner/host_agent.hpp"
 #include "runner/machine.hpp"
-#include "runner/wall_clock.hpp"
+#include "common/loop/wall_clock.hpp"
 
 namespace lab::runner {
 namespace fs = std::filesystem;

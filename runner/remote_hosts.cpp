@@ -7,8 +7,8 @@
 #include <random>
 #include <thread>
 
-#include "common/experiment_file.hpp"
-#include "common/experiment_places.hpp"
+#include "common/experiment/experiment_file.hpp"
+#include "common/experiment/service_placement.hpp"
 #include "runner/exit_code.hpp"
 
 namespace lab::runner {

@@ -8,11 +8,11 @@
 #include <lab/robot_state_t.hpp>
 #include <optional>
 
-#include "common/asio_loop.hpp"
-#include "common/channels.hpp"
-#include "common/experiment_places.hpp"
-#include "common/lcm_bus.hpp"
-#include "common/node.hpp"
+#include "common/loop/asio_loop.hpp"
+#include "common/bus/channels.hpp"
+#include "common/experiment/service_placement.hpp"
+#include "common/bus/lcm_bus.hpp"
+#include "common/service/node.hpp"
 #include "report/log_source.hpp"
 #include "runner/commands.hpp"
 #include "runner/dashboard_process.hpp"

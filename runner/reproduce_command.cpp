@@ -10,7 +10,7 @@
 #include <mutex>
 #include <thread>
 
-#include "common/experiment_file.hpp"
+#include "common/experiment/experiment_file.hpp"
 #include "report/reproduction_page.hpp"
 #include "runner/commands.hpp"
 #include "runner/disk_need.hpp"

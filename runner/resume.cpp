@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "common/random.hpp"
+#include "common/math/random.hpp"
 
 namespace lab::runner {
 namespace {

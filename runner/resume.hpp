@@ -5,7 +5,7 @@
 #include <lab/tracked_pose_t.hpp>
 #include <map>
 
-#include "common/experiment.hpp"
+#include "common/experiment/experiment.hpp"
 
 namespace lab::runner {
 

@@ -6,7 +6,7 @@
 #include <random>
 #include <utility>
 
-#include "common/experiment.hpp"
+#include "common/experiment/experiment.hpp"
 #include "robot/wire/fields.hpp"
 
 namespace lab::runner {

@@ -6,8 +6,8 @@
 #include <memory>
 #include <string>
 
-#include "common/loop.hpp"
-#include "common/serial.hpp"
+#include "common/loop/loop.hpp"
+#include "common/serial/serial.hpp"
 #include "robot/wire/frame.hpp"
 #include "robot/wire/messages.hpp"
 

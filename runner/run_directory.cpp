@@ -6,12 +6,12 @@
 #include <fstream>
 #include <iterator>
 
-#include "common/camera_file.hpp"
-#include "common/experiment_file.hpp"
-#include "common/light_file.hpp"
-#include "common/light_messages.hpp"
-#include "common/motor_file.hpp"
-#include "common/projector_file.hpp"
+#include "common/calibration/camera_file.hpp"
+#include "common/experiment/experiment_file.hpp"
+#include "common/calibration/light_file.hpp"
+#include "common/experiment/light_messages.hpp"
+#include "common/calibration/motor_file.hpp"
+#include "common/calibration/projector_file.hpp"
 #include "light/field/image.hpp"
 #include "light/optics/simulated_camera.hpp"
 #include "projector_ctl/projector_messages.hpp"

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-#include "common/experiment.hpp"
+#include "common/experiment/experiment.hpp"
 
 namespace lab::runner {
 

@@ -9,11 +9,11 @@
 #include <thread>
 
 #include "cameras/camera_devices.hpp"
-#include "common/asio_loop.hpp"
-#include "common/channels.hpp"
-#include "common/experiment_file.hpp"
-#include "common/experiment_places.hpp"
-#include "common/lcm_bus.hpp"
+#include "common/loop/asio_loop.hpp"
+#include "common/bus/channels.hpp"
+#include "common/experiment/experiment_file.hpp"
+#include "common/experiment/service_placement.hpp"
+#include "common/bus/lcm_bus.hpp"
 #include "runner/dashboard_process.hpp"
 #include "runner/exit_code.hpp"
 #include "runner/lab_registry.hpp"

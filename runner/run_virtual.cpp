@@ -3,13 +3,13 @@
 #include <lab/clock_t.hpp>
 #include <list>
 
-#include "cameras/memory_cameras.hpp"
-#include "common/channels.hpp"
-#include "common/log_file.hpp"
-#include "common/memory_bus.hpp"
-#include "common/memory_serial.hpp"
-#include "common/units.hpp"
-#include "common/virtual_loop.hpp"
+#include "common/camera/memory_cameras.hpp"
+#include "common/bus/channels.hpp"
+#include "common/bus/log_file.hpp"
+#include "common/bus/memory_bus.hpp"
+#include "common/serial/memory_serial.hpp"
+#include "common/math/units.hpp"
+#include "common/loop/virtual_loop.hpp"
 #include "runner/services.hpp"
 
 namespace lab::runner {

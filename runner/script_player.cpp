@@ -6,7 +6,7 @@
 #include <limits>
 #include <utility>
 
-#include "common/units.hpp"
+#include "common/math/units.hpp"
 
 namespace lab::runner {
 

@@ -9,8 +9,8 @@
 #include <optional>
 #include <string>
 
-#include "common/experiment.hpp"
-#include "common/script_plan.hpp"
+#include "common/experiment/experiment.hpp"
+#include "common/experiment/script_plan.hpp"
 #include "runner/step_condition.hpp"
 #include "runner/tumble_count.hpp"
 

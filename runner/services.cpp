@@ -3,7 +3,7 @@
 #include <set>
 
 #include "analyzer/analyzer_service.hpp"
-#include "common/experiment_places.hpp"
+#include "common/experiment/service_placement.hpp"
 #include "dds_gateway/gateway_service.hpp"
 #include "projector_ctl/projector_service.hpp"
 #include "robot_bridge/bridge_service.hpp"

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "common/service_main.hpp"
+#include "common/service/service_main.hpp"
 
 namespace lab::runner {
 

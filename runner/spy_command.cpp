@@ -7,14 +7,14 @@
 #include <lab/link_status_t.hpp>
 #include <map>
 
-#include "common/asio_loop.hpp"
-#include "common/channels.hpp"
-#include "common/codec.hpp"
-#include "common/fingerprints.hpp"
-#include "common/header.hpp"
-#include "common/lcm_bus.hpp"
-#include "common/stream_counter.hpp"
-#include "common/units.hpp"
+#include "common/loop/asio_loop.hpp"
+#include "common/bus/channels.hpp"
+#include "common/bus/codec.hpp"
+#include "common/bus/fingerprints.hpp"
+#include "common/bus/message_header.hpp"
+#include "common/bus/lcm_bus.hpp"
+#include "common/bus/stream_counter.hpp"
+#include "common/math/units.hpp"
 #include "runner/commands.hpp"
 #include "runner/lab_registry.hpp"
 

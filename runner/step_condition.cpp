@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/units.hpp"
+#include "common/math/units.hpp"
 
 namespace lab::runner {
 namespace {

@@ -10,7 +10,7 @@
 #include <set>
 #include <string>
 
-#include "common/experiment.hpp"
+#include "common/experiment/experiment.hpp"
 #include "runner/known_estimate.hpp"
 #include "runner/tumble_count.hpp"
 

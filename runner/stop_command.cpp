@@ -8,12 +8,12 @@
 #include <memory>
 #include <utility>
 
-#include "common/asio_loop.hpp"
-#include "common/bus_error.hpp"
-#include "common/channels.hpp"
-#include "common/lcm_bus.hpp"
-#include "common/node.hpp"
-#include "common/stop_desk.hpp"
+#include "common/loop/asio_loop.hpp"
+#include "common/bus/bus_error.hpp"
+#include "common/bus/channels.hpp"
+#include "common/bus/lcm_bus.hpp"
+#include "common/service/node.hpp"
+#include "common/service/stop_coordinator.hpp"
 #include "runner/commands.hpp"
 #include "runner/lab_registry.hpp"
 

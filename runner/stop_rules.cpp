@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/script_plan.hpp"
-#include "common/units.hpp"
-#include "runner/left_text.hpp"
+#include "common/experiment/script_plan.hpp"
+#include "common/math/units.hpp"
+#include "common/text/duration_text.hpp"
 
 namespace lab::runner {
 

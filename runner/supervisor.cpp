@@ -8,8 +8,8 @@
 #include <thread>
 #include <utility>
 
-#include "common/experiment_file.hpp"
-#include "common/experiment_places.hpp"
+#include "common/experiment/experiment_file.hpp"
+#include "common/experiment/service_placement.hpp"
 #include "runner/host_files.hpp"
 #include "runner/remote_hosts.hpp"
 #include "runner/services.hpp"

@@ -14,9 +14,9 @@
 #include "analyzer/bp_kurtosis.hpp"
 #include "analyzer/observation.hpp"
 #include "analyzer/phased_noise.hpp"
-#include "common/experiment_file.hpp"
-#include "common/experiment_messages.hpp"
-#include "common/units.hpp"
+#include "common/experiment/experiment_file.hpp"
+#include "common/experiment/experiment_messages.hpp"
+#include "common/math/units.hpp"
 #include "runner/commands.hpp"
 
 namespace lab::runner {

@@ -12,9 +12,9 @@
 #include <utility>
 
 #include "cameras/film_reader.hpp"
-#include "common/camera_file.hpp"
-#include "common/experiment_file.hpp"
-#include "common/units.hpp"
+#include "common/calibration/camera_file.hpp"
+#include "common/experiment/experiment_file.hpp"
+#include "common/math/units.hpp"
 #include "detector/response_finder.hpp"
 #include "runner/commands.hpp"
 #include "runner/film_overlay.hpp"

@@ -7,9 +7,9 @@
 #include <csignal>
 #include <fstream>
 
-#include "common/asio_loop.hpp"
-#include "common/experiment_places.hpp"
-#include "common/lcm_bus.hpp"
+#include "common/loop/asio_loop.hpp"
+#include "common/experiment/service_placement.hpp"
+#include "common/bus/lcm_bus.hpp"
 #include "runner/commands.hpp"
 #include "runner/dashboard_process.hpp"
 #include "runner/exit_code.hpp"

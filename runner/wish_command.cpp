@@ -1,10 +1,10 @@
 #include <fmt/format.h>
 
-#include "common/asio_loop.hpp"
-#include "common/channels.hpp"
-#include "common/experiment_request.hpp"
-#include "common/lcm_bus.hpp"
-#include "common/node.hpp"
+#include "common/loop/asio_loop.hpp"
+#include "common/bus/channels.hpp"
+#include "common/service/experiment_request.hpp"
+#include "common/bus/lcm_bus.hpp"
+#include "common/service/node.hpp"
 #include "runner/commands.hpp"
 #include "runner/lab_registry.hpp"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "common/experiment_request.hpp"
+#include "common/service/experiment_request.hpp"
 
 namespace lab::runner {
 namespace {

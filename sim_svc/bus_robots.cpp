@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/units.hpp"
+#include "common/math/units.hpp"
 
 namespace lab::sim {
 namespace {

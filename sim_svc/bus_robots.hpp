@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "common/order_settings.hpp"
+#include "common/experiment/order_settings.hpp"
 #include "sim_svc/world.hpp"
 
 namespace lab::sim {

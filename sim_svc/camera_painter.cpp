@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "common/random.hpp"
+#include "common/math/random.hpp"
 #include "sim_svc/camera_painter_bending.hpp"
 #include "sim_svc/camera_painter_cells.hpp"
 #include "sim_svc/camera_painter_ground.hpp"

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "common/random.hpp"
+#include "common/math/random.hpp"
 
 namespace lab::sim::painter {
 namespace {

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "common/random.hpp"
+#include "common/math/random.hpp"
 #include "sim_svc/camera_painter_cells.hpp"
 
 namespace lab::sim {

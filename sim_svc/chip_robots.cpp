@@ -5,7 +5,7 @@
 #include <cstring>
 #include <stdexcept>
 
-#include "common/installation.hpp"
+#include "common/process/installation.hpp"
 
 namespace lab::sim {
 namespace {

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "common/units.hpp"
+#include "common/math/units.hpp"
 
 namespace lab::sim {
 

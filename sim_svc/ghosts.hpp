@@ -10,7 +10,7 @@
 #include <map>
 #include <vector>
 
-#include "common/experiment.hpp"
+#include "common/experiment/experiment.hpp"
 #include "sim_svc/camera_painter.hpp"
 #include "sim_svc/replay_robot.hpp"
 #include "sim_svc/tracker_model.hpp"

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "common/serial.hpp"
+#include "common/serial/serial.hpp"
 #include "sim_svc/body_driver.hpp"
 
 namespace lab::sim {

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "common/units.hpp"
+#include "common/math/units.hpp"
 #include "light/optics/simulated_camera.hpp"
 
 namespace lab::sim {

@@ -5,9 +5,9 @@
 #include <memory>
 #include <vector>
 
-#include "common/cameras.hpp"
-#include "common/experiment.hpp"
-#include "common/loop.hpp"
+#include "common/camera/cameras.hpp"
+#include "common/experiment/experiment.hpp"
+#include "common/loop/loop.hpp"
 #include "light/field/field.hpp"
 #include "sim_svc/camera_painter.hpp"
 

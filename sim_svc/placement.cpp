@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "common/random.hpp"
+#include "common/math/random.hpp"
 
 namespace lab::sim {
 namespace {

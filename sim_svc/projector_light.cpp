@@ -1,7 +1,7 @@
 #include "sim_svc/projector_light.hpp"
 
-#include "common/light_file.hpp"
-#include "common/projector_file.hpp"
+#include "common/calibration/light_file.hpp"
+#include "common/calibration/projector_file.hpp"
 
 namespace lab::sim {
 

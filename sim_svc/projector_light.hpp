@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "common/experiment.hpp"
+#include "common/experiment/experiment.hpp"
 #include "light/photometry/projector_tone.hpp"
 #include "light/optics/simulated_projector.hpp"
 

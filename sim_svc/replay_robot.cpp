@@ -10,10 +10,10 @@
 #include <set>
 #include <stdexcept>
 
-#include "common/channels.hpp"
-#include "common/codec.hpp"
-#include "common/log_file.hpp"
-#include "common/units.hpp"
+#include "common/bus/channels.hpp"
+#include "common/bus/codec.hpp"
+#include "common/bus/log_file.hpp"
+#include "common/math/units.hpp"
 
 namespace lab::sim {
 namespace {

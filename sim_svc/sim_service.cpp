@@ -6,8 +6,8 @@
 #include <lab/sim_truth_t.hpp>
 #include <lab/tracked_frame_t.hpp>
 
-#include "common/channels.hpp"
-#include "common/units.hpp"
+#include "common/bus/channels.hpp"
+#include "common/math/units.hpp"
 #include "light/field/layer.hpp"
 #include "sim_svc/chip_robots.hpp"
 #include "sim_svc/wire_robots.hpp"

@@ -8,9 +8,9 @@
 #include <optional>
 #include <vector>
 
-#include "common/light_messages.hpp"
-#include "common/motor_file.hpp"
-#include "common/service_main.hpp"
+#include "common/experiment/light_messages.hpp"
+#include "common/calibration/motor_file.hpp"
+#include "common/service/service_main.hpp"
 #include "light/field/field.hpp"
 #include "sim_svc/bus_robots.hpp"
 #include "sim_svc/ghosts.hpp"

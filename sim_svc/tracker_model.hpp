@@ -5,8 +5,8 @@
 #include <lab/tracked_frame_t.hpp>
 #include <map>
 
-#include "common/experiment.hpp"
-#include "common/random.hpp"
+#include "common/experiment/experiment.hpp"
+#include "common/math/random.hpp"
 #include "robot/dynamics/kinematics.hpp"
 
 namespace lab::sim {

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "common/random.hpp"
+#include "common/math/random.hpp"
 #include "robot/dynamics/kinematics.hpp"
 #include "robot/dynamics/robot_core.hpp"
 #include "sim_svc/arena.hpp"

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "calibration/spacing_check.hpp"
-#include "common/camera_file.hpp"
+#include "common/calibration/camera_file.hpp"
 #include "detector/detector.hpp"
 
 namespace lab::tracker {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "common/loop.hpp"
+#include "common/loop/loop.hpp"
 #include "detector/detector.hpp"
 #include "tracker_svc/cap_tracker.hpp"
 

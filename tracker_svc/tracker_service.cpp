@@ -11,8 +11,8 @@
 #include <utility>
 
 #include "cameras/camera_devices.hpp"
-#include "common/channels.hpp"
-#include "common/units.hpp"
+#include "common/bus/channels.hpp"
+#include "common/math/units.hpp"
 #include "detector/scale_map.hpp"
 #include "light/optics/simulated_camera.hpp"
 #include "tracker_svc/cap_spacings.hpp"

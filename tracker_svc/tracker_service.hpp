@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "calibration/spacing_check.hpp"
-#include "common/camera_file.hpp"
-#include "common/service_main.hpp"
+#include "common/calibration/camera_file.hpp"
+#include "common/service/service_main.hpp"
 #include "detector/detector.hpp"
 #include "detector/response_finder.hpp"
 #include "tracker_svc/cap_tracker.hpp"

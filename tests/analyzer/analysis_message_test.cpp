@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "common/bus.hpp"
+#include "common/bus/bus.hpp"
 
 namespace lab::analysis {
 namespace {

@@ -7,9 +7,9 @@
 #include <lab/tracked_frame_t.hpp>
 #include <map>
 
-#include "common/channels.hpp"
-#include "common/memory_bus.hpp"
-#include "common/virtual_loop.hpp"
+#include "common/bus/channels.hpp"
+#include "common/bus/memory_bus.hpp"
+#include "common/loop/virtual_loop.hpp"
 
 namespace lab::analysis {
 namespace {

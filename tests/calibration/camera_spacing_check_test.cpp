@@ -8,7 +8,7 @@
 #include <limits>
 #include <numbers>
 
-#include "common/random.hpp"
+#include "common/math/random.hpp"
 
 namespace lab::calibration {
 namespace {

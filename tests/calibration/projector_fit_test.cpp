@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-#include "common/random.hpp"
+#include "common/math/random.hpp"
 #include "light/optics/simulated_projector.hpp"
 
 namespace lab::calibration::projector_fit_test {

@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "calibration/camera_fit.hpp"
-#include "common/random.hpp"
+#include "common/math/random.hpp"
 #include "light/optics/simulated_camera.hpp"
 
 namespace lab::calibration {

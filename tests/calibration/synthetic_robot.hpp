@@ -8,7 +8,7 @@
 #include "calibration/motor_fit.hpp"
 #include "calibration/pattern.hpp"
 #include "calibration/speed_check.hpp"
-#include "common/random.hpp"
+#include "common/math/random.hpp"
 #include "robot/dynamics/kinematics.hpp"
 
 namespace lab::calibration {

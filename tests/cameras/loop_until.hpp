@@ -3,7 +3,7 @@
 
 #include <functional>
 
-#include "common/asio_loop.hpp"
+#include "common/loop/asio_loop.hpp"
 
 namespace lab {
 

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "common/experiment_file.hpp"
+#include "common/experiment/experiment_file.hpp"
 
 namespace lab {
 

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "common/light_messages.hpp"
+#include "common/experiment/light_messages.hpp"
 #include "tests/dashboard/messages.hpp"
 
 namespace lab::dashboard {

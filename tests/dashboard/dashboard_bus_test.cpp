@@ -9,9 +9,9 @@
 #include <chrono>
 #include <thread>
 
-#include "common/channels.hpp"
-#include "common/memory_bus.hpp"
-#include "common/virtual_loop.hpp"
+#include "common/bus/channels.hpp"
+#include "common/bus/memory_bus.hpp"
+#include "common/loop/virtual_loop.hpp"
 #include "dashboard/address_file.hpp"
 #include "dashboard/dashboard_service.hpp"
 #include "tests/dashboard/messages.hpp"

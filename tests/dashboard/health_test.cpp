@@ -4,8 +4,8 @@
 
 #include <lab/light_status_t.hpp>
 
-#include "common/channels.hpp"
-#include "common/version.hpp"
+#include "common/bus/channels.hpp"
+#include "common/process/version.hpp"
 #include "dashboard/advice.hpp"
 #include "dashboard/health_view.hpp"
 #include "dashboard/process_meter.hpp"

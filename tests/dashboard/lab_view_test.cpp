@@ -7,9 +7,9 @@
 #include <cmath>
 #include <lab/service_status_t.hpp>
 
-#include "common/channels.hpp"
-#include "common/random.hpp"
-#include "common/version.hpp"
+#include "common/bus/channels.hpp"
+#include "common/math/random.hpp"
+#include "common/process/version.hpp"
 #include "tests/dashboard/messages.hpp"
 
 namespace lab::dashboard {

@@ -12,8 +12,8 @@
 #include <utility>
 #include <vector>
 
-#include "common/experiment_file.hpp"
-#include "common/experiment_messages.hpp"
+#include "common/experiment/experiment_file.hpp"
+#include "common/experiment/experiment_messages.hpp"
 
 namespace lab::dashboard {
 

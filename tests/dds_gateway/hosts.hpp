@@ -21,9 +21,9 @@
 #include <utility>
 #include <vector>
 
-#include "common/channels.hpp"
-#include "common/header.hpp"
-#include "common/lcm_bus.hpp"
+#include "common/bus/channels.hpp"
+#include "common/bus/message_header.hpp"
+#include "common/bus/lcm_bus.hpp"
 
 namespace lab::gateway {
 

@@ -1,6 +1,6 @@
 #include "dds_gateway/link_clock.hpp"
 
-#include "common/random.hpp"
+#include "common/math/random.hpp"
 
 namespace lab::gateway {
 namespace {

@@ -9,7 +9,7 @@
 #include <lab/tracked_frame_t.hpp>
 #include <random>
 
-#include "common/channels.hpp"
+#include "common/bus/channels.hpp"
 
 namespace lab::gateway {
 namespace {

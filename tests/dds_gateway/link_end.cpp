@@ -10,8 +10,8 @@
 #include <span>
 #include <thread>
 
-#include "common/asio_loop.hpp"
-#include "common/lcm_bus.hpp"
+#include "common/loop/asio_loop.hpp"
+#include "common/bus/lcm_bus.hpp"
 #include "dds_gateway/bus_link.hpp"
 
 namespace {

@@ -3,7 +3,7 @@
 #include <lab/robot_command_t.hpp>
 #include <lab/tracked_frame_t.hpp>
 
-#include "common/percentiles.hpp"
+#include "common/math/percentiles.hpp"
 #include "tests/dds_gateway/hosts.hpp"
 
 namespace lab::gateway {

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "common/experiment_file.hpp"
+#include "common/experiment/experiment_file.hpp"
 
 namespace lab::gateway {
 namespace {

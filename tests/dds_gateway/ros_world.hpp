@@ -20,12 +20,12 @@
 #include <thread>
 #include <vector>
 
-#include "common/asio_loop.hpp"
-#include "common/channels.hpp"
-#include "common/experiment_file.hpp"
-#include "common/experiment_messages.hpp"
-#include "common/lcm_bus.hpp"
-#include "common/node.hpp"
+#include "common/loop/asio_loop.hpp"
+#include "common/bus/channels.hpp"
+#include "common/experiment/experiment_file.hpp"
+#include "common/experiment/experiment_messages.hpp"
+#include "common/bus/lcm_bus.hpp"
+#include "common/service/node.hpp"
 #include "dds/configuration.hpp"
 #include "dds/domain.hpp"
 #include "dds/endpoint.hpp"

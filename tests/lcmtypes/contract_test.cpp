@@ -12,10 +12,10 @@
 #include <regex>
 #include <set>
 
-#include "common/bus.hpp"
-#include "common/fingerprints.hpp"
-#include "common/header.hpp"
-#include "common/version.hpp"
+#include "common/bus/bus.hpp"
+#include "common/bus/fingerprints.hpp"
+#include "common/bus/message_header.hpp"
+#include "common/process/version.hpp"
 
 namespace lab {
 namespace {

@@ -2,7 +2,7 @@
 // one UDP datagram. The numbers are those of lcmtypes/README.md.
 #include <gtest/gtest.h>
 
-#include "common/bus.hpp"
+#include "common/bus/bus.hpp"
 #include "tests/lcmtypes/contract.hpp"
 
 namespace lab {

@@ -16,7 +16,7 @@ expect() {  # what, text, pattern that it contains
   grep -qE -- "$3" <<<"$2" || fail "$1: found \"$2\", expected a match of $3"
 }
 
-version=$(sed -n 's/.*kVersion = "\(.*\)".*/\1/p' "$source/common/version.hpp")
+version=$(sed -n 's/.*kVersion = "\(.*\)".*/\1/p' "$source/common/process/version.hpp")
 architecture=$(dpkg --print-architecture)
 cd "$work"
 

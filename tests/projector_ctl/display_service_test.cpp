@@ -13,10 +13,10 @@
 #include <thread>
 #include <vector>
 
-#include "common/channels.hpp"
-#include "common/light_messages.hpp"
-#include "common/memory_bus.hpp"
-#include "common/virtual_loop.hpp"
+#include "common/bus/channels.hpp"
+#include "common/experiment/light_messages.hpp"
+#include "common/bus/memory_bus.hpp"
+#include "common/loop/virtual_loop.hpp"
 #include "projector_ctl/projector_service.hpp"
 #include "tests/projector_ctl/scripted_display.hpp"
 

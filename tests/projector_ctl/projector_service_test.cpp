@@ -12,11 +12,11 @@
 #include <limits>
 #include <vector>
 
-#include "common/channels.hpp"
-#include "common/experiment_messages.hpp"
-#include "common/memory_bus.hpp"
-#include "common/units.hpp"
-#include "common/virtual_loop.hpp"
+#include "common/bus/channels.hpp"
+#include "common/experiment/experiment_messages.hpp"
+#include "common/bus/memory_bus.hpp"
+#include "common/math/units.hpp"
+#include "common/loop/virtual_loop.hpp"
 #include "light/field/raster.hpp"
 
 namespace lab::projector {

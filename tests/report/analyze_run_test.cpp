@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <fstream>
 
-#include "common/channels.hpp"
+#include "common/bus/channels.hpp"
 #include "report/report_error.hpp"
 #include "tests/report/synthetic_lab.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "common/channels.hpp"
+#include "common/bus/channels.hpp"
 
 namespace lab::report {
 namespace {

@@ -8,7 +8,7 @@
 #include <numbers>
 #include <random>
 
-#include "common/experiment_file.hpp"
+#include "common/experiment/experiment_file.hpp"
 #include "report/analyze_run.hpp"
 #include "report/findings.hpp"
 #include "tests/report/synthetic_lab.hpp"

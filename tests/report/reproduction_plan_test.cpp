@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <set>
 
-#include "common/experiment_file.hpp"
+#include "common/experiment/experiment_file.hpp"
 #include "report/report_error.hpp"
 
 namespace lab::report {

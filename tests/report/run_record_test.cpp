@@ -6,9 +6,9 @@
 #include <fstream>
 #include <utility>
 
-#include "common/channels.hpp"
-#include "common/codec.hpp"
-#include "common/header.hpp"
+#include "common/bus/channels.hpp"
+#include "common/bus/codec.hpp"
+#include "common/bus/message_header.hpp"
 #include "report/report_error.hpp"
 #include "tests/report/synthetic_lab.hpp"
 

@@ -12,13 +12,13 @@
 #include <lab/tracked_frame_t.hpp>
 #include <utility>
 
-#include "common/channels.hpp"
-#include "common/experiment_file.hpp"
-#include "common/experiment_messages.hpp"
-#include "common/fingerprints.hpp"
-#include "common/header.hpp"
-#include "common/units.hpp"
-#include "common/version.hpp"
+#include "common/bus/channels.hpp"
+#include "common/experiment/experiment_file.hpp"
+#include "common/experiment/experiment_messages.hpp"
+#include "common/bus/fingerprints.hpp"
+#include "common/bus/message_header.hpp"
+#include "common/math/units.hpp"
+#include "common/process/version.hpp"
 #include "tests/report/synthetic_robot.hpp"
 
 namespace lab::report {

@@ -9,11 +9,11 @@
 #include <string>
 #include <vector>
 
-#include "common/experiment.hpp"
-#include "common/log_file.hpp"
-#include "common/memory_bus.hpp"
-#include "common/node.hpp"
-#include "common/virtual_loop.hpp"
+#include "common/experiment/experiment.hpp"
+#include "common/bus/log_file.hpp"
+#include "common/bus/memory_bus.hpp"
+#include "common/service/node.hpp"
+#include "common/loop/virtual_loop.hpp"
 
 namespace lab::report {
 

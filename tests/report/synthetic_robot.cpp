@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "common/experiment_messages.hpp"
+#include "common/experiment/experiment_messages.hpp"
 
 namespace lab::report {
 namespace {

@@ -3,8 +3,8 @@
 #include <lab/robot_state_t.hpp>
 #include <lab/tracked_pose_t.hpp>
 
-#include "common/experiment.hpp"
-#include "common/random.hpp"
+#include "common/experiment/experiment.hpp"
+#include "common/math/random.hpp"
 
 namespace lab::report {
 

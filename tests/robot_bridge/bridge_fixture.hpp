@@ -16,11 +16,11 @@
 #include <string>
 #include <vector>
 
-#include "common/channels.hpp"
-#include "common/experiment_file.hpp"
-#include "common/memory_bus.hpp"
-#include "common/memory_serial.hpp"
-#include "common/virtual_loop.hpp"
+#include "common/bus/channels.hpp"
+#include "common/experiment/experiment_file.hpp"
+#include "common/bus/memory_bus.hpp"
+#include "common/serial/memory_serial.hpp"
+#include "common/loop/virtual_loop.hpp"
 #include "robot_bridge/bridge_service.hpp"
 #include "tests/robot_bridge/wire_robot.hpp"
 

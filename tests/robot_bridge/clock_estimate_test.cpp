@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "common/random.hpp"
+#include "common/math/random.hpp"
 
 namespace lab::bridge {
 namespace {

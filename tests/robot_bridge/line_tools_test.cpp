@@ -4,8 +4,8 @@
 
 #include <deque>
 
-#include "common/memory_serial.hpp"
-#include "common/virtual_loop.hpp"
+#include "common/serial/memory_serial.hpp"
+#include "common/loop/virtual_loop.hpp"
 #include "robot_bridge/line_survey.hpp"
 #include "robot_bridge/uid_writer.hpp"
 #include "tests/robot_bridge/wire_robot.hpp"

@@ -6,8 +6,8 @@
 
 #include <deque>
 
-#include "common/memory_serial.hpp"
-#include "common/virtual_loop.hpp"
+#include "common/serial/memory_serial.hpp"
+#include "common/loop/virtual_loop.hpp"
 #include "tests/robot_bridge/wire_robot.hpp"
 #include "robot/wire/crc16.hpp"
 

@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <functional>
 
-#include "common/asio_loop.hpp"
-#include "common/serial_devices.hpp"
+#include "common/loop/asio_loop.hpp"
+#include "common/serial/serial_devices.hpp"
 #include "robot_bridge/port_keeper.hpp"
 #include "tests/common/temporary_folder.hpp"
 #include "tests/robot_bridge/wire_robot.hpp"

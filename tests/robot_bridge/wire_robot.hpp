@@ -13,9 +13,9 @@
 #include <utility>
 #include <vector>
 
-#include "common/loop.hpp"
-#include "common/random.hpp"
-#include "common/serial.hpp"
+#include "common/loop/loop.hpp"
+#include "common/math/random.hpp"
+#include "common/serial/serial.hpp"
 #include "robot/firmware/device.hpp"
 #include "robot/firmware/settings.hpp"
 

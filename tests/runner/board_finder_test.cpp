@@ -8,7 +8,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "common/random.hpp"
+#include "common/math/random.hpp"
 #include "light/photometry/camera_response.hpp"
 #include "light/optics/simulated_camera.hpp"
 

@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <lab/experiment_event_t.hpp>
 
-#include "common/channels.hpp"
-#include "common/codec.hpp"
-#include "common/log_file.hpp"
+#include "common/bus/channels.hpp"
+#include "common/bus/codec.hpp"
+#include "common/bus/log_file.hpp"
 #include "tests/system/lab_process.hpp"
 
 namespace lab::system_test::broken_run_test {

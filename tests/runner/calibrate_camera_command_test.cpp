@@ -9,9 +9,9 @@
 #include <iterator>
 #include <numbers>
 
-#include "common/camera_file.hpp"
-#include "common/experiment_file.hpp"
-#include "common/random.hpp"
+#include "common/calibration/camera_file.hpp"
+#include "common/experiment/experiment_file.hpp"
+#include "common/math/random.hpp"
 #include "tests/common/temporary_folder.hpp"
 #include "light/field/image.hpp"
 #include "light/optics/simulated_camera.hpp"

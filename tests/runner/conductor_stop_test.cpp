@@ -7,13 +7,13 @@
 #include <string>
 #include <vector>
 
-#include "common/channels.hpp"
-#include "common/experiment_file.hpp"
-#include "common/experiment_messages.hpp"
-#include "common/memory_bus.hpp"
-#include "common/node.hpp"
-#include "common/units.hpp"
-#include "common/virtual_loop.hpp"
+#include "common/bus/channels.hpp"
+#include "common/experiment/experiment_file.hpp"
+#include "common/experiment/experiment_messages.hpp"
+#include "common/bus/memory_bus.hpp"
+#include "common/service/node.hpp"
+#include "common/math/units.hpp"
+#include "common/loop/virtual_loop.hpp"
 #include "runner/conductor.hpp"
 
 namespace lab::runner::conductor_stop_test {

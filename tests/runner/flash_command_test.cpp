@@ -9,8 +9,8 @@
 #include <optional>
 #include <thread>
 
-#include "common/asio_loop.hpp"
-#include "common/serial_devices.hpp"
+#include "common/loop/asio_loop.hpp"
+#include "common/serial/serial_devices.hpp"
 #include "runner/commands.hpp"
 #include "tests/firmware/robot_on_bench.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include "common/experiment.hpp"
+#include "common/experiment/experiment.hpp"
 
 namespace lab::runner {
 namespace {

@@ -6,7 +6,7 @@
 #include <array>
 #include <fstream>
 
-#include "common/experiment_file.hpp"
+#include "common/experiment/experiment_file.hpp"
 #include "light/field/image.hpp"
 #include "runner/exit_code.hpp"
 #include "tests/common/temporary_folder.hpp"

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "common/experiment_file.hpp"
+#include "common/experiment/experiment_file.hpp"
 
 namespace lab::runner {
 namespace {

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "common/channels.hpp"
-#include "common/codec.hpp"
+#include "common/bus/channels.hpp"
+#include "common/bus/codec.hpp"
 
 namespace lab::runner {
 namespace {

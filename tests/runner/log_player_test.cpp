@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "common/channels.hpp"
-#include "common/log_file.hpp"
+#include "common/bus/channels.hpp"
+#include "common/bus/log_file.hpp"
 #include "tests/common/temporary_folder.hpp"
 
 namespace lab::runner {

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "common/units.hpp"
+#include "common/math/units.hpp"
 #include "robot/dynamics/kinematics.hpp"
 
 namespace lab::runner {

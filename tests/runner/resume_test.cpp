@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "common/experiment_file.hpp"
+#include "common/experiment/experiment_file.hpp"
 
 namespace lab::runner {
 namespace {

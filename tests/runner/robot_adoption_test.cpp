@@ -6,9 +6,9 @@
 #include <optional>
 #include <set>
 
-#include "common/experiment.hpp"
-#include "common/memory_serial.hpp"
-#include "common/virtual_loop.hpp"
+#include "common/experiment/experiment.hpp"
+#include "common/serial/memory_serial.hpp"
+#include "common/loop/virtual_loop.hpp"
 #include "tests/firmware/robot_on_bench.hpp"
 
 namespace lab::runner {

@@ -4,7 +4,7 @@
 
 #include <limits>
 
-#include "common/experiment_messages.hpp"
+#include "common/experiment/experiment_messages.hpp"
 
 namespace lab::runner::step_condition_test {
 namespace {

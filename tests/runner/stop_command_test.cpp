@@ -9,10 +9,10 @@
 #include <lab/service_status_t.hpp>
 #include <thread>
 
-#include "common/asio_loop.hpp"
-#include "common/channels.hpp"
-#include "common/lcm_bus.hpp"
-#include "common/node.hpp"
+#include "common/loop/asio_loop.hpp"
+#include "common/bus/channels.hpp"
+#include "common/bus/lcm_bus.hpp"
+#include "common/service/node.hpp"
 #include "runner/commands.hpp"
 #include "runner/lab_registry.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include "common/experiment_messages.hpp"
+#include "common/experiment/experiment_messages.hpp"
 
 namespace lab::runner::stop_rules_test {
 namespace {

@@ -9,12 +9,12 @@
 #include <lab/tracked_frame_t.hpp>
 #include <memory>
 
-#include "common/channels.hpp"
-#include "common/experiment_file.hpp"
-#include "common/log_file.hpp"
-#include "common/memory_bus.hpp"
-#include "common/memory_serial.hpp"
-#include "common/virtual_loop.hpp"
+#include "common/bus/channels.hpp"
+#include "common/experiment/experiment_file.hpp"
+#include "common/bus/log_file.hpp"
+#include "common/bus/memory_bus.hpp"
+#include "common/serial/memory_serial.hpp"
+#include "common/loop/virtual_loop.hpp"
 #include "sim_svc/sim_service.hpp"
 #include "tests/common/temporary_folder.hpp"
 #include "tests/sim_svc/wire_host.hpp"

@@ -8,9 +8,9 @@
 #include <csignal>
 #include <fstream>
 
-#include "common/memory_serial.hpp"
-#include "common/random.hpp"
-#include "common/virtual_loop.hpp"
+#include "common/serial/memory_serial.hpp"
+#include "common/math/random.hpp"
+#include "common/loop/virtual_loop.hpp"
 #include "robot/firmware/settings.hpp"
 #include "sim_svc/outer_robots.hpp"
 #include "tests/common/temporary_folder.hpp"

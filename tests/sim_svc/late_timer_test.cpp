@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
-#include "common/channels.hpp"
-#include "common/experiment_messages.hpp"
-#include "common/memory_bus.hpp"
+#include "common/bus/channels.hpp"
+#include "common/experiment/experiment_messages.hpp"
+#include "common/bus/memory_bus.hpp"
 #include "sim_svc/sim_service.hpp"
 
 namespace lab::sim {

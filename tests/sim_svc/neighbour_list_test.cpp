@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/random.hpp"
+#include "common/math/random.hpp"
 
 namespace lab::sim {
 namespace {

@@ -10,12 +10,12 @@
 #include <memory>
 #include <vector>
 
-#include "cameras/memory_cameras.hpp"
-#include "common/channels.hpp"
-#include "common/experiment_file.hpp"
-#include "common/light_messages.hpp"
-#include "common/memory_bus.hpp"
-#include "common/virtual_loop.hpp"
+#include "common/camera/memory_cameras.hpp"
+#include "common/bus/channels.hpp"
+#include "common/experiment/experiment_file.hpp"
+#include "common/experiment/light_messages.hpp"
+#include "common/bus/memory_bus.hpp"
+#include "common/loop/virtual_loop.hpp"
 #include "light/optics/simulated_camera.hpp"
 #include "sim_svc/sim_service.hpp"
 

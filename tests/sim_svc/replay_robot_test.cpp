@@ -7,9 +7,9 @@
 #include <lab/robot_status_t.hpp>
 #include <lab/tracked_frame_t.hpp>
 
-#include "common/channels.hpp"
-#include "common/codec.hpp"
-#include "common/log_file.hpp"
+#include "common/bus/channels.hpp"
+#include "common/bus/codec.hpp"
+#include "common/bus/log_file.hpp"
 #include "tests/common/temporary_folder.hpp"
 
 namespace lab::sim {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "common/serial.hpp"
+#include "common/serial/serial.hpp"
 #include "robot/wire/config.hpp"
 #include "robot/wire/messages.hpp"
 

@@ -5,9 +5,9 @@
 
 #include <cmath>
 
-#include "common/memory_serial.hpp"
-#include "common/random.hpp"
-#include "common/virtual_loop.hpp"
+#include "common/serial/memory_serial.hpp"
+#include "common/math/random.hpp"
+#include "common/loop/virtual_loop.hpp"
 #include "sim_svc/outer_robots.hpp"
 #include "tests/sim_svc/wire_host.hpp"
 #include "tests/sim_svc/world_fixture.hpp"

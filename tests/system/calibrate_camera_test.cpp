@@ -5,7 +5,7 @@
 #include <cmath>
 #include <fstream>
 
-#include "common/camera_file.hpp"
+#include "common/calibration/camera_file.hpp"
 #include "light/optics/simulated_camera.hpp"
 #include "tests/system/lab_process.hpp"
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <fstream>
 
-#include "common/random.hpp"
+#include "common/math/random.hpp"
 #include "tests/system/lab_process.hpp"
 
 namespace lab::system_test {

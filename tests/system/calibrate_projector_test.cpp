@@ -5,9 +5,9 @@
 #include <cmath>
 #include <fstream>
 
-#include "common/camera_file.hpp"
-#include "common/experiment_file.hpp"
-#include "common/projector_file.hpp"
+#include "common/calibration/camera_file.hpp"
+#include "common/experiment/experiment_file.hpp"
+#include "common/calibration/projector_file.hpp"
 #include "light/optics/simulated_camera.hpp"
 #include "light/optics/simulated_projector.hpp"
 #include "tests/system/lab_process.hpp"

@@ -9,14 +9,14 @@
 #include <string>
 #include <vector>
 
-#include "common/asio_loop.hpp"
-#include "common/channels.hpp"
-#include "common/experiment_file.hpp"
-#include "common/experiment_messages.hpp"
-#include "common/lcm_bus.hpp"
-#include "common/light_messages.hpp"
-#include "common/memory_bus.hpp"
-#include "common/virtual_loop.hpp"
+#include "common/loop/asio_loop.hpp"
+#include "common/bus/channels.hpp"
+#include "common/experiment/experiment_file.hpp"
+#include "common/experiment/experiment_messages.hpp"
+#include "common/bus/lcm_bus.hpp"
+#include "common/experiment/light_messages.hpp"
+#include "common/bus/memory_bus.hpp"
+#include "common/loop/virtual_loop.hpp"
 #include "projector_ctl/projector_messages.hpp"
 #include "projector_ctl/projector_service.hpp"
 #include "projector_ctl/replay.hpp"

@@ -10,12 +10,12 @@
 #include <lab/light_status_t.hpp>
 #include <lab/sim_truth_t.hpp>
 
-#include "common/channels.hpp"
-#include "common/experiment_file.hpp"
-#include "common/experiment_messages.hpp"
-#include "common/light_messages.hpp"
-#include "common/memory_bus.hpp"
-#include "common/virtual_loop.hpp"
+#include "common/bus/channels.hpp"
+#include "common/experiment/experiment_file.hpp"
+#include "common/experiment/experiment_messages.hpp"
+#include "common/experiment/light_messages.hpp"
+#include "common/bus/memory_bus.hpp"
+#include "common/loop/virtual_loop.hpp"
 #include "projector_ctl/projector_service.hpp"
 #include "sim_svc/sim_service.hpp"
 

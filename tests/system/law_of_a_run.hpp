@@ -10,9 +10,9 @@
 #include <string>
 
 #include "analyzer/analysis_feed.hpp"
-#include "common/channels.hpp"
-#include "common/experiment_file.hpp"
-#include "common/log_file.hpp"
+#include "common/bus/channels.hpp"
+#include "common/experiment/experiment_file.hpp"
+#include "common/bus/log_file.hpp"
 #include "tests/system/hour_ensemble.hpp"
 
 namespace lab::system_test {

@@ -5,9 +5,9 @@
 #include <lab/robot_status_t.hpp>
 #include <map>
 
-#include "common/channels.hpp"
-#include "common/header.hpp"
-#include "common/log_file.hpp"
+#include "common/bus/channels.hpp"
+#include "common/bus/message_header.hpp"
+#include "common/bus/log_file.hpp"
 #include "tests/system/lab_process.hpp"
 
 namespace lab::system_test {

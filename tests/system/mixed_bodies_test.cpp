@@ -11,9 +11,9 @@
 #include <map>
 #include <set>
 
-#include "common/channels.hpp"
-#include "common/experiment.hpp"
-#include "common/log_file.hpp"
+#include "common/bus/channels.hpp"
+#include "common/experiment/experiment.hpp"
+#include "common/bus/log_file.hpp"
 #include "tests/system/lab_process.hpp"
 
 namespace lab::system_test {

@@ -10,8 +10,8 @@
 #include <numbers>
 #include <vector>
 
-#include "common/channels.hpp"
-#include "common/log_file.hpp"
+#include "common/bus/channels.hpp"
+#include "common/bus/log_file.hpp"
 
 namespace lab::system_test {
 

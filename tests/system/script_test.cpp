@@ -9,8 +9,8 @@
 #include <map>
 #include <set>
 
-#include "common/channels.hpp"
-#include "common/log_file.hpp"
+#include "common/bus/channels.hpp"
+#include "common/bus/log_file.hpp"
 #include "tests/system/lab_process.hpp"
 
 namespace lab::system_test {

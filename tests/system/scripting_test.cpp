@@ -4,8 +4,8 @@
 
 #include <lab/light_status_t.hpp>
 
-#include "common/channels.hpp"
-#include "common/log_file.hpp"
+#include "common/bus/channels.hpp"
+#include "common/bus/log_file.hpp"
 #include "tests/system/lab_process.hpp"
 
 namespace lab::system_test {

@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "analyzer/track_stitcher.hpp"
-#include "common/random.hpp"
+#include "common/math/random.hpp"
 #include "robot/dynamics/robot_core.hpp"
 #include "sim_svc/world.hpp"
 

@@ -7,8 +7,8 @@
 #include <lab/experiment_status_t.hpp>
 #include <set>
 
-#include "common/channels.hpp"
-#include "common/log_file.hpp"
+#include "common/bus/channels.hpp"
+#include "common/bus/log_file.hpp"
 #include "tests/system/lab_process.hpp"
 
 namespace lab::system_test {

@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include "common/random.hpp"
+#include "common/math/random.hpp"
 
 namespace lab::tracker {
 namespace {

@@ -8,7 +8,7 @@
 #include <set>
 #include <vector>
 
-#include "common/random.hpp"
+#include "common/math/random.hpp"
 #include "sim_svc/world.hpp"
 #include "tests/sim_svc/world_fixture.hpp"
 #include "tracker_svc/cap_tracker.hpp"

@@ -7,9 +7,9 @@
 #include <lab/service_status_t.hpp>
 #include <numbers>
 
-#include "common/channels.hpp"
-#include "common/memory_bus.hpp"
-#include "common/virtual_loop.hpp"
+#include "common/bus/channels.hpp"
+#include "common/bus/memory_bus.hpp"
+#include "common/loop/virtual_loop.hpp"
 #include "light/optics/simulated_camera.hpp"
 #include "sim_svc/camera_painter.hpp"
 #include "tests/common/temporary_folder.hpp"

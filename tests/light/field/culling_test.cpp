@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "common/random.hpp"
+#include "common/math/random.hpp"
 #include "light/field/field.hpp"
 #include "light/field/image.hpp"
 

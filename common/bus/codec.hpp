@@ -1,0 +1,38 @@
+/// Encoding and decoding of the generated types: see bus.hpp.
+#pragma once
+
+#include <cstddef>
+#include <stdexcept>
+
+#include "common/bus/bus.hpp"
+
+namespace lab {
+
+template <class Message>
+std::vector<std::uint8_t> encode(const Message& message) {
+  const int size = message.getEncodedSize();
+  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(size));
+  if (message.encode(bytes.data(), 0, size) != size) {
+    throw std::logic_error(std::string("cannot encode ") + Message::getTypeName());
+  }
+  return bytes;
+}
+
+/// Eight bytes for each byte of a packet are still counted in an int.
+inline constexpr std::size_t kMostBytes = (std::size_t{1} << 28) - 1;
+
+template <class Message>
+bool decode(Bytes data, Message& message) noexcept {
+  if (data.size() > kMostBytes) return false;
+  const int size = static_cast<int>(data.size());
+  try {
+    Message fresh{};
+    if (fresh.decode(data.data(), 0, size) != size) return false;
+    message = std::move(fresh);
+    return true;
+  } catch (const std::exception&) {
+    return false;
+  }
+}
+
+}  // namespace lab

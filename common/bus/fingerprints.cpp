@@ -1,0 +1,69 @@
+#include "common/bus/fingerprints.hpp"
+
+#include <array>
+#include <cstdio>
+#include <lab/analysis_t.hpp>
+#include <lab/clock_t.hpp>
+#include <lab/experiment_command_t.hpp>
+#include <lab/experiment_event_t.hpp>
+#include <lab/experiment_status_t.hpp>
+#include <lab/light_command_t.hpp>
+#include <lab/light_delivery_t.hpp>
+#include <lab/light_seen_t.hpp>
+#include <lab/light_status_t.hpp>
+#include <lab/link_status_t.hpp>
+#include <lab/robot_calibration_t.hpp>
+#include <lab/robot_command_t.hpp>
+#include <lab/robot_status_t.hpp>
+#include <lab/robot_steps_t.hpp>
+#include <lab/robot_stop_t.hpp>
+#include <lab/service_status_t.hpp>
+#include <lab/sim_truth_t.hpp>
+#include <lab/tracked_details_t.hpp>
+#include <lab/tracked_frame_t.hpp>
+#include <lab/tracker_status_t.hpp>
+
+namespace lab {
+namespace {
+
+struct Type {
+  std::string_view name;
+  std::int64_t hash;
+};
+
+template <class... Messages>
+std::array<Type, sizeof...(Messages)> types() {
+  return {Type{Messages::getTypeName(), Messages::getHash()}...};
+}
+
+const auto& allTypes() {
+  static const auto all =
+      types<analysis_t, clock_t, experiment_command_t, experiment_event_t, experiment_status_t,
+            light_command_t, light_delivery_t, light_seen_t, light_status_t, link_status_t,
+            robot_calibration_t, robot_command_t, robot_status_t, robot_steps_t, robot_stop_t,
+            service_status_t, sim_truth_t, tracked_details_t, tracked_frame_t, tracker_status_t>();
+  return all;
+}
+
+}  // namespace
+
+std::string fingerprintList() {
+  std::string list;
+  for (const Type& type : allTypes()) list += fingerprintLine(type.name, type.hash);
+  return list;
+}
+
+std::string fingerprintLine(std::string_view type, std::int64_t hash) {
+  std::array<char, 17> digits{};
+  std::snprintf(digits.data(), digits.size(), "%016llx", static_cast<unsigned long long>(hash));
+  return std::string(type) + " " + digits.data() + "\n";
+}
+
+std::string_view typeWithFingerprint(std::int64_t hash) {
+  for (const Type& type : allTypes()) {
+    if (type.hash == hash) return type.name;
+  }
+  return {};
+}
+
+}  // namespace lab

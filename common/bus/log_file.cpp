@@ -1,0 +1,200 @@
+#include "common/bus/log_file.hpp"
+
+#include <fcntl.h>
+#include <lcm/lcm.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <optional>
+#include <stdexcept>
+
+#include "common/bus/channels.hpp"
+#include "common/bus/contract_upgrade.hpp"
+
+namespace lab {
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::uint32_t kSync = 0xEDA1DA01;
+/// An event's sync word, number, time and two lengths, big-endian.
+constexpr std::size_t kHeader_bytes = 28;
+constexpr std::size_t kTime_at = 12;
+constexpr std::size_t kChannelLength_at = 20;
+constexpr std::size_t kDataLength_at = 24;
+constexpr std::int32_t kLongestChannel = 999;  // LCM's own reader takes no longer one
+
+/// A file in memory: LCM's reader copies and frees every event, which takes as long as decoding it.
+class MappedFile {
+ public:
+  explicit MappedFile(const fs::path& path) {
+    const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+    if (file < 0) throw std::runtime_error("cannot open the log " + path.string());
+    struct stat status {};
+    const bool known = ::fstat(file, &status) == 0 && S_ISREG(status.st_mode);
+    size_ = known ? static_cast<std::size_t>(status.st_size) : 0;
+    if (size_ > 0) data_ = ::mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, file, 0);
+    ::close(file);
+    if (!known || data_ == MAP_FAILED) {
+      throw std::runtime_error("cannot read the log " + path.string());
+    }
+    if (size_ > 0) ::madvise(data_, size_, MADV_SEQUENTIAL);
+  }
+  ~MappedFile() {
+    if (size_ > 0) ::munmap(data_, size_);
+  }
+  MappedFile(const MappedFile&) = delete;
+  MappedFile& operator=(const MappedFile&) = delete;
+
+  [[nodiscard]] Bytes bytes() const { return {static_cast<const std::uint8_t*>(data_), size_}; }
+
+ private:
+  void* data_ = nullptr;
+  std::size_t size_ = 0;
+};
+
+template <class Integer>
+Integer bigEndian(Bytes file, std::size_t at) {
+  std::uint64_t value = 0;
+  for (std::size_t i = 0; i < sizeof(Integer); ++i) value = (value << 8U) | file[at + i];
+  return static_cast<Integer>(value);
+}
+
+bool syncAt(Bytes file, std::size_t at) { return bigEndian<std::uint32_t>(file, at) == kSync; }
+
+/// The first sync word at or behind a place; the file's size: there is none.
+std::size_t findEvent(Bytes file, std::size_t at) {
+  for (; at + sizeof kSync <= file.size(); ++at) {
+    if (syncAt(file, at)) return at;
+  }
+  return file.size();
+}
+
+struct Event {
+  std::string_view channel;
+  Bytes data;
+  std::int64_t utime = 0;
+  std::size_t end = 0;  ///< behind it in the file
+};
+
+/// The event that begins at a sync word. Nothing: its lengths cannot be, or something else than an
+/// event or the end of the file comes behind it.
+std::optional<Event> eventAt(Bytes file, std::size_t at) {
+  if (file.size() - at < kHeader_bytes) return std::nullopt;
+  const auto channel_length = bigEndian<std::int32_t>(file, at + kChannelLength_at);
+  const auto data_length = bigEndian<std::int32_t>(file, at + kDataLength_at);
+  if (channel_length <= 0 || channel_length > kLongestChannel || data_length < 0) {
+    return std::nullopt;
+  }
+  const std::size_t channel_at = at + kHeader_bytes;
+  const std::size_t data_at = channel_at + static_cast<std::size_t>(channel_length);
+  const std::size_t end = data_at + static_cast<std::size_t>(data_length);
+  if (end > file.size()) return std::nullopt;
+  if (end + sizeof kSync <= file.size() && !syncAt(file, end)) return std::nullopt;
+  const Bytes channel = file.subspan(channel_at, data_at - channel_at);
+  return Event{{reinterpret_cast<const char*>(channel.data()), channel.size()},
+               file.subspan(data_at, end - data_at),
+               bigEndian<std::int64_t>(file, at + kTime_at),
+               end};
+}
+
+void readFile(const fs::path& path, const PacketHandler& handler, LogReadResult& result) {
+  const MappedFile mapped(path);
+  const Bytes file = mapped.bytes();
+  std::size_t whole = 0;  // everything up to here is read or counted
+  std::size_t at = findEvent(file, 0);
+  while (at < file.size()) {
+    const std::optional<Event> event = eventAt(file, at);
+    if (!event) {
+      at = findEvent(file, at + 1);
+      continue;
+    }
+    if (at != whole) ++result.resyncs;
+    whole = event->end;
+    at = findEvent(file, whole);
+    if (event->channel == channels::kLcmSelfTest) continue;
+    ++result.events;
+    const std::optional<std::vector<std::uint8_t>> newer = upgraded(event->data);
+    handler({event->channel, newer ? Bytes(*newer) : event->data, event->utime});
+  }
+  if (file.size() != whole) ++result.resyncs;
+}
+
+}  // namespace
+
+struct LogWriter::Implementation {
+  lcm_eventlog_t* log = nullptr;
+  std::string channel;
+  std::vector<char> buffer;  // glibc does not make one of the size asked for
+};
+
+LogWriter::LogWriter(const fs::path& path)
+    : implementation_(std::make_unique<Implementation>()), path_(path) {
+  if (fs::exists(path)) {
+    throw std::runtime_error(path.string() + " exists: logs are never overwritten");
+  }
+  implementation_->log = lcm_eventlog_create(path.c_str(), "w");
+  if (implementation_->log == nullptr) {
+    throw std::runtime_error("cannot write the log " + path.string());
+  }
+  constexpr std::size_t kBuffer_bytes = 1U << 20U;
+  implementation_->buffer.resize(kBuffer_bytes);
+  std::setvbuf(implementation_->log->f, implementation_->buffer.data(), _IOFBF, kBuffer_bytes);
+}
+
+LogWriter::~LogWriter() { lcm_eventlog_destroy(implementation_->log); }
+
+void LogWriter::write(const Packet& packet) {
+  implementation_->channel = packet.channel;
+  lcm_eventlog_event_t event{};
+  event.timestamp = packet.received_utime;
+  event.channellen = static_cast<std::int32_t>(packet.channel.size());
+  event.datalen = static_cast<std::int32_t>(packet.data.size());
+  event.channel = implementation_->channel.data();
+  // LCM's struct has no const; it only reads.
+  event.data = const_cast<std::uint8_t*>(packet.data.data());
+  if (lcm_eventlog_write_event(implementation_->log, &event) != 0) fail();
+}
+
+void LogWriter::flush() {
+  if (std::fflush(implementation_->log->f) != 0) fail();
+}
+
+void LogWriter::fail() const {
+  throw std::runtime_error("cannot go on writing " + path_.string() +
+                           ": the disk is full or gone; free some space");
+}
+
+LogReadResult readLog(const std::vector<fs::path>& files, const PacketHandler& handler) {
+  LogReadResult result;
+  for (const fs::path& path : files) readFile(path, handler, result);
+  return result;
+}
+
+std::vector<fs::path> logSeries(const fs::path& first) {
+  std::vector<fs::path> continued;
+  const std::string prefix = first.filename().string() + ".";
+  const fs::path folder = first.has_parent_path() ? first.parent_path() : fs::path(".");
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    const std::string name = entry.path().filename().string();
+    const bool numbered =
+        name.size() > prefix.size() && name.starts_with(prefix) &&
+        std::all_of(name.begin() + static_cast<std::ptrdiff_t>(prefix.size()), name.end(),
+                    [](unsigned char letter) { return letter >= '0' && letter <= '9'; });
+    if (numbered) continued.push_back(entry.path());
+  }
+  // .100 comes after .99.
+  std::sort(continued.begin(), continued.end(), [](const fs::path& a, const fs::path& b) {
+    const std::string& left = a.native();
+    const std::string& right = b.native();
+    return left.size() != right.size() ? left.size() < right.size() : left < right;
+  });
+  std::vector<fs::path> files{first};
+  files.insert(files.end(), continued.begin(), continued.end());
+  return files;
+}
+
+}  // namespace lab

@@ -1,0 +1,61 @@
+/// A bus inside one process, for virtual time and for tests.
+#pragma once
+
+#include <deque>
+#include <exception>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "common/bus/bus.hpp"
+#include "common/bus/bus_error.hpp"
+#include "common/math/random.hpp"
+
+namespace lab {
+
+/// Messages are queued by publish() and delivered, in order, by deliver(): a handler that publishes
+/// never recurses. Every listener hears every message, including the publisher's own. With a loss
+/// rate, each delivery to each listener is dropped at random, independently, as a network would.
+class MemoryBus final : public Bus {
+ public:
+  using Clock = std::function<std::int64_t()>;
+
+  /// @param clock gives the time of arrival [us since 1970].
+  explicit MemoryBus(Clock clock) : clock_(std::move(clock)) {}
+
+  void publish(std::string_view channel, Bytes data) override;
+  void subscribe(std::string_view channel, PacketHandler handler) override;
+  void subscribeAll(PacketHandler handler) override;
+
+  /// Delivers everything queued, and what the handlers publish meanwhile. A handler that throws
+  /// keeps nothing from the others. @throws whatever a handler threw, the first of them, when all
+  /// is done.
+  void deliver();
+
+  /// From now on each delivery is lost with this probability.
+  void loseAtRandom(double probability, std::uint64_t seed);
+
+ private:
+  struct Listener {
+    std::string channel;  ///< empty: every channel
+    PacketHandler handler;
+    Random random{0};
+  };
+  struct Message {
+    std::string channel;
+    std::vector<std::uint8_t> data;
+  };
+
+  void add(std::string_view channel, PacketHandler handler);
+  void deliver(const Message& message);
+
+  Clock clock_;
+  std::vector<Listener> listeners_;
+  std::deque<Message> queue_;
+  bool delivering_ = false;
+  std::exception_ptr error_;
+  double loss_ = 0;
+  std::uint64_t loss_seed_ = 0;
+};
+
+}  // namespace lab

@@ -1,0 +1,321 @@
+#include "common/camera/shared_camera.hpp"
+
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <bitset>
+#include <cerrno>
+#include <cstring>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/camera/frame_ring.hpp"
+#include "common/camera/sim_camera.hpp"
+#include "light/field/image.hpp"
+
+namespace lab::cameras {
+namespace {
+
+constexpr std::int64_t kLook_us = 100'000;            // how often an absent camera is looked for
+constexpr std::int64_t kPatience_us = 2'000'000;      // until its absence is worth a word
+constexpr std::size_t kMostWaiting = kRingSlots / 2;  // frames further behind are let go unread
+
+struct Address {
+  sockaddr_un name{};
+  socklen_t length = 0;
+};
+
+/// An abstract name: nothing in the file system.
+Address addressOf(const std::filesystem::path& folder) {
+  const std::string path = std::filesystem::weakly_canonical(folder).string();
+  const auto* bytes = reinterpret_cast<const std::uint8_t*>(path.data());
+  const std::string name = "active-lab-camera-" + std::to_string(getuid()) + "-" +
+                           light::sha256({bytes, path.size()}).substr(0, 32);
+  Address address;
+  address.name.sun_family = AF_UNIX;
+  std::copy(name.begin(), name.end(), address.name.sun_path + 1);
+  address.length = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + name.size());
+  return address;
+}
+
+sockaddr* generic(Address& address) { return reinterpret_cast<sockaddr*>(&address.name); }
+
+Descriptor newSocket() {
+  Descriptor line(socket(AF_UNIX, SOCK_SEQPACKET | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+  if (line.get() < 0) throw CameraError(std::string("sim: no socket: ") + std::strerror(errno));
+  return line;
+}
+
+bool isOwnUser(int line) {
+  ucred peer{};
+  socklen_t length = sizeof peer;
+  return getsockopt(line, SOL_SOCKET, SO_PEERCRED, &peer, &length) == 0 && peer.uid == getuid();
+}
+
+/// One message: the reader's number, with the memory.
+bool sendMemory(int line, std::uint64_t reader, int memory) {
+  iovec content{&reader, sizeof reader};
+  alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(int))> space{};
+  msghdr message{};
+  message.msg_iov = &content;
+  message.msg_iovlen = 1;
+  message.msg_control = space.data();
+  message.msg_controllen = space.size();
+  cmsghdr* rights = CMSG_FIRSTHDR(&message);
+  rights->cmsg_level = SOL_SOCKET;
+  rights->cmsg_type = SCM_RIGHTS;
+  rights->cmsg_len = CMSG_LEN(sizeof(int));
+  std::memcpy(CMSG_DATA(rights), &memory, sizeof memory);
+  return sendmsg(line, &message, MSG_DONTWAIT | MSG_NOSIGNAL) == sizeof reader;
+}
+
+/// The other end of sendMemory(). @return the memory, none: not this message, or no message.
+Descriptor receiveMemory(int line, std::uint64_t& reader) {
+  iovec content{&reader, sizeof reader};
+  alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(int))> space{};
+  msghdr message{};
+  message.msg_iov = &content;
+  message.msg_iovlen = 1;
+  message.msg_control = space.data();
+  message.msg_controllen = space.size();
+  if (recvmsg(line, &message, MSG_DONTWAIT | MSG_CMSG_CLOEXEC) != sizeof reader) {
+    return Descriptor();
+  }
+  const cmsghdr* rights = CMSG_FIRSTHDR(&message);
+  if (rights == nullptr || rights->cmsg_type != SCM_RIGHTS) return Descriptor();
+  int memory = -1;
+  std::memcpy(&memory, CMSG_DATA(rights), sizeof memory);
+  return Descriptor(memory);
+}
+
+class SharedSink final : public FrameSink {
+ public:
+  SharedSink(AsioLoop& loop, const std::filesystem::path& folder, const CameraFormat& format)
+      : loop_(loop), ring_(format), listener_(newSocket()) {
+    Address address = addressOf(folder);
+    if (bind(listener_.get(), generic(address), address.length) != 0) {
+      throw CameraError(errno == EADDRINUSE
+                            ? std::string(kSimTaken)
+                            : std::string("sim: cannot be offered: ") + std::strerror(errno));
+    }
+    if (listen(listener_.get(), 16) != 0) {
+      throw CameraError(std::string("sim: cannot be offered: ") + std::strerror(errno));
+    }
+    watch_ = loop_.watch(listener_.get(), [this] { accept(); });
+  }
+
+  [[nodiscard]] std::span<std::uint8_t> canvas() override { return ring_.canvas(); }
+
+  void show(std::int64_t number, std::int64_t exposure_utime) override {
+    const RingNotice notice = ring_.publish(number, exposure_utime);
+    for (const std::unique_ptr<Reader>& reader : readers_) {
+      // A full socket means a reader that is far behind: this frame is lost for it.
+      static_cast<void>(
+          !send(reader->line.get(), &notice, sizeof notice, MSG_DONTWAIT | MSG_NOSIGNAL));
+    }
+  }
+
+  [[nodiscard]] bool isWatched() const override { return !readers_.empty(); }
+
+ private:
+  struct Reader {
+    Descriptor line;
+    std::size_t number = 0;
+    std::unique_ptr<AsioLoop::Watch> watch;  ///< ends before the line is closed
+  };
+
+  void accept() {
+    Descriptor line(::accept4(listener_.get(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC));
+    if (line.get() < 0 || !isOwnUser(line.get())) return;
+    std::size_t number = 0;
+    while (number < kRingReaders && taken_[number]) ++number;
+    const bool has_room = number < kRingReaders;
+    // One too many gets a number without memory behind it, and so learns why.
+    if (!has_room) {
+      const std::uint64_t none = number;
+      static_cast<void>(!send(line.get(), &none, sizeof none, MSG_DONTWAIT | MSG_NOSIGNAL));
+      return;
+    }
+    if (!sendMemory(line.get(), number, ring_.descriptor())) return;
+    taken_[number] = true;
+    auto reader = std::make_unique<Reader>();
+    Reader* const here = reader.get();
+    reader->line = std::move(line);
+    reader->number = number;
+    // Readers say nothing: whatever there is to read is the end.
+    reader->watch = loop_.watch(reader->line.get(), [this, here] { drop(here); });
+    readers_.push_back(std::move(reader));
+  }
+
+  void drop(const Reader* reader) {
+    taken_[reader->number] = false;
+    ring_.unpin(reader->number);
+    std::erase_if(readers_, [reader](const auto& one) { return one.get() == reader; });
+  }
+
+  AsioLoop& loop_;
+  RingWriter ring_;
+  Descriptor listener_;
+  std::unique_ptr<AsioLoop::Watch> watch_;
+  std::bitset<kRingReaders> taken_;
+  std::vector<std::unique_ptr<Reader>> readers_;
+};
+
+/// Shared with its timers and with a call of a handler, which may destroy the source.
+class Link : public std::enable_shared_from_this<Link> {
+ public:
+  Link(AsioLoop& loop, const std::filesystem::path& folder, const CameraFormat& wanted,
+       CameraHandlers handlers)
+      : loop_(loop),
+        address_(addressOf(folder)),
+        wanted_(wanted),
+        handlers_(std::move(handlers)),
+        complain_at_(loop.now() + kPatience_us) {}
+
+  /// Tries to connect until it is connected.
+  void look() {
+    if (closed_) return;
+    if (!connect()) {
+      if (loop_.now() >= complain_at_ && !troubled_) trouble(kSimAbsent);
+      lookLater();
+    }
+  }
+
+  void close() {
+    closed_ = true;
+    watch_.reset();
+    line_ = Descriptor();
+  }
+
+  [[nodiscard]] CameraFormat format() const { return ring_ ? ring_->format() : CameraFormat{}; }
+  [[nodiscard]] std::int64_t dropped() const { return gaps_.missing(); }
+
+ private:
+  void lookLater() {
+    loop_.at(loop_.now() + kLook_us, [link = weak_from_this()] {
+      if (const std::shared_ptr<Link> here = link.lock()) here->look();
+    });
+  }
+
+  bool connect() {
+    Descriptor line = newSocket();
+    if (::connect(line.get(), generic(address_), address_.length) != 0) return false;
+    if (!isOwnUser(line.get())) return false;
+    line_ = std::move(line);
+    watch_ = loop_.watch(line_.get(), [this] {
+      const std::shared_ptr<Link> alive = shared_from_this();
+      ring_ ? readNotices() : readWelcome();
+    });
+    return true;
+  }
+
+  void readWelcome() {
+    std::uint64_t reader = 0;
+    const Descriptor memory = receiveMemory(line_.get(), reader);
+    if (memory.get() < 0) {
+      lost(reader == kRingReaders
+               ? "sim: " + std::to_string(kRingReaders) + " programs read it already; end one"
+               : std::string(kSimGone));
+      return;
+    }
+    try {
+      ring_.emplace(memory, reader);
+    } catch (const CameraError& error) {
+      lost(error.what());
+      return;
+    }
+    gaps_.restart();
+    const std::string misfit = sizeTrouble(wanted_, ring_->format());
+    fits_ = misfit.empty();
+    if (!fits_) {
+      trouble(misfit);
+    } else if (troubled_) {
+      troubled_ = false;
+      handlers_.trouble("");
+    }
+  }
+
+  void readNotices() {
+    std::vector<RingNotice> notices;
+    RingNotice notice;
+    ssize_t count = 0;
+    while ((count = recv(line_.get(), &notice, sizeof notice, MSG_DONTWAIT)) == sizeof notice) {
+      notices.push_back(notice);
+    }
+    const bool gone = count == 0 || (count < 0 && errno != EAGAIN && errno != EINTR);
+    const std::size_t first = notices.size() - std::min(notices.size(), kMostWaiting);
+    for (std::size_t i = first; i < notices.size() && !closed_; ++i) deliver(notices[i]);
+    if (gone && !closed_) lost(kSimGone);
+  }
+
+  void deliver(const RingNotice& notice) {
+    if (!fits_) return;
+    const std::uint8_t* pixels = ring_->hold(notice);
+    if (pixels == nullptr) return;  // the next one's number tells
+    gaps_.got(notice.number);
+    const CameraFormat& format = ring_->format();
+    handlers_.frame(
+        {notice.number, notice.utime, {pixels, format.width, format.height, format.width}});
+    if (!closed_) ring_->release();  // else the painter has done it, and the pin may be another's
+  }
+
+  void lost(const std::string& reason) {
+    watch_.reset();
+    line_ = Descriptor();
+    ring_.reset();
+    lookLater();
+    trouble(reason);
+  }
+
+  void trouble(const std::string& reason) {
+    if (std::exchange(trouble_, reason) == reason && troubled_) return;
+    troubled_ = true;
+    handlers_.trouble(reason);
+  }
+
+  AsioLoop& loop_;
+  Address address_;
+  CameraFormat wanted_;
+  CameraHandlers handlers_;
+  std::int64_t complain_at_;
+  bool closed_ = false;
+  bool troubled_ = false;
+  bool fits_ = true;
+  std::string trouble_;
+  Descriptor line_;
+  std::unique_ptr<AsioLoop::Watch> watch_;
+  std::optional<RingReader> ring_;
+  GapCounter gaps_;
+};
+
+class SharedSource final : public FrameSource {
+ public:
+  explicit SharedSource(std::shared_ptr<Link> link) : link_(std::move(link)) { link_->look(); }
+  ~SharedSource() override { link_->close(); }
+
+  [[nodiscard]] CameraFormat format() const override { return link_->format(); }
+  [[nodiscard]] std::int64_t dropped() const override { return link_->dropped(); }
+
+ private:
+  std::shared_ptr<Link> link_;
+};
+
+}  // namespace
+
+std::unique_ptr<FrameSink> offerSharedCamera(AsioLoop& loop, const std::filesystem::path& folder,
+                                             const CameraFormat& format) {
+  checkPaintable(format);
+  return std::make_unique<SharedSink>(loop, folder, format);
+}
+
+std::unique_ptr<FrameSource> openSharedCamera(AsioLoop& loop, const std::filesystem::path& folder,
+                                              const CameraFormat& wanted, CameraHandlers handlers) {
+  return std::make_unique<SharedSource>(
+      std::make_shared<Link>(loop, folder, wanted, std::move(handlers)));
+}
+
+}  // namespace lab::cameras

@@ -1,0 +1,199 @@
+#include <arpa/inet.h>
+
+#include <algorithm>
+#include <array>
+#include <string>
+
+#include "common/experiment/checks/experiment_checks.hpp"
+#include "common/experiment/service_placement.hpp"
+#include "common/files/file_values.hpp"
+
+namespace lab::keys {
+namespace {
+
+bool hasHosts(const Experiment& e) { return !otherHosts(e).empty(); }
+
+/// What may stand between ssh and a command without being taken for an option, a path or two words.
+bool isSshName(const std::string& name) {
+  return !name.empty() && name.front() != '-' &&
+         name.find_first_of(" \t\n\"'\\/;&|<>$`*?()") == std::string::npos;
+}
+
+std::string serviceList() {
+  std::string list;
+  for (const std::string_view name : kServiceNames) {
+    list += (list.empty() ? "" : ", ") + std::string(name);
+  }
+  return list;
+}
+
+std::string hostList(const Experiment& e) {
+  std::string list;
+  for (const auto& [name, host] : e.hosts) list += (list.empty() ? "" : ", ") + name;
+  return list.empty() ? "there is no [hosts.NAME]" : list;
+}
+
+void checkPlace(const Experiment& e, const ServicePlace& place, Problems& problems) {
+  const std::string path = "services." + place.service;
+  if (std::ranges::find(kServiceNames, place.service) == kServiceNames.end()) {
+    problems.add(path, "found an unknown service, allowed " + serviceList());
+    return;
+  }
+  const std::string& host = place.host;
+  if (host.empty() || e.hosts.contains(host)) return;
+  const bool by_ssh = host.find('@') != std::string::npos && isSshName(host);
+  if (by_ssh) return;
+  problems.add(path + ".host", "found " + tomlString(host) +
+                                   ", allowed \"\" (this machine), the name of a host (" +
+                                   hostList(e) + ") or \"user@machine\" as ssh takes it");
+}
+
+void checkHost(const HostSpec& host, Problems& problems) {
+  if (host.ssh.empty() || isSshName(host.ssh)) return;
+  problems.add("hosts." + host.name + ".ssh",
+               "found " + tomlString(host.ssh) +
+                   ", allowed \"machine\" or \"user@machine\"; "
+                   "options such as a port belong into ~/.ssh/config");
+}
+
+/// Two services that share something that no message carries.
+void checkTogether(const Experiment& e, const std::string& one, const std::string& other,
+                   const std::string& why, Problems& problems) {
+  const std::string here = hostOf(e, one);
+  const std::string there = hostOf(e, other);
+  if (here == there) return;
+  const std::string& placed = e.services.contains(one) ? one : other;
+  const auto text = [](const std::string& host) {
+    return host.empty() ? std::string("this machine") : tomlString(host);
+  };
+  problems.add("services." + placed + ".host", "found " + one + " on " + text(here) + " and " +
+                                                   other + " on " + text(there) +
+                                                   ", allowed one host for both (" + why + ")");
+}
+
+void checkPlaces(const Experiment& e, Problems& problems) {
+  for (const auto& [name, host] : e.hosts) checkHost(host, problems);
+  for (const auto& [name, place] : e.services) checkPlace(e, place, problems);
+  if (problems.concern("services")) return;
+  if (std::ranges::any_of(e.robots, [](const RobotSpec& robot) {
+        return isOnWire(robot.body) && isSimulated(robot.body);
+      })) {
+    checkTogether(e, "robot_bridge", "sim_svc", "simulated serial lines lead from one to the other",
+                  problems);
+  }
+  if (isPainted(e.camera)) {
+    checkTogether(e, "tracker_svc", "sim_svc", "the simulated camera's pictures are no messages",
+                  problems);
+  }
+}
+
+void checkLink(const Experiment& e, Problems& problems) {
+  if (!hasHosts(e)) return;
+  if (e.link.join == JoinBy::kMulticast) {
+    if (e.network.ttl < 1) {
+      problems.add("network.ttl", "found 0, needed for link.join = \"multicast\": at least 1");
+    } else if (!e.link.unsecured) {
+      problems.add("link",
+                   "found join = \"multicast\", which nothing can secure, allowed with "
+                   "link.unsecured = true: anybody on that network can then drive the robots");
+    }
+    return;
+  }
+  if (e.link.security.empty() && !e.link.unsecured) {
+    problems.add("link",
+                 "found services on other hosts without DDS Security, allowed with "
+                 "link.security = \"FOLDER\" (docs/security.md), or with link.unsecured = "
+                 "true: anybody on that network can then drive the robots");
+  }
+  if (e.gateway.ros && e.link.domain == e.gateway.domain) {
+    problems.add("link.domain", "found " + std::to_string(e.link.domain) +
+                                    ", which is gateway.domain, allowed another one");
+  }
+}
+
+void checkOwnConfiguration(const Gateway& gateway, Problems& problems) {
+  if (gateway.configuration.empty()) return;
+  const char* other = !gateway.address.empty()    ? "gateway.address"
+                      : !gateway.peers.empty()    ? "gateway.peers"
+                      : !gateway.security.empty() ? "gateway.security"
+                                                  : nullptr;
+  if (other == nullptr) return;
+  problems.add("gateway.configuration",
+               "found " + tomlString(gateway.configuration) + " next to " + other +
+                   ", allowed one of the two: a file of yours says it all");
+}
+
+void checkGateway(const Experiment& e, Problems& problems) {
+  const Gateway& gateway = e.gateway;
+  checkOwnConfiguration(gateway, problems);
+  if (gateway.configuration.empty() && gateway.address.empty()) {
+    const char* key = !gateway.peers.empty()      ? "gateway.peers"
+                      : !gateway.security.empty() ? "gateway.security"
+                                                  : nullptr;
+    if (key != nullptr) {
+      problems.add(key, "found without gateway.address, which says the network interface to use");
+    }
+  }
+  const bool leaves = !gateway.address.empty() || !gateway.configuration.empty();
+  if (gateway.commands && leaves && gateway.security.empty() && !gateway.unsecured_commands) {
+    problems.add("gateway.commands",
+                 "found true with ROS 2 on other machines and no DDS Security, allowed with "
+                 "gateway.security = \"FOLDER\" (docs/security.md), or with "
+                 "gateway.unsecured_commands = true: anybody on that network can then drive the "
+                 "robots");
+  }
+}
+
+bool isNumericAddress(const std::string& address) {
+  std::array<unsigned char, sizeof(in6_addr)> bytes{};
+  return inet_pton(AF_INET, address.c_str(), bytes.data()) == 1 ||
+         inet_pton(AF_INET6, address.c_str(), bytes.data()) == 1;
+}
+
+void checkDashboard(const Dashboard& dashboard, Problems& problems) {
+  if (!dashboard.address.empty() && !isNumericAddress(dashboard.address)) {
+    problems.add("dashboard.address",
+                 "found " + tomlString(dashboard.address) +
+                     ", allowed \"\" (this machine only) or an address in numbers, as "
+                     "\"192.168.0.5\"; \"ip addr\" lists those of this machine");
+  }
+  if (dashboard.control_from_elsewhere && isOnlyHere(dashboard)) {
+    problems.add("dashboard.control_from_elsewhere",
+                 "found true with a page that only this machine sees, needed for it: "
+                 "dashboard.address");
+  }
+}
+
+void checkCommandRobots(const ExperimentForm& form, Problems& problems) {
+  const std::vector<std::int32_t>& wanted = form.common.gateway.command_robots;
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    const bool known = std::ranges::any_of(form.robots, [&](const RobotEntry& entry) {
+      return wanted[i] >= entry.id && wanted[i] < entry.id + entry.count;
+    });
+    if (known) continue;
+    problems.add("gateway.command_robots[" + std::to_string(i) + "]",
+                 "found " + std::to_string(wanted[i]) + ", allowed the id of a robot");
+  }
+}
+
+}  // namespace
+
+void checkNetworks(const ExperimentForm& form, Problems& problems) {
+  if (!problems.concern("gateway")) {
+    checkGateway(form.common, problems);
+    if (!problems.concern("robots")) checkCommandRobots(form, problems);
+  }
+  if (!problems.concern("dashboard")) checkDashboard(form.common.dashboard, problems);
+  if (problems.concern("hosts") || problems.concern("services")) return;
+  // The form keeps robots as entries: places speak of their bodies only.
+  Experiment e = form.common;
+  for (const RobotEntry& entry : form.robots) {
+    RobotSpec robot;
+    robot.body = entry.body;
+    e.robots.push_back(robot);
+  }
+  checkPlaces(e, problems);
+  if (!problems.concern("link") && !problems.concern("services")) checkLink(e, problems);
+}
+
+}  // namespace lab::keys

@@ -1,0 +1,343 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/experiment/checks/experiment_checks.hpp"
+#include "common/experiment/keys/experiment_keys.hpp"
+#include "common/files/file_values.hpp"
+#include "common/experiment/script_plan.hpp"
+
+namespace lab::keys {
+namespace {
+
+std::string stepPath(std::size_t index) { return "light.steps[" + std::to_string(index) + "]"; }
+
+std::string place(double metre) {
+  return fileText(std::round(metre * 1e9) / 1e9, unitOf("_cm"));  // 1.2 - 0.0375 is 116.25 cm
+}
+
+bool checkStepForms(const ExperimentForm& form, Problems& problems) {
+  const bool holds = form.light_steps.front().hold.has_value();
+  const std::string allowed = holds ? "hold_s alone, as in light.steps[0]"
+                                    : "at_s alone, as in light.steps[0] (or hold_s in all steps)";
+  bool fine = true;
+  for (std::size_t i = 0; i < form.light_steps.size(); ++i) {
+    const StepEntry& step = form.light_steps[i];
+    if (step.at.has_value() != holds && step.hold.has_value() == holds) continue;
+    std::string found = "neither at_s nor hold_s";
+    if (step.at) found = "at_s";
+    if (step.hold) found = step.at ? "both at_s and hold_s" : "hold_s";
+    problems.add(stepPath(i),
+                 "found " + found + ", allowed " + (i == 0 ? "either at_s or hold_s" : allowed));
+    fine = false;
+    if (i == 0) break;
+  }
+  return fine;
+}
+
+/// A condition and a way back need steps whose times are open.
+bool checkOpenSteps(const ExperimentForm& form, Problems& problems) {
+  if (form.light_steps.front().hold) return true;
+  bool fine = true;
+  for (std::size_t i = 0; i < form.light_steps.size(); ++i) {
+    const StepEntry& step = form.light_steps[i];
+    if (!step.has_until && step.back_to.empty()) continue;
+    problems.add(stepPath(i) + (step.has_until ? ".until" : ".back_to"),
+                 std::string("found next to at_s, allowed where all steps have hold_s") +
+                     (step.has_until ? " (which is then the limit)" : ""));
+    fine = false;
+  }
+  return fine;
+}
+
+/// What the analyzer measures of robots that run such a program (analyzer/estimates.cpp).
+std::vector<std::string_view> estimatesOf(Model model) {
+  switch (model) {
+    case Model::kAbp:
+      return {"D_r", "v", "D", "L_s", "D_slope"};
+    case Model::kNoisyAbp:
+      return {"D_r", "v_a", "V", "D_t", "D", "D_slope"};
+    case Model::kBp:
+      return {"D_r", "v", "V", "D_t", "D", "D_slope"};
+    case Model::kRtp:
+      return {"v", "gamma", "tau_r", "D", "L_s", "D_slope"};
+    case Model::kWheels:
+      return {"v"};
+    default:
+      return {};
+  }
+}
+
+template <typename Names>
+std::string listed(const Names& names) {
+  std::string list;
+  for (const auto& name : names) list += (list.empty() ? "" : ", ") + tomlString(name);
+  return list;
+}
+
+/// Programs that some light selects.
+std::map<std::string, Model> selectedPrograms(const ExperimentForm& form) {
+  std::map<std::string, Model> selected;
+  for (const LightBand& band : form.common.light_table.bands) {
+    const auto program = form.common.programs.find(band.program);
+    if (program != form.common.programs.end()) selected[band.program] = program->second.model;
+  }
+  return selected;
+}
+
+void checkEstimate(const ExperimentForm& form, const std::string& path, const Until& until,
+                   Problems& problems) {
+  if (problems.concern("programs") || problems.concern("light_table")) return;
+  const auto selected = selectedPrograms(form);
+  const auto program = selected.find(until.program);
+  if (program == selected.end()) {
+    std::vector<std::string> names;
+    for (const auto& [name, model] : selected) names.push_back(name);
+    problems.add(path + ".program", "found " + tomlString(until.program) +
+                                        ", allowed the name of a program that the light table "
+                                        "selects: " +
+                                        listed(names));
+    return;
+  }
+  const auto known = estimatesOf(program->second);
+  if (std::ranges::find(known, until.estimate) != known.end()) return;
+  problems.add(path + ".estimate",
+               "found " + tomlString(until.estimate) + ", allowed " +
+                   (known.empty() ? "none: nothing is measured of robots that stand"
+                                  : "what is measured of " + tomlString(until.program) + ": " +
+                                        listed(known)));
+}
+
+void checkTumbles(const ExperimentForm& form, const std::string& path, const Until& until,
+                  Problems& problems) {
+  if (problems.concern("programs") || problems.concern("light_table")) return;
+  const auto selected = selectedPrograms(form);
+  const bool tumbling = std::ranges::any_of(
+      selected, [](const auto& program) { return program.second == Model::kRtp; });
+  if (tumbling) return;
+  problems.add(path + ".tumbles", "found " + std::to_string(until.tumbles) +
+                                      ", allowed only where the light table selects a program "
+                                      "that tumbles (model = \"rtp\")");
+}
+
+/// Whether [middle - half, middle + half] has a part where a robot's axis can be.
+bool reaches(double middle, double half, double size, double radius) {
+  return middle + half >= radius && middle - half <= size - radius;
+}
+
+void checkRegion(const ExperimentForm& form, const std::string& path, const Until& until,
+                 Problems& problems) {
+  if (problems.concern("arena") || problems.concern("robot")) return;
+  const bool circle = until.region == Region::kCircle;
+  const double width = form.common.arena_width;
+  const double height = form.common.arena_height;
+  const double rim = form.common.hardware.diameter / 2;
+  // A circle may reach the corner of this frame with neither of its extreme points: the nearest
+  // place of the frame decides.
+  const double to_x = until.x - std::clamp(until.x, rim, std::max(rim, width - rim));
+  const double to_y = until.y - std::clamp(until.y, rim, std::max(rim, height - rim));
+  const bool entered = circle ? std::hypot(to_x, to_y) <= until.radius
+                              : reaches(until.x, until.width / 2, width, rim) &&
+                                    reaches(until.y, until.height / 2, height, rim);
+  if (entered) return;
+  problems.add(path + ".x_cm", "found a region around " + place(until.x) + ", " + place(until.y) +
+                                   " that no robot can enter, allowed one that reaches into " +
+                                   place(rim) + " to " + place(width - rim) + ", " + place(rim) +
+                                   " to " + place(height - rim));
+}
+
+void checkOneRobot(const ExperimentForm& form, const std::string& path, std::int32_t robot,
+                   Problems& problems) {
+  if (robot == 0 || problems.concern("robots")) return;
+  const bool known = std::ranges::any_of(form.robots, [robot](const RobotEntry& entry) {
+    return robot >= entry.id && robot < entry.id + entry.count;
+  });
+  if (known) return;
+  problems.add(path + ".robot",
+               "found " + std::to_string(robot) + ", allowed the id of a robot of this file");
+}
+
+void checkUntil(const ExperimentForm& form, const std::string& path, const Until& until,
+                Problems& problems) {
+  std::string found;
+  const auto note = [&found](bool there, const char* name) {
+    if (there) found += (found.empty() ? "" : " and ") + std::string(name);
+  };
+  note(!until.estimate.empty(), "estimate");
+  note(until.tumbles != 0, "tumbles");
+  note(until.region != Region::kNone, "region");
+  if (found.empty() || found.find(" and ") != std::string::npos) {
+    problems.add(path, "found " + (found.empty() ? "nothing to wait for" : found) +
+                           ", allowed one of estimate, tumbles and region");
+    return;
+  }
+  checkOneRobot(form, path, until.robot, problems);
+  if (!until.estimate.empty()) checkEstimate(form, path, until, problems);
+  if (until.tumbles != 0) checkTumbles(form, path, until, problems);
+  if (until.region != Region::kNone) checkRegion(form, path, until, problems);
+}
+
+/// Where the label stands; complains where that is not clear.
+bool checkLabel(const LightScript& script, std::size_t index, Problems& problems) {
+  const std::string& label = script.steps[index].back_to;
+  const std::string path = stepPath(index) + ".back_to";
+  const auto has_label = [&label](const LightStep& step) { return step.label == label; };
+  const auto count = std::ranges::count_if(script.steps, has_label);
+  const auto first = std::ranges::find_if(script.steps, has_label) - script.steps.begin();
+  const std::string found = "found " + tomlString(label) + ", ";
+  if (count == 0) {
+    std::vector<std::string> labels;
+    for (std::size_t i = 0; i <= index && i < 8; ++i) labels.push_back(script.steps[i].label);
+    problems.add(path, found + "allowed the label of a step up to this one: " + listed(labels) +
+                           (index >= 8 ? ", ..." : ""));
+  } else if (count > 1) {
+    problems.add(path, found + "the label of " + std::to_string(count) +
+                           " steps, allowed a label that only one step has");
+  } else if (first > static_cast<std::ptrdiff_t>(index)) {
+    problems.add(path, found + "the label of " + stepPath(static_cast<std::size_t>(first)) +
+                           ", which comes later, allowed a step up to this one");
+  } else {
+    return true;
+  }
+  return false;
+}
+
+bool checkGroups(const LightScript& script, Problems& problems) {
+  bool fine = true;
+  for (std::size_t i = 0; i < script.steps.size(); ++i) {
+    if (!script.steps[i].back_to.empty()) fine = checkLabel(script, i, problems) && fine;
+  }
+  if (!fine) return false;
+  const std::vector<StepGroup> groups = groupsOf(script);
+  for (std::size_t i = 0; i < groups.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      // In the order of their last steps: the later one either begins behind the earlier or holds it.
+      if (groups[i].first > groups[j].last || groups[i].first <= groups[j].first) continue;
+      problems.add(stepPath(groups[i].last) + ".back_to",
+                   "found " + tomlString(script.steps[groups[i].last].back_to) +
+                       ", inside the steps that " + stepPath(groups[j].last) +
+                       " repeats, which end before this one; allowed groups within each other or "
+                       "one after the other");
+      fine = false;
+      break;
+    }
+  }
+  return fine;
+}
+
+void checkLength(const ExperimentForm& form, Problems& problems) {
+  const bool holds = form.light_steps.front().hold.has_value();
+  const bool repeat = form.common.light.repeat;
+  if (form.light_length && (!repeat || holds)) {
+    problems.add("light.length_s", "found " + numberText(*form.light_length) + ", allowed only " +
+                                       (holds ? "where steps have at_s" : "with repeat = true"));
+  } else if (repeat && !holds && !form.light_length) {
+    problems.add("light.repeat",
+                 "found true, allowed with length_s (when does the last step "
+                 "end?), or with hold_s in all steps");
+  }
+}
+
+void checkStepTimes(const ExperimentForm& form, const LightScript& script, Problems& problems) {
+  const std::vector<double> times = stepTimes(form);
+  const bool holds = form.light_steps.front().hold.has_value();
+  const double duration = form.common.duration;
+  const std::string when = script.isPlanned() ? "" : " at the latest";
+  for (std::size_t i = 0; i < form.light_steps.size(); ++i) {
+    const StepEntry& step = form.light_steps[i];
+    const double length = step.hold.value_or(times[i + 1] - times[i]);
+    const std::string key = stepPath(i) + (holds ? ".hold_s" : ".at_s");
+    const std::string found = "found " + numberText(times[i]) + ", allowed ";
+    if (i == 0 && times[i] != 0) {
+      problems.add(key, found + "0: the first step begins with the run");
+    } else if (i > 0 && !(times[i] > times[i - 1])) {
+      problems.add(key, found + "above " + numberText(times[i - 1]) +
+                            ", the at_s of the step "
+                            "before");
+    } else if (!script.repeat && !problems.concern("duration_s") && times[i] >= duration) {
+      problems.add(key, "found a step that begins at " + numberText(times[i]) + " s" + when +
+                            ", allowed below duration_s = " + numberText(duration) +
+                            " (or repeat = true)");
+    } else if (length > 0 && step.ramp > length) {
+      problems.add(stepPath(i) + ".ramp_s", "found " + numberText(step.ramp) + ", allowed 0 to " +
+                                                fileText(length, unitOf("")) +
+                                                ", as long as the step");
+    }
+  }
+  if (form.light_length && *form.light_length <= times[times.size() - 2]) {
+    problems.add("light.length_s", "found " + numberText(*form.light_length) + ", allowed above " +
+                                       numberText(times[times.size() - 2]) +
+                                       ", the at_s of the last step");
+  }
+}
+
+/// The run's end must not come before a condition's limit: what is declared for then would not
+/// happen.
+void checkLimits(const ExperimentForm& form, const LightScript& script, Problems& problems) {
+  if (script.repeat || problems.concern("duration_s") || problems.concern("light.steps")) return;
+  const auto begins = stepTimes(form);
+  for (std::size_t i = script.steps.size(); i-- > 0;) {
+    if (!script.steps[i].until.given()) continue;
+    std::size_t last = i;
+    for (const StepGroup& group : groupsOf(script)) {
+      if (group.first <= i && group.last >= i) last = std::max(last, group.last);
+    }
+    if (begins[last + 1] <= form.common.duration) return;
+    problems.add(stepPath(i) + ".hold_s",
+                 "found a limit that may come " + numberText(begins[last + 1]) +
+                     " s after the start, allowed up to duration_s = " +
+                     numberText(form.common.duration) +
+                     ": shorten the limits, or raise duration_s (a run that ends early costs no "
+                     "more for it)");
+    return;
+  }
+}
+
+std::string rulePath(std::size_t index) { return "stop_when[" + std::to_string(index) + "]"; }
+
+}  // namespace
+
+void checkStopRules(const ExperimentForm& form, Problems& problems) {
+  const std::vector<StopRule>& rules = form.common.stop_when;
+  for (std::size_t i = 0; i < rules.size(); ++i) {
+    const std::string path = rulePath(i);
+    if (problems.concern(path)) continue;
+    const Until& until = rules[i].until;
+    checkEstimate(form, path, until, problems);
+    checkOneRobot(form, path, until.robot, problems);
+    if (!problems.concern("duration_s") && rules[i].at_least >= form.common.duration) {
+      problems.add(path + ".at_least_s", "found " + numberText(rules[i].at_least) +
+                                             ", allowed below duration_s = " +
+                                             numberText(form.common.duration));
+    }
+    for (std::size_t k = 0; k < i; ++k) {
+      const Until& other = rules[k].until;
+      const bool same = other.estimate == until.estimate && other.program == until.program &&
+                        other.robot == until.robot;
+      if (!same) continue;
+      problems.add(path + ".estimate", "found " + tomlString(until.estimate) + " of " +
+                                           tomlString(until.program) + ", which " + rulePath(k) +
+                                           " asks for already, allowed one rule for each number");
+      break;
+    }
+  }
+}
+
+void checkScript(const ExperimentForm& form, Problems& problems) {
+  const bool forms = checkStepForms(form, problems) && checkOpenSteps(form, problems);
+  for (std::size_t i = 0; i < form.light_steps.size(); ++i) {
+    if (!form.light_steps[i].has_until) continue;
+    checkUntil(form, stepPath(i) + ".until", form.light_steps[i].until, problems);
+  }
+  const LightScript script = scriptOf(form);
+  if (!forms || !checkGroups(script, problems)) return;
+  checkLength(form, problems);
+  checkStepTimes(form, script, problems);
+  checkLimits(form, script, problems);
+}
+
+}  // namespace lab::keys

@@ -1,0 +1,400 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <initializer_list>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "common/experiment/experiment_conversions.hpp"
+#include "common/experiment/experiment_file.hpp"
+#include "common/experiment/experiment_log_size.hpp"
+#include "common/experiment/service_placement.hpp"
+#include "common/files/file_values.hpp"
+#include "common/experiment/script_plan.hpp"
+#include "light/field/field.hpp"
+
+namespace lab {
+namespace {
+
+using keys::fileText;
+using keys::numberText;
+using keys::unitOf;
+
+constexpr std::size_t kLabel = 14;  // columns before the text of a line
+
+std::string line(std::string label, const std::string& text) {
+  label.resize(std::max(kLabel, label.size() + 1), ' ');
+  return label + text + "\n";
+}
+
+std::string rounded(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.4g", value);
+  return text;
+}
+
+std::string cm(double metre) { return fileText(metre, unitOf("_cm")); }
+
+struct Quantity {
+  const char* name = nullptr;
+  std::string value;
+};
+
+std::string list(std::initializer_list<Quantity> quantities) {
+  std::string text;
+  for (const Quantity& quantity : quantities) {
+    text += (text.empty() ? "" : ", ") + std::string(quantity.name) + " = " + quantity.value;
+  }
+  return text;
+}
+
+std::string parameters(const ProgramSpec& p) {
+  const std::string epsilon = numberText(p.epsilon) + " s";
+  switch (p.model) {
+    case Model::kAbp:
+      return "active Brownian, " + list({{"v", cm(p.v) + " cm/s"},
+                                         {"epsilon", epsilon},
+                                         {"eta", numberText(p.eta) + " rad/s"}});
+    case Model::kNoisyAbp:
+      return "noisy active Brownian, " +
+             list({{"va", cm(p.va) + " cm/s"}, {"V", cm(p.V) + " cm/s"}, {"epsilon", epsilon}});
+    case Model::kBp:
+      return "Brownian, " + list({{"V", cm(p.V) + " cm/s"}, {"epsilon", epsilon}});
+    case Model::kRtp:
+      return "run and tumble, " + list({{"v", cm(p.v) + " cm/s"},
+                                        {"gamma", numberText(p.gamma) + " /s"},
+                                        {"tau_t", numberText(p.tau_t) + " s"}});
+    case Model::kWheels:
+      return "constant wheel speeds, " +
+             list({{"left", cm(p.wheel_left) + " cm/s"}, {"right", cm(p.wheel_right) + " cm/s"}});
+    default:
+      return "stands still";
+  }
+}
+
+/// The paper's long-time numbers (below eqs. 4, 5 and 6), and L_s of the exact law: the paper's v /
+/// D_r is its limit of small epsilon.
+std::string derived(const ProgramSpec& p, double d, const PersistenceLength& length) {
+  const std::string diffusion = " cm^2/s";
+  const std::string rotation = " rad^2/s";
+  const double wheel_rotation = p.epsilon * p.V * p.V / (3 * d * d);
+  const double wheel_diffusion = p.epsilon * p.V * p.V / 24;
+  switch (p.model) {
+    case Model::kAbp: {
+      const double dr = p.epsilon * p.eta * p.eta / 6;
+      if (dr == 0) return "drives straight";
+      return list({{"D_r", rounded(dr) + rotation}}) +
+             (length ? ", " + list({{"L_s", rounded(length(p) * 100) + " cm"}}) : "");
+    }
+    case Model::kNoisyAbp:
+      return list({{"D_r", rounded(wheel_rotation) + rotation},
+                   {"D_t", rounded(wheel_diffusion * 1e4) + diffusion}});
+    case Model::kBp:
+      return list({{"D_r", rounded(wheel_rotation) + rotation},
+                   {"D", rounded(wheel_diffusion * 1e4) + diffusion}});
+    case Model::kRtp:
+      return list(
+          {{"mean run", rounded(p.v / p.gamma * 100) + " cm"},
+           {"D", rounded(p.v * p.v / (2 * p.gamma * (1 + p.gamma * p.tau_t)) * 1e4) + diffusion}});
+    default:
+      return "";
+  }
+}
+
+/// The fastest that a wheel ever has to turn [m/s].
+double fastestWheel(const ProgramSpec& program, const RobotHardware& hardware) {
+  const auto result = dynamics::paramsFromPhysics(toPhysics(program), wheelLimits(hardware));
+  const dynamics::ProgramParams& params = result.params;
+  const auto size = [](std::int32_t speed) { return std::abs(static_cast<double>(speed)); };
+  return 1e-6 * std::max({size(params.speed_um_s) + params.amplitude_um_s,
+                          size(params.tumble_amplitude_um_s), size(params.left_um_s),
+                          size(params.right_um_s)});
+}
+
+/// The longest of the times in which a program draws anew, where a run has hardly three of them:
+/// then it was probably meant in ms.
+std::string slowness(const ProgramSpec& p, double duration) {
+  Quantity longest{};
+  double time = duration / 3;
+  const auto consider = [&](const char* name, double seconds) {
+    if (seconds <= time) return;
+    time = seconds;
+    longest = {name, rounded(seconds) + " s"};
+  };
+  const bool turns = p.model == Model::kAbp && p.eta > 0;
+  if (turns || p.model == Model::kNoisyAbp || p.model == Model::kBp) {
+    consider("epsilon", p.epsilon);
+  } else if (p.model == Model::kRtp) {
+    if (p.gamma > 0) consider("1/gamma", 1 / p.gamma);
+    consider("tau_t", p.tau_t);
+  }
+  if (longest.name == nullptr) return {};
+  return list({longest}) +
+         " is more than a third of the run: too few draws for any law (it is in s)";
+}
+
+std::string describePrograms(const Experiment& e, const PersistenceLength& length) {
+  std::string text;
+  for (const auto& [name, program] : e.programs) {
+    text += line("program", name + ": " + parameters(program));
+    std::string more = derived(program, e.hardware.diameter, length);
+    more += (more.empty() ? "" : "; ") + std::string("fastest wheel ") +
+            rounded(fastestWheel(program, e.hardware) * 100) + " of " +
+            cm(e.hardware.max_wheel_speed) + " cm/s";
+    text += line("", "  " + more);
+    if (const std::string slow = slowness(program, e.duration); !slow.empty()) {
+      text += line("", "  " + slow);
+    }
+  }
+  return text;
+}
+
+std::string ids(const std::vector<RobotSpec>& robots) {
+  std::string text;
+  for (std::size_t first = 0; first < robots.size();) {
+    std::size_t last = first;
+    while (last + 1 < robots.size() && robots[last + 1].id == robots[last].id + 1) ++last;
+    text += (text.empty() ? "" : ", ") + std::to_string(robots[first].id);
+    if (last > first) text += " to " + std::to_string(robots[last].id);
+    first = last + 1;
+  }
+  return text;
+}
+
+/// "18 simulated (3 to 20), 0 at given and 18 at random places"
+std::string describeBody(const Experiment& e, Body body, const std::string& what) {
+  std::vector<RobotSpec> robots;
+  std::ranges::copy_if(e.robots, std::back_inserter(robots),
+                       [body](const RobotSpec& robot) { return robot.body == body; });
+  if (robots.empty()) return {};
+  std::string text = std::to_string(robots.size()) + ' ' + what + " (" + ids(robots) + ")";
+  if (isSimulated(body)) {
+    const auto placed = std::ranges::count_if(
+        robots, [](const RobotSpec& robot) { return robot.start.has_value(); });
+    const auto random = static_cast<std::ptrdiff_t>(robots.size()) - placed;
+    text += ", " + std::to_string(placed) + " at given and " + std::to_string(random) +
+            " at random places";
+  }
+  return line("robots", text);
+}
+
+std::string describeRobots(const Experiment& e) {
+  return describeBody(e, Body::kSim, "simulated") +
+         describeBody(e, Body::kWire, "simulated on the wire") +
+         describeBody(e, Body::kFirmware, "running the firmware on a simulated chip") +
+         describeBody(e, Body::kSerial, "real, on " + e.serial.ports) +
+         describeBody(e, Body::kReplay, "replayed");
+}
+
+std::string describeTable(const LightTable& table) {
+  const char* sensor = table.sensor == LightSensor::kMean    ? "mean of both sensors"
+                       : table.sensor == LightSensor::kFront ? "front sensor"
+                                                             : "back sensor";
+  std::string text =
+      line("light table", std::string(sensor) + ", hysteresis " + numberText(table.hysteresis));
+  for (const LightBand& band : table.bands) {
+    text += line(
+        "", "  " + numberText(band.low) + " to " + numberText(band.high) + ": " + band.program);
+  }
+  return text;
+}
+
+/// The program for this light, seen for the first time.
+std::string programIn(const LightTable& table, double light) {
+  for (const LightBand& band : table.bands) {
+    if (contains(band, light)) return band.program;
+  }
+  return "no band (robots stand)";
+}
+
+/// How much of the arena each program gets.
+std::string shares(const Experiment& e, const LightStep& step) {
+  constexpr int kColumns = 48;
+  constexpr int kRows = 36;
+  light::Field field;
+  bool changes = false;
+  bool for_robots = false;
+  for (const LayerSpec& layer : step.layers) {
+    if (!layer.image.empty()) return "as the image " + layer.image + " says";
+    const light::Drive& drive = layer.drive;
+    if (drive.follow != light::Follow::kNothing || drive.gate != light::Gate::kOpen) {
+      for_robots = true;
+      continue;
+    }
+    changes = changes || !light::isStill(drive);
+    field.layers.push_back(light::driven({toLightLayer(layer), drive}, 0));
+  }
+  const light::CompiledField compiled(field);
+  std::map<std::string, int> pixels;
+  double low = 1;
+  double high = 0;
+  for (int pixel = 0; pixel < kColumns * kRows; ++pixel) {
+    const int column = pixel % kColumns;
+    const int row = pixel / kColumns;
+    const double x = (column + 0.5) / kColumns * e.arena_width;
+    const double y = (row + 0.5) / kRows * e.arena_height;
+    const double light = compiled.evaluate(x, y);
+    ++pixels[programIn(e.light_table, light)];
+    low = std::min(low, light);
+    high = std::max(high, light);
+  }
+  std::string text = "light " + rounded(low);
+  if (high > low) text += " to " + rounded(high);
+  for (const auto& [program, count] : pixels) {
+    text += ", " + program;
+    if (pixels.size() > 1)
+      text += ' ' + rounded(std::round(100.0 * count / (kColumns * kRows))) + " %";
+  }
+  if (changes) text += " as it begins, then it changes";
+  if (for_robots) text += "; without what robots bring about";
+  return text;
+}
+
+bool hasCondition(const std::vector<LightStep>& steps) {
+  return std::ranges::any_of(steps, [](const LightStep& step) { return step.until.given(); });
+}
+
+/// What ends a step and where the script goes from there, where that is not just its time.
+std::string describeEnd(const LightStep& step) {
+  std::string text;
+  if (step.until.given()) {
+    const char* otherwise = step.if_not == IfNot::kNext  ? "the script goes on"
+                            : step.if_not == IfNot::kEnd ? "the run ends"
+                                                         : "the safe light, and the run ends";
+    text += "; until " + untilText(step.until) + ", at most " + numberText(step.hold) +
+            " s, if not: " + otherwise;
+  }
+  if (!step.back_to.empty()) {
+    text += "; back to \"" + step.back_to + "\", " + std::to_string(step.times) + " times in all";
+  }
+  return text;
+}
+
+std::string describeLight(const Experiment& e) {
+  std::string head = std::to_string(e.light.steps.size());
+  head += e.light.steps.size() == 1 ? " step" : " steps";
+  const std::string at_most = hasCondition(e.light.steps) ? "at most " : "";
+  if (e.light.repeat) head += ", again every " + at_most + numberText(e.light.length) + " s";
+  std::string text = line("light", head);
+  bool open = false;  // what comes before a step may be shorter
+  for (const LightStep& step : e.light.steps) {
+    std::string what =
+        (open ? "  by " : "  ") + numberText(step.at) + " s " + step.label + ": " + shares(e, step);
+    if (step.ramp > 0) what += ", fading in for " + numberText(step.ramp) + " s";
+    if (step.at >= e.duration) what += " (after the run's end)";
+    what += describeEnd(step);
+    open = open || step.until.given();
+    text += line("", what);
+  }
+  return text;
+}
+
+std::string describeReversal(const Reversal& reversal) {
+  if (reversal.on == ReverseOn::kNever) return line("reversal", "never");
+  return line("reversal",
+              std::string("from walls") + (reversal.on == ReverseOn::kAny ? " and robots" : "") +
+                  ", " + cm(reversal.distance) + " cm back at " + cm(reversal.speed) + " cm/s");
+}
+
+std::string describeSize(double bytes) {
+  return bytes < 1e9 ? rounded(std::ceil(bytes / 1e6)) + " MB" : rounded(bytes / 1e9) + " GB";
+}
+
+std::string describeCamera(const Experiment& e) {
+  const Camera& camera = e.camera;
+  const std::string frames = numberText(camera.fps) + " frames/s, " +
+                             numberText(std::floor(camera.fps * e.duration)) + " frames, ";
+  if (camera.tracker == Tracker::kCamera) {
+    const std::string name = isPainted(camera) ? "simulated" : camera.source;
+    return line("camera", frames + std::to_string(camera.width) + " x " +
+                              std::to_string(camera.height) + " pixels, " + name +
+                              (camera.calibration.empty() ? "" : ", " + camera.calibration));
+  }
+  return line("camera", frames + "noise " + cm(camera.position_noise) + " cm and " +
+                            fileText(camera.heading_noise, unitOf("_deg")) + " degrees");
+}
+
+std::string describeStop(const Experiment& e) {
+  std::string text;
+  for (const StopRule& rule : e.stop_when) {
+    const bool first = text.empty();
+    std::string what = first ? "" : e.stop_on == StopOn::kAll ? "and " : "or ";
+    what += untilText(rule.until);
+    if (rule.at_least > 0) what += ", not before " + numberText(rule.at_least) + " s";
+    text += line(first ? "stop when" : "", what);
+  }
+  return text;
+}
+
+/// Who sees the lab, and who may drive it.
+std::string describeRos(const Experiment& e) {
+  const Gateway& gateway = e.gateway;
+  if (!gateway.ros) return {};
+  const std::string reach = !gateway.configuration.empty() ? "as " + gateway.configuration + " says"
+                            : gateway.address.empty()      ? "on this machine only"
+                                                           : "by " + gateway.address;
+  std::string who = gateway.command_robots.empty() ? " all" : "";
+  for (const std::int32_t id : gateway.command_robots) who += " " + std::to_string(id);
+  return line("ROS 2", "topics /" + gateway.name + "/..., domain " +
+                           std::to_string(gateway.domain) + ", " + reach +
+                           (gateway.security.empty() ? "" : ", secured")) +
+         line("", gateway.commands ? "may set the light and drive robots:" + who
+                                   : std::string("may look, not drive"));
+}
+
+/// Who else sees the page, and may use its buttons.
+std::string describeDashboard(const Dashboard& dashboard) {
+  if (isOnlyHere(dashboard)) return {};
+  return line("dashboard", "listens on " + dashboard.address +
+                               ", unencrypted: who reaches it sees the lab and its runs") +
+         line("", dashboard.control_from_elsewhere
+                      ? "warning: who has the printed address, or reads along on that network, "
+                        "drives robots and light"
+                      : "and may not drive it: buttons work on this machine only");
+}
+
+/// "bench: sim_svc, robot_bridge (ssh pi@robot-bench)"
+std::string describeHosts(const Experiment& e) {
+  const std::vector<std::string> hosts = otherHosts(e);
+  std::string text;
+  for (const std::string& host : hosts) {
+    std::string services;
+    for (const std::string_view service : kServiceNames) {
+      if (hostOf(e, service) == host)
+        services += (services.empty() ? "" : ", ") + std::string(service);
+    }
+    text += line(text.empty() ? "hosts" : "",
+                 host + ": " + services + " (ssh " + hostSpec(e, host).ssh + ")");
+  }
+  if (hosts.empty()) return text;
+  if (e.link.join == JoinBy::kMulticast) {
+    return text + line("", "joined by LCM multicast, ttl " + std::to_string(e.network.ttl));
+  }
+  return text + line("", std::string("joined by DDS, domain ") + std::to_string(e.link.domain) +
+                             (e.link.security.empty() ? ", unsecured" : ", secured"));
+}
+
+}  // namespace
+
+std::string describeExperiment(const Experiment& e, const PersistenceLength& length) {
+  std::string text =
+      line("experiment", e.name + (e.description.empty() ? "" : ": ") + e.description);
+  const std::string at_most = mayEndEarly(e) ? "at most " : "";
+  text += line("run", at_most + numberText(e.duration) + " s, seed " + std::to_string(e.seed));
+  text += describeStop(e);
+  text += line("arena", cm(e.arena_width) + " cm x " + cm(e.arena_height) + " cm");
+  text += describeRobots(e);
+  text += describePrograms(e, length);
+  text += describeTable(e.light_table);
+  text += describeLight(e);
+  text += describeReversal(e.reversal);
+  text += describeCamera(e);
+  text += describeRos(e);
+  text += describeDashboard(e.dashboard);
+  text += describeHosts(e);
+  text += line("log", at_most + "about " + describeSize(expectedLogBytes(e)));
+  return text;
+}
+
+}  // namespace lab

@@ -1,0 +1,98 @@
+#include "common/experiment/experiment_file.hpp"
+
+#include <fstream>
+#include <system_error>
+#include <utility>
+
+#include "common/experiment/checks/experiment_checks.hpp"
+#include "common/experiment/keys/experiment_form.hpp"
+#include "common/experiment/keys/experiment_keys.hpp"
+#include "common/files/file_problems.hpp"
+#include "common/files/toml_document.hpp"
+#include "common/experiment/keys/toml_reader.hpp"
+
+namespace lab {
+namespace {
+
+constexpr std::size_t kMostProblems = 20;
+constexpr std::uintmax_t kMostBytes = 1'000'000;
+
+std::string joined(const std::vector<std::string>& lines) {
+  std::string text;
+  for (const std::string& line : lines) text += (text.empty() ? "" : "\n") + line;
+  return text;
+}
+
+[[noreturn]] void refuse(const std::string& name, const std::string& why) {
+  throw ExperimentError({name + ": " + why});
+}
+
+void refuseSize(const std::string& name, std::uintmax_t bytes) {
+  if (bytes <= kMostBytes) return;
+  refuse(name, "found " + std::to_string(bytes) + " bytes, allowed at most " +
+                   std::to_string(kMostBytes) + ": is this an experiment file?");
+}
+
+std::string readFile(const std::filesystem::path& file) {
+  const std::string name = file.string();
+  std::error_code error;
+  const auto status = std::filesystem::status(file, error);
+  if (!std::filesystem::exists(status)) {
+    refuse(name, "found no such file, allowed an experiment file (experiments/*.toml)");
+  }
+  if (std::filesystem::is_directory(status)) {
+    refuse(name, "found a directory, allowed an experiment file in it");
+  }
+  if (!std::filesystem::is_regular_file(status)) {
+    refuse(name, "found something that is no file, allowed an experiment file");
+  }
+  refuseSize(name, std::filesystem::file_size(file, error));
+  std::ifstream stream(file, std::ios::binary);
+  std::string text(std::istreambuf_iterator<char>(stream), {});
+  if (!stream) refuse(name, "found a file that cannot be read, allowed one that you may read");
+  return text;
+}
+
+void refuseOtherVersion(const keys::TomlDocument& document) {
+  const toml::node* node = document.root().get("fileversion");
+  if (node == nullptr) return;
+  const auto version = node->value_exact<std::int64_t>();
+  if (!version || *version == keys::kFileVersion) return;
+  refuse(document.place(*node).text, "fileversion: found " + std::to_string(*version) +
+                                         ", allowed only " + std::to_string(keys::kFileVersion) +
+                                         " (another version of the lab wrote this file)");
+}
+
+}  // namespace
+
+ExperimentError::ExperimentError(std::vector<std::string> problems)
+    : std::runtime_error(joined(problems)), problems_(std::move(problems)) {}
+
+Experiment loadExperiment(const std::filesystem::path& file,
+                          const std::vector<std::string>& overrides) {
+  return parseExperiment(readFile(file), file.string(), overrides, file.parent_path());
+}
+
+Experiment parseExperiment(std::string_view text, const std::string& name,
+                           const std::vector<std::string>& overrides,
+                           const std::optional<std::filesystem::path>& directory) {
+  refuseSize(name, text.size());
+  if (text.find_first_not_of(" \t\r\n") == std::string_view::npos) {
+    refuse(name, "found an empty file, allowed an experiment (docs/experiments.md)");
+  }
+  const keys::TomlDocument document(text, name, overrides);
+  refuseOtherVersion(document);
+  keys::Problems problems([&](const std::string& path) { return document.place(path); });
+  keys::ExperimentForm form = keys::readForm(document, problems);
+  keys::checkShorthand(form, problems);
+  keys::expandShorthand(form);
+  keys::checkRobots(form, problems);
+  keys::checkCamera(form, problems);
+  keys::checkLight(form, directory, problems);
+  keys::checkStopRules(form, problems);
+  keys::checkNetworks(form, problems);
+  if (!problems.empty()) throw ExperimentError(problems.lines(kMostProblems));
+  return keys::toExperiment(form);
+}
+
+}  // namespace lab

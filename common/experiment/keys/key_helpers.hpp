@@ -1,0 +1,97 @@
+/// What the descriptions of the keys have in common.
+#pragma once
+
+#include <algorithm>
+#include <initializer_list>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/experiment/keys/experiment_form.hpp"
+#include "common/experiment/keys/experiment_keys.hpp"
+
+namespace lab::keys {
+
+template <typename Enum>
+Choice choiceOf(const char* name, Enum value) {
+  return {name, static_cast<int>(value)};
+}
+
+inline const Range kShare{0, 1};
+inline const Range kPlace{-1000, 1000};
+inline const Range kLength{0.1, 1000};
+inline const Range kAngle{-3600, 3600};
+inline const Range kSpeed{-500, 500};
+inline const Range kHold{0.001, 3600};
+inline constexpr double kLongestFreeRun = 86400;  ///< [s]
+
+template <typename Enum>
+void enumerate(KeyVisitor& visitor, const Key& key, std::span<const Choice> choices, Enum& field) {
+  int value = static_cast<int>(field);
+  visitor.choice(key, choices, value);
+  if (value != kUndecided) field = static_cast<Enum>(value);
+}
+
+template <typename Element, typename Keys>
+void visitList(KeyVisitor& visitor, const Key& key, const ListRule& rule,
+               std::vector<Element>& elements, const Keys& keys) {
+  visitor.list(
+      key, rule, elements.size(), [&](std::size_t size) { elements.assign(size, Element{}); },
+      [&](std::size_t index) { keys(elements[index]); });
+}
+
+/// A key that is written only where it says something.
+inline Key orNothing(bool something, Key key) {
+  if (key.default_text.empty()) key.default_text = "-";
+  key.need = something ? Need::kOptional : Need::kShorthand;
+  return key;
+}
+
+/// A key that has a meaning only next to another one.
+inline Key onlyWith(bool applies, const char* condition, Key key) {
+  key.applies = applies ? Applies::kYes : Applies::kNo;
+  key.condition = condition;
+  return key;
+}
+
+/// Keys that only some choices of the key before them have.
+class Selector {
+ public:
+  template <typename Enum>
+  Selector(KeyVisitor& visitor, const Key& key, std::span<const Choice> choices, Enum& field)
+      : name_(key.name), choices_(choices), current_(static_cast<int>(field)) {
+    visitor.choice(key, choices, current_);
+    if (current_ != kUndecided) field = static_cast<Enum>(current_);
+  }
+
+  template <typename Enum>
+  [[nodiscard]] Key only(std::initializer_list<Enum> values, Key key) const {
+    key.applies = current_ == kUndecided ? Applies::kUndecided : Applies::kNo;
+    for (const Enum value : values) {
+      if (static_cast<int>(value) == current_) key.applies = Applies::kYes;
+      key.condition += key.condition.empty() ? name_ + " = " : " or ";
+      key.condition += '"' + nameOf(static_cast<int>(value)) + '"';
+    }
+    return key;
+  }
+
+ private:
+  [[nodiscard]] std::string nameOf(int value) const {
+    return std::ranges::find(choices_, value, &Choice::value)->name;
+  }
+
+  std::string name_;
+  std::span<const Choice> choices_;
+  int current_;
+};
+
+// Parts of visitKeys() with files of their own.
+void visitLayer(KeyVisitor& v, LayerEntry& entry);
+void visitLight(KeyVisitor& v, ExperimentForm& form);
+void visitStopOn(KeyVisitor& v, StopOn& on);
+void visitStopRule(KeyVisitor& v, StopRule& rule);
+void visitProjector(KeyVisitor& v, Projector& projector);
+void visitNetworks(KeyVisitor& v, Experiment& e);
+
+}  // namespace lab::keys

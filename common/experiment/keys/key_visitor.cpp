@@ -1,0 +1,54 @@
+#include <cmath>
+
+#include "common/experiment/keys/experiment_keys.hpp"
+#include "common/files/file_values.hpp"
+
+namespace lab::keys {
+
+bool Range::contains(double value) const {
+  const bool above = above_low ? value > low : value >= low;
+  const bool below = below_high ? value < high : value <= high;
+  return above && below && (!whole || value == std::floor(value));
+}
+
+std::string Range::text() const {
+  std::string text = whole ? "whole numbers from " : "";
+  text += (above_low ? "above " : "") + numberText(low);
+  text += (below_high ? " to below " : " to ") + numberText(high);
+  return text;
+}
+
+bool TextRule::accepts(std::string_view text) const {
+  constexpr std::string_view kLetters =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789";
+  if (text.size() > most) return false;
+  if (!as_folder && !bare) return true;
+  const std::string more = as_folder ? "._-" : "_-";
+  return !text.empty() && kLetters.find(text.front()) != std::string_view::npos &&
+         text.find_first_not_of(std::string(kLetters) + more) == std::string_view::npos;
+}
+
+std::string TextRule::text() const {
+  std::string text = "text of at most " + std::to_string(most) + " bytes";
+  if (as_folder || bare) {
+    text = "1 to " + std::to_string(most) + " letters, digits, ";
+    text += as_folder ? "dots, _ and -" : "_ and -";
+    text += ", beginning with a letter or digit";
+  }
+  return text;
+}
+
+std::string choiceText(std::span<const Choice> choices) {
+  std::string text;
+  for (const Choice& choice : choices) {
+    if (choice.refusal.empty()) text += (text.empty() ? "" : ", ") + tomlString(choice.name);
+  }
+  return text;
+}
+
+std::string countText(const ListRule& rule) {
+  const std::string most = std::to_string(rule.most);
+  return rule.fewest == 0 ? "at most " + most : std::to_string(rule.fewest) + " to " + most;
+}
+
+}  // namespace lab::keys

@@ -1,0 +1,270 @@
+// The keys of a layer: what it paints and how that changes.
+#include <array>
+#include <limits>
+
+#include "common/experiment/keys/key_helpers.hpp"
+#include "light/field/layer.hpp"
+
+namespace lab::keys {
+namespace {
+
+using light::Blend;
+using light::Follow;
+using light::Gate;
+using light::LayerKind;
+using light::Waveform;
+using light::WhenLost;
+
+const std::array<Choice, 11> kKinds = {
+    {choiceOf("uniform", LayerKind::kUniform), choiceOf("half_plane", LayerKind::kHalfPlane),
+     choiceOf("disk", LayerKind::kDisk), choiceOf("ring", LayerKind::kRing),
+     choiceOf("linear_gradient", LayerKind::kLinearGradient),
+     choiceOf("radial_gradient", LayerKind::kRadialGradient),
+     choiceOf("stripes", LayerKind::kStripes), choiceOf("checker", LayerKind::kChecker),
+     choiceOf("image", LayerKind::kImage), choiceOf("noise", LayerKind::kNoise),
+     choiceOf("wave", LayerKind::kWave)}};
+const std::array<Choice, 5> kBlends = {
+    {choiceOf("over", Blend::kOver), choiceOf("add", Blend::kAdd),
+     choiceOf("multiply", Blend::kMultiply), choiceOf("max", Blend::kMax),
+     choiceOf("min", Blend::kMin)}};
+const std::array<Choice, 4> kWaveforms = {
+    {choiceOf("none", Waveform::kSteady), choiceOf("sine", Waveform::kSine),
+     choiceOf("square", Waveform::kSquare), choiceOf("telegraph", Waveform::kTelegraph)}};
+const std::array<Choice, 3> kFollows = {{choiceOf("none", Follow::kNothing),
+                                         choiceOf("robots", Follow::kRobots),
+                                         choiceOf("trail", Follow::kTrail)}};
+const std::array<Choice, 3> kWhenLost = {{choiceOf("remove", WhenLost::kRemove),
+                                          choiceOf("hold", WhenLost::kHold),
+                                          choiceOf("safe", WhenLost::kSafe)}};
+const std::array<Choice, 4> kGates = {
+    {choiceOf("none", Gate::kOpen), choiceOf("program", Gate::kProgram),
+     choiceOf("inside", Gate::kInside), choiceOf("outside", Gate::kOutside)}};
+
+const Range kRate{0, light::kLargestRate};
+const Range kTime{.low = 0.001, .high = light::kLongestTime};
+const auto kPlaced = {LayerKind::kHalfPlane,      LayerKind::kDisk,
+                      LayerKind::kRing,           LayerKind::kLinearGradient,
+                      LayerKind::kRadialGradient, LayerKind::kStripes,
+                      LayerKind::kChecker,        LayerKind::kImage,
+                      LayerKind::kNoise,          LayerKind::kWave};
+
+void visitSeed(KeyVisitor& v, const Key& key, std::uint64_t& seed) {
+  auto value = static_cast<std::int64_t>(seed);
+  v.integer(key, 0, std::numeric_limits<std::int64_t>::max(), value);
+  seed = static_cast<std::uint64_t>(value);
+}
+
+void visitImages(KeyVisitor& v, const Selector& kind, LayerSpec& layer) {
+  light::Drive& drive = layer.drive;
+  v.texts(kind.only({LayerKind::kImage},
+                    orNothing(!drive.images.empty(),
+                              {"files", "image files that are shown one after the other"})),
+          {.most = 200}, {.fewest = 1, .most = light::kMostImages}, drive.images);
+  const bool sequence = !drive.images.empty();
+  Key file = kind.only({LayerKind::kImage},
+                       {"file",
+                        "image file, beside the experiment file; grey 0 gives intensity2, white "
+                        "intensity",
+                        Need::kRequired});
+  if (sequence && file.applies == Applies::kYes) file.applies = Applies::kNo;
+  file.condition += " and no files";
+  v.text(file, {.most = 200}, layer.image);
+  v.number(onlyWith(sequence, "files", {"images_per_s", "of the sequence"}),
+           {.low = 0, .high = light::kLargestRate, .above_low = true}, drive.image_rate);
+  v.flag(
+      onlyWith(sequence, "files", {"loop", "the sequence begins again; else its last image stays"}),
+      drive.image_loop);
+}
+
+// Lengths and places go to the fields of the same layer that light/field/layer.hpp lists.
+void visitShape(KeyVisitor& v, const Selector& kind, LayerEntry& entry) {
+  using enum LayerKind;
+  LayerSpec& layer = entry.layer;
+  const std::string middle = "middle of the arena; 0 with follow = \"robots\"";
+  v.optionalNumber(kind.only(kPlaced, {.name = "x_cm",
+                                       .meaning = "centre, or a point on the edge of a half plane",
+                                       .default_text = middle}),
+                   kPlace, entry.x);
+  v.optionalNumber(
+      kind.only(kPlaced, {.name = "y_cm", .meaning = "see x_cm", .default_text = middle}), kPlace,
+      entry.y);
+  v.number(kind.only({kHalfPlane, kLinearGradient, kStripes, kChecker, kImage, kNoise, kWave},
+                     {"angle_deg",
+                      "direction, counter-clockwise from x: towards the lit side, up the gradient, "
+                      "across the stripes, of the image's lower edge, of the wave's way"}),
+           kAngle, layer.angle);
+  v.number(
+      kind.only({kDisk, kRing, kRadialGradient}, {"radius_cm", "outer radius", Need::kRequired}),
+      kLength, layer.size);
+  v.number(
+      kind.only({kLinearGradient}, {"length_cm",
+                                    "over which intensity turns into intensity2, half of it on "
+                                    "either side of x_cm, y_cm",
+                                    Need::kRequired}),
+      kLength, layer.size);
+  v.number(kind.only({kStripes, kChecker, kWave},
+                     {"period_cm", "of the stripes, of the wave; side of a checker's squares",
+                      Need::kRequired}),
+           kLength, layer.size);
+  v.number(
+      kind.only({kNoise}, {"patch_cm", "distance over which the pattern's correlation falls to 1/e",
+                           Need::kRequired}),
+      kLength, layer.size);
+  v.number(kind.only({kImage}, {"width_cm", "of the image", Need::kRequired}), kLength, layer.size);
+  v.number(kind.only({kRing, kRadialGradient},
+                     {"inner_radius_cm", "inner radius; up to it a radial gradient has intensity"}),
+           {0, 1000}, layer.inner);
+  v.number(
+      kind.only({kStripes}, {"share", "of a period that has intensity; the rest has intensity2",
+                             Need::kRequired}),
+      {.low = 0, .high = 1, .above_low = true, .below_high = true}, layer.inner);
+  v.number(kind.only({kImage}, {"height_cm", "of the image", Need::kRequired}), kLength,
+           layer.inner);
+  v.number(kind.only({kHalfPlane, kDisk, kRing, kStripes, kChecker, kImage},
+                     {"softness_cm", "width of the edges"}),
+           {0, 1000}, layer.softness);
+}
+
+void visitIntensities(KeyVisitor& v, const Selector& kind, LayerEntry& entry) {
+  using enum LayerKind;
+  LayerSpec& layer = entry.layer;
+  v.text(orNothing(false, {"program",
+                           "instead of intensity: the middle of the light band that selects this "
+                           "program"}),
+         {.most = 32, .bare = true}, entry.program);
+  Key intensity{"intensity", "0 dark .. 1 projector white", Need::kRequired};
+  if (!entry.program.empty()) {
+    intensity.applies = Applies::kNo;
+    intensity.condition = "no program beside it";
+  }
+  v.number(intensity, kShare, layer.intensity);
+  v.number(kind.only({kLinearGradient, kRadialGradient, kStripes, kChecker, kImage, kNoise, kWave},
+                     {"intensity2", "the other end or the other part"}),
+           kShare, layer.intensity2);
+}
+
+void visitMotion(KeyVisitor& v, const Selector& kind, LayerEntry& entry) {
+  light::Drive& drive = entry.layer.drive;
+  const Range speed{-100 * light::kLargestSpeed, 100 * light::kLargestSpeed};
+  v.number(kind.only(kPlaced, orNothing(drive.vx != 0, {"vx_cm_s", "speed of the layer along x"})),
+           speed, drive.vx);
+  v.number(kind.only(kPlaced, orNothing(drive.vy != 0, {"vy_cm_s", "speed of the layer along y"})),
+           speed, drive.vy);
+  v.number(
+      kind.only(kPlaced, orNothing(drive.spin != 0,
+                                   {"spin_deg_s", "turns about x_cm, y_cm, counter-clockwise"})),
+      kAngle, drive.spin);
+  v.number(kind.only({LayerKind::kWave}, {"speed_cm_s", "of the crests, along angle_deg"}), kSpeed,
+           entry.speed);
+  v.number(
+      kind.only({LayerKind::kNoise},
+                {"change_per_s", "how often a second the pattern has turned into another one"}),
+      kRate, entry.change);
+}
+
+void visitWaveform(KeyVisitor& v, const Selector& kind, LayerSpec& layer) {
+  using enum Waveform;
+  light::Drive& drive = layer.drive;
+  const Selector waveform(
+      v,
+      orNothing(drive.waveform != kSteady, {"waveform",
+                                            "how the intensity goes between its own value and "
+                                            "low; a telegraph switches at random times"}),
+      kWaveforms, drive.waveform);
+  const auto any = {kSine, kSquare, kTelegraph};
+  v.number(waveform.only(any, {"period_s",
+                               "of the waveform; of a telegraph twice the mean time between "
+                               "switches",
+                               Need::kRequired}),
+           kTime, drive.period);
+  v.number(waveform.only(any, {"low", "intensity at the lower end"}), kShare, drive.low);
+  v.number(waveform.only(any, {"start", "share of a period that has passed when the step begins"}),
+           kShare, drive.start);
+  // One key for both: they are never the same stream of numbers.
+  const bool noise = layer.kind == static_cast<std::int8_t>(LayerKind::kNoise);
+  const bool telegraph = drive.waveform == kTelegraph;
+  Key seed = kind.only({LayerKind::kNoise}, {"seed", "which random pattern or telegraph"});
+  seed.condition += " or waveform = \"telegraph\"";
+  if (telegraph) seed.applies = Applies::kYes;
+  std::uint64_t value = noise ? layer.seed : drive.seed;
+  visitSeed(v, seed, value);
+  if (noise) layer.seed = value;
+  if (telegraph) drive.seed = value;
+}
+
+void visitFollow(KeyVisitor& v, const Selector& kind, light::Drive& drive) {
+  using enum Follow;
+  const Selector follow(
+      v,
+      kind.only(kPlaced, orNothing(drive.follow != kNothing,
+                                   {"follow",
+                                    "robots: a copy of the layer on each robot, x_cm, y_cm and "
+                                    "angle_deg in its frame; trail: what robots leave behind"})),
+      kFollows, drive.follow);
+  const auto both = {kRobots, kTrail};
+  v.integers(follow.only(both, {.name = "robots", .meaning = "which", .default_text = "every one"}),
+             1, kLargestId, {.fewest = 0, .most = light::kMostFollowed}, drive.robots);
+  v.flag(follow.only({kRobots}, {"predict",
+                                 "where the robot is when the light arrives, instead of "
+                                 "where it was seen"}),
+         drive.predict);
+  v.number(follow.only(both, {"stale_s", "a robot not seen for so long is lost"}), kTime,
+           drive.stale);
+  enumerate(v,
+            follow.only(both, {"when_lost",
+                               "remove: its copy goes; hold: it stays where it was; safe: "
+                               "the safe light is shown until the robot is back"}),
+            kWhenLost, drive.when_lost);
+  v.number(
+      follow.only({kTrail}, {"rate_per_s", "intensity that a robot lays down where it stands"}),
+      kRate, drive.rate);
+  v.number(follow.only({kTrail}, {"decay_per_s", "of what was laid down"}), kRate, drive.decay);
+  v.number(follow.only({kTrail}, {"diffusion_cm2_s", "of what was laid down"}),
+           {0, 1e4 * light::kLargestDiffusion}, drive.diffusion);
+}
+
+void visitGate(KeyVisitor& v, light::Drive& drive) {
+  using enum Gate;
+  const Selector gate(
+      v,
+      orNothing(drive.gate != kOpen, {"gate",
+                                      "the layer is shown only while a robot runs the program, "
+                                      "is inside the circle, or outside"}),
+      kGates, drive.gate);
+  std::int64_t robot = drive.gate_robot;
+  v.integer(
+      gate.only({kProgram, kInside, kOutside},
+                {"gate_robot", "which robot; 0: the one that is followed, any where none is"}),
+      0, kLargestId, robot);
+  drive.gate_robot = static_cast<std::int32_t>(robot);
+  v.text(gate.only({kProgram}, {"gate_program", "a program's name", Need::kRequired}),
+         {.most = 32, .bare = true}, drive.gate_program);
+  const auto circle = {kInside, kOutside};
+  v.number(gate.only(circle, {"gate_x_cm", "the circle's middle", Need::kRequired}), kPlace,
+           drive.gate_x);
+  v.number(gate.only(circle, {"gate_y_cm", "the circle's middle", Need::kRequired}), kPlace,
+           drive.gate_y);
+  v.number(gate.only(circle, {"gate_radius_cm", "the circle's radius", Need::kRequired}), kLength,
+           drive.gate_radius);
+}
+
+}  // namespace
+
+void visitLayer(KeyVisitor& v, LayerEntry& entry) {
+  LayerSpec& layer = entry.layer;
+  auto layer_kind = static_cast<LayerKind>(layer.kind);
+  auto blend = static_cast<Blend>(layer.blend);
+  const Selector kind(v, {"kind", "what is painted", Need::kRequired}, kKinds, layer_kind);
+  enumerate(v, {"blend", "how it changes what the layers before it painted"}, kBlends, blend);
+  layer.kind = static_cast<std::int8_t>(layer_kind);
+  layer.blend = static_cast<std::int8_t>(blend);
+  visitImages(v, kind, layer);
+  visitShape(v, kind, entry);
+  visitIntensities(v, kind, entry);
+  visitMotion(v, kind, entry);
+  visitWaveform(v, kind, layer);
+  visitFollow(v, kind, layer.drive);
+  visitGate(v, layer.drive);
+}
+
+}  // namespace lab::keys

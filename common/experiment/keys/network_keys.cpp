@@ -1,0 +1,135 @@
+#include <array>
+
+#include "common/experiment/keys/key_helpers.hpp"
+
+/// The keys of everything between processes: the bus, ROS 2, other hosts, browsers.
+namespace lab::keys {
+namespace {
+
+const std::array<Choice, 2> kJoins = {
+    {choiceOf("dds", JoinBy::kDds), choiceOf("multicast", JoinBy::kMulticast)}};
+inline constexpr std::int64_t kHighestDomain =
+    230;  // Cyclone 0.10 with DDS Security takes no higher one
+inline constexpr std::size_t kLongestAddress = 64;
+inline constexpr std::size_t kLongestPath = 1000;
+
+void visitBus(KeyVisitor& v, Network& network) {
+  std::int64_t port = network.port;
+  std::int64_t ttl = network.ttl;
+  v.integer({"port", "UDP port of the LCM bus, 0: a free one"}, 0, 65535, port);
+  v.integer({"ttl", "how many routers a message may pass, 0: it stays on this machine"}, 0, 255,
+            ttl);
+  network.port = static_cast<int>(port);
+  network.ttl = static_cast<int>(ttl);
+}
+
+void visitDomain(KeyVisitor& v, const char* meaning, int& domain) {
+  std::int64_t number = domain;
+  v.integer({"domain", meaning}, 0, kHighestDomain, number);
+  domain = static_cast<int>(number);
+}
+
+void visitGateway(KeyVisitor& v, Gateway& gateway) {
+  v.flag({"ros", "whether ROS 2 tools see the lab (docs/ros2.md)"}, gateway.ros);
+  visitDomain(v, "ROS_DOMAIN_ID", gateway.domain);
+  v.text({"name", "first part of every topic: /lab/robot1/pose"}, {.most = 32, .bare = true},
+         gateway.name);
+  v.text(
+      {"mapping", "file that says which topics go out, how often and under which name; \"\": all"},
+      {.most = kLongestPath}, gateway.mapping);
+  v.text({"address", "of the network interface to use; \"\": nothing leaves this machine"},
+         {.most = kLongestAddress}, gateway.address);
+  v.texts({"peers", "addresses of hosts that multicast does not reach"}, {.most = kLongestAddress},
+          {.fewest = 0, .most = 32, .in_line = true}, gateway.peers);
+  v.text({"configuration", "file with a Cyclone DDS configuration to use instead of the lab's own"},
+         {.most = kLongestPath}, gateway.configuration);
+  v.text({"security", "folder of DDS Security certificates (docs/security.md); \"\": none"},
+         {.most = kLongestPath}, gateway.security);
+  v.flag({"commands", "whether ROS 2 may drive robots and light"}, gateway.commands);
+  v.flag({"unsecured_commands",
+          "take commands also from other hosts without DDS Security: anybody on that network can "
+          "then drive the robots"},
+         gateway.unsecured_commands);
+  v.integers({"command_robots", "ids of the robots that ROS 2 may drive, []: all"}, 0, kLargestId,
+             {.fewest = 0, .most = kMostRobots, .in_line = true}, gateway.command_robots);
+  v.number({"command_timeout_s",
+            "a robot driven from ROS 2 stands when it has heard nothing for this long"},
+           {0.1, 5}, gateway.command_timeout);
+}
+
+void visitLink(KeyVisitor& v, Link& link) {
+  enumerate(v,
+            {"join",
+             "how the buses of several hosts are joined: by a gateway on each, or by LCM's "
+             "own multicast (network.ttl)"},
+            kJoins, link.join);
+  visitDomain(v, "DDS domain of the gateways, apart from ROS 2's", link.domain);
+  v.text({"address", "of this host on the way to the others; \"\": as ssh goes"},
+         {.most = kLongestAddress}, link.address);
+  v.text({"security", "folder of DDS Security certificates (docs/security.md); \"\": none"},
+         {.most = kLongestPath}, link.security);
+  v.flag({"unsecured",
+          "join hosts without DDS Security: anybody on that network can then drive the robots"},
+         link.unsecured);
+  v.number(
+      {"max_clock_offset_ms", "between the clocks of two hosts; with a larger one nothing passes"},
+      {0.1, 10000}, link.max_clock_offset);
+  v.number({"patience_s", "how long a run waits for a host that has fallen silent"}, {1, 3600},
+           link.patience);
+}
+
+void visitDashboard(KeyVisitor& v, Dashboard& dashboard) {
+  v.text({"address",
+          "of this machine to listen on, \"0.0.0.0\": on all of them; \"\": nobody elsewhere sees "
+          "the page"},
+         {.most = kLongestAddress}, dashboard.address);
+  std::int64_t port = dashboard.port;
+  v.integer({"port", "of the page; the next free one is taken"}, 1024, 65535, port);
+  dashboard.port = static_cast<int>(port);
+  v.flag({"control_from_elsewhere",
+          "whether who has the printed address may drive the lab from other machines too"},
+         dashboard.control_from_elsewhere);
+}
+
+void visitHost(KeyVisitor& v, HostSpec& host) {
+  v.text({"ssh", "as ssh takes it, \"pi@robot-bench\"; \"\": NAME"}, {.most = 200}, host.ssh);
+  v.text({"address", "of that host on the way to this one; \"\": as ssh goes"},
+         {.most = kLongestAddress}, host.address);
+  v.text({"programs", "folder of the lab's programs there; \"\": its PATH"}, {.most = kLongestPath},
+         host.programs);
+}
+
+template <typename Entry, typename Keys>
+void visitNamed(KeyVisitor& v, const Key& key, const TextRule& name_rule,
+                std::map<std::string, Entry>& entries, const Keys& keys) {
+  std::vector<std::string> names;
+  for (const auto& [name, entry] : entries) names.push_back(name);
+  v.namedTables(key, name_rule, {.fewest = 0, .most = 32}, names,
+                [&](const std::string& name) { keys(name, entries[name]); });
+}
+
+}  // namespace
+
+void visitNetworks(KeyVisitor& v, Experiment& e) {
+  v.table({"network", "The message bus"}, [&] { visitBus(v, e.network); });
+  v.table({"gateway", "ROS 2"}, [&] { visitGateway(v, e.gateway); });
+  v.table({"link", "How hosts are joined"}, [&] { visitLink(v, e.link); });
+  v.table({"dashboard", "The page in a browser (docs/dashboard.md)"},
+          [&] { visitDashboard(v, e.dashboard); });
+  visitNamed(v, {"hosts", "Other computers that services run on; NAME is yours"},
+             {.most = 32, .bare = true}, e.hosts, [&](const std::string& name, HostSpec& host) {
+               host.name = name;
+               visitHost(v, host);
+             });
+  visitNamed(v, {"services", "Where services run; NAME is a service, as sim_svc"},
+             {.most = 32, .bare = true}, e.services,
+             [&](const std::string& name, ServicePlace& place) {
+               place.service = name;
+               v.text({"host",
+                       "NAME of [hosts.NAME], or \"pi@robot-bench\" as ssh takes it; \"\": this "
+                       "machine"},
+                      {.most = 200}, place.host);
+             });
+}
+
+}  // namespace lab::keys

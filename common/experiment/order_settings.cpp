@@ -1,0 +1,105 @@
+#include "common/experiment/order_settings.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace lab {
+namespace {
+
+/// A light of 0..1 as counts of the robot's 10-bit converter, rounded as the converter does, so
+/// that light on an edge belongs to the band above it; 1 reads 1023, and a band up to 1 contains
+/// it.
+std::uint16_t counts(double light) {
+  if (light >= 1) return dynamics::kLightCounts;
+  return static_cast<std::uint16_t>(
+      std::lround(std::clamp(light, 0.0, 1.0) * (dynamics::kLightCounts - 1)));
+}
+
+dynamics::ProgramPhysics physics(const program_t& program) {
+  dynamics::ProgramPhysics result;
+  result.kind = static_cast<dynamics::ProgramKind>(program.kind);
+  result.v = program.v;
+  result.va = program.va;
+  result.V = program.V;
+  result.epsilon = program.epsilon;
+  result.eta = program.eta;
+  result.gamma = program.gamma;
+  result.tau_t = program.tau_t;
+  result.wheel_left = program.wheel_left;
+  result.wheel_right = program.wheel_right;
+  return result;
+}
+
+/// Why the numbers outside the programs make no order, or nothing.
+std::string numbersRefusal(const robot_order_t& order, const dynamics::WheelLimits& limits) {
+  if (order.mode == robot_order_t::DRIVE) {
+    const bool drivable = std::abs(order.wheel_left) <= limits.v_max &&
+                          std::abs(order.wheel_right) <= limits.v_max;  // false for nan
+    return drivable ? "" : "wheel speeds beyond the wheels' limit, or not numbers";
+  }
+  if (order.light_sensor < robot_order_t::SENSOR_MEAN ||
+      order.light_sensor > robot_order_t::SENSOR_BACK) {
+    return "no light sensor has the number " + std::to_string(order.light_sensor);
+  }
+  const bool finite = std::isfinite(order.hysteresis) &&
+                      std::all_of(order.bands.begin(), order.bands.end(), [](const auto& band) {
+                        return std::isfinite(band.low) && std::isfinite(band.high);
+                      });
+  return finite ? "" : "a light band or the hysteresis is not a number";
+}
+
+}  // namespace
+
+OrderSettings settingsFrom(const robot_order_t& order, const dynamics::WheelLimits& limits,
+                           double sensor_period) {
+  OrderSettings result;
+  result.core.max_wheel_um_s = static_cast<std::int32_t>(std::lround(limits.v_max * 1e6));
+  result.core.sensor_period_ms = static_cast<std::uint16_t>(std::lround(sensor_period * 1e3));
+  result.refusal = numbersRefusal(order, limits);
+  if (!result.refusal.empty() || order.mode != robot_order_t::TABLE) return result;
+  if (order.bands.size() > dynamics::kSlots) {
+    result.refusal =
+        "a robot holds at most 4 light bands, this order has " + std::to_string(order.bands.size());
+    return result;
+  }
+  dynamics::LightSettings& light = result.core.light;
+  light.count = static_cast<std::uint8_t>(order.bands.size());
+  light.hysteresis = static_cast<std::uint16_t>(
+      std::lround(std::clamp(order.hysteresis, 0.0, 1.0) * (dynamics::kLightCounts - 1)));
+  light.reading = static_cast<dynamics::LightReading>(order.light_sensor);
+  for (std::uint8_t slot = 0; slot < light.count; ++slot) {
+    const light_band_t& band = order.bands[slot];
+    if (band.program.kind < 0 || band.program.kind >= dynamics::kProgramKinds) {
+      result.refusal = "no program has the number " + std::to_string(band.program.kind);
+      return result;
+    }
+    light.bands[slot] = {counts(band.low), counts(band.high), slot};
+    const dynamics::ParamsResult params =
+        dynamics::paramsFromPhysics(physics(band.program), limits);
+    if (!params.ok) {
+      result.refusal = params.reason;
+      return result;
+    }
+    result.core.programs[slot] = params.params;
+    result.programs.push_back(band.program);
+  }
+  if (!dynamics::isValid(light)) {
+    result.refusal = "light bands overlap, are empty or leave 0..1";
+    return result;
+  }
+  result.core.reversal.enabled = order.reverse_on != robot_order_t::REVERSE_NEVER;
+  if (result.core.reversal.enabled) {
+    if (!(order.reverse_speed > 0 && order.reverse_speed <= limits.v_max &&
+          order.reverse_distance >= 0 && order.reverse_distance <= 4)) {
+      result.refusal = "a reversal needs a speed up to the wheels' limit and at most 4 m";
+      return result;
+    }
+    result.core.reversal.distance_um =
+        static_cast<std::uint32_t>(std::lround(order.reverse_distance * 1e6));
+    result.core.reversal.speed_um_s =
+        static_cast<std::int32_t>(std::lround(order.reverse_speed * 1e6));
+  }
+  return result;
+}
+
+}  // namespace lab

@@ -1,0 +1,109 @@
+#include "common/experiment/script_plan.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/files/file_values.hpp"
+
+namespace lab {
+namespace {
+
+using keys::fileText;
+using keys::unitOf;
+
+constexpr double kTicks = 1e6;  // a second, to which sums of hold times are rounded
+
+std::string inCm(double metre) { return fileText(metre, unitOf("_cm")); }
+
+}  // namespace
+
+std::vector<StepGroup> groupsOf(const LightScript& script) {
+  std::vector<StepGroup> groups;
+  for (std::size_t i = 0; i < script.steps.size(); ++i) {
+    const LightStep& step = script.steps[i];
+    if (step.back_to.empty()) continue;
+    const auto first = std::ranges::find(script.steps, step.back_to, &LightStep::label);
+    groups.push_back({static_cast<std::size_t>(first - script.steps.begin()), i, step.times});
+  }
+  return groups;
+}
+
+std::vector<double> latestBegins(const std::vector<double>& holds,
+                                 const std::vector<StepGroup>& groups) {
+  std::vector<double> begins{0};
+  for (std::size_t i = 0; i < holds.size(); ++i) {
+    // When a step begins for the first time, a group that ended before it has been shown out, and
+    // one around it is shown for the first time.
+    double end = std::round((begins.back() + holds[i]) * kTicks) / kTicks;
+    for (const StepGroup& group : groups) {
+      if (group.last != i) continue;
+      const double once = end - begins[group.first];
+      end += static_cast<double>(group.times - 1) * once;
+      end = std::round(end * kTicks) / kTicks;
+    }
+    begins.push_back(end);
+  }
+  return begins;
+}
+
+bool mayEndEarly(const LightScript& script) {
+  const auto ends = [](const LightStep& step) { return step.if_not != IfNot::kNext; };
+  return !script.isPlanned() && (!script.repeat || std::ranges::any_of(script.steps, ends));
+}
+
+bool mayEndEarly(const Experiment& experiment) {
+  return !experiment.stop_when.empty() || mayEndEarly(experiment.light);
+}
+
+std::string untilText(const Until& until) {
+  const std::string robot = until.robot == 0 ? "" : "robot " + std::to_string(until.robot);
+  if (!until.estimate.empty()) {
+    return until.estimate + " of " + (robot.empty() ? "" : robot + " running ") + until.program +
+           " is known to " + fileText(until.relative_error, unitOf("_percent")) + " %";
+  }
+  if (until.tumbles != 0) {
+    const std::string count =
+        until.tumbles == 1 ? "a tumble" : std::to_string(until.tumbles) + " tumbles";
+    return count + (robot.empty() ? "" : " of " + robot);
+  }
+  std::string who = until.who == Who::kAll ? "all robots are" : "a robot is";
+  if (!robot.empty()) who = robot + " is";
+  const std::string shape = until.region == Region::kCircle
+                                ? "circle of radius " + inCm(until.radius)
+                                : "rectangle of " + inCm(until.width) + " x " + inCm(until.height);
+  return who + " in the " + shape + " cm around " + inCm(until.x) + ", " + inCm(until.y) + " cm";
+}
+
+ScriptOrder::ScriptOrder(const LightScript& script)
+    : steps_(script.steps.size()),
+      repeat_(script.repeat),
+      groups_(groupsOf(script)),
+      shown_(groups_.size(), 0) {}
+
+const StepGroup* ScriptOrder::groupEndingHere() const {
+  const auto group = std::ranges::find(groups_, index_, &StepGroup::last);
+  return group == groups_.end() ? nullptr : &*group;
+}
+
+bool ScriptOrder::isLast() const {
+  if (repeat_ || index_ + 1 < steps_) return false;
+  const StepGroup* group = groupEndingHere();
+  return group == nullptr || shown_[static_cast<std::size_t>(group - groups_.data())] + 1 >=
+                                 group->times;
+}
+
+void ScriptOrder::advance() {
+  if (const StepGroup* group = groupEndingHere()) {
+    std::int64_t& shown = shown_[static_cast<std::size_t>(group - groups_.data())];
+    if (++shown < group->times) {
+      index_ = group->first;
+      return;
+    }
+    shown = 0;  // a group around it begins it anew
+  }
+  if (++index_ < steps_) return;
+  index_ = 0;
+  ++pass_;
+}
+
+}  // namespace lab

@@ -1,0 +1,207 @@
+#include "common/serial/serial_line.hpp"
+
+#include <fcntl.h>
+#include <grp.h>
+#include <linux/serial.h>
+#include <sys/file.h>
+#include <sys/ioctl.h>
+#include <sys/stat.h>
+#include <sys/sysmacros.h>
+#include <termios.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <utility>
+
+#include "common/serial/serial.hpp"
+
+namespace lab {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::array<std::pair<int, speed_t>, 12> kSpeeds{{{9600, B9600},
+                                                           {19200, B19200},
+                                                           {38400, B38400},
+                                                           {57600, B57600},
+                                                           {115200, B115200},
+                                                           {230400, B230400},
+                                                           {460800, B460800},
+                                                           {500000, B500000},
+                                                           {576000, B576000},
+                                                           {921600, B921600},
+                                                           {1000000, B1000000},
+                                                           {2000000, B2000000}}};
+
+speed_t speedOf(int baud) {
+  for (const auto& [number, speed] : kSpeeds) {
+    if (number == baud) return speed;
+  }
+  return B0;
+}
+
+std::string groupOf(const std::string& path) {
+  struct stat status {};
+  if (stat(path.c_str(), &status) != 0) return "dialout";
+  const group* entry = getgrgid(status.st_gid);
+  return entry != nullptr ? entry->gr_name : "dialout";
+}
+
+[[noreturn]] void fail(const std::string& path, const std::string& what) {
+  throw SerialError(path + ": " + what);
+}
+
+[[noreturn]] void failInUse(const std::string& path) {
+  const std::string holder = lineHolder(path);
+  fail(path, "in use by " + (holder.empty() ? "another process" : holder) +
+                 "; end that, or take another line");
+}
+
+[[noreturn]] void failToOpen(const std::string& path, int error) {
+  switch (error) {
+    case ENOENT:
+    case ENXIO:
+    case ENODEV:
+      fail(path, "not there; plug it in, or see what is: robot_bridge --list");
+    case EACCES:
+    case EPERM:
+      fail(path, "no permission; join the group that has it and log in again: sudo usermod -aG " +
+                     groupOf(path) + " $USER");
+    case EBUSY:
+      failInUse(path);
+    case EISDIR:
+    case ENOTDIR:
+      fail(path, "not a serial device");
+    case EIO:
+      fail(path, "gone (unplugged or switched off)");
+    default:
+      fail(path, std::string("cannot be opened: ") + std::strerror(error));
+  }
+}
+
+/// USB adapters keep bytes back for up to 16 ms unless told otherwise; other lines do not know.
+void askForLowLatency(int descriptor) {
+  serial_struct settings{};
+  if (ioctl(descriptor, TIOCGSERIAL, &settings) != 0) return;
+  settings.flags |= static_cast<int>(ASYNC_LOW_LATENCY);
+  static_cast<void>(ioctl(descriptor, TIOCSSERIAL, &settings));
+}
+
+/// A pseudo terminal's exclusive mode would outlast the process that set it; there the lock counts.
+bool isPseudoTerminal(int descriptor) {
+  struct stat status {};
+  if (fstat(descriptor, &status) != 0) return false;
+  const unsigned number = major(status.st_rdev);
+  return S_ISCHR(status.st_mode) && number >= 136 && number <= 143;  // Linux: devices.txt
+}
+
+std::string describeProcess(const std::string& pid) {
+  if (pid == std::to_string(getpid())) return "this process";
+  std::string name;
+  std::getline(std::ifstream("/proc/" + pid + "/comm"), name);
+  return name.empty() ? "" : name + " (pid " + pid + ")";
+}
+
+/// The holder of a flock on this file, by /proc/locks.
+std::string lockHolder(const struct stat& file) {
+  std::ifstream locks("/proc/locks");
+  std::array<char, 64> key{};
+  std::snprintf(key.data(), key.size(), "%02x:%02x:%lu", major(file.st_dev), minor(file.st_dev),
+                static_cast<unsigned long>(file.st_ino));
+  for (std::string line; std::getline(locks, line);) {
+    std::istringstream words(line);
+    std::string number, kind, advisory, access, pid, inode;
+    words >> number >> kind >> advisory >> access >> pid >> inode;
+    if (kind == "FLOCK" && inode == key.data()) return describeProcess(pid);
+  }
+  return {};
+}
+
+}  // namespace
+
+Descriptor& Descriptor::operator=(Descriptor&& other) noexcept {
+  std::swap(number_, other.number_);
+  return *this;
+}
+
+Descriptor::~Descriptor() {
+  if (number_ >= 0) close(number_);
+}
+
+int Descriptor::release() { return std::exchange(number_, -1); }
+
+int makeRaw(int descriptor, int baud) {
+  termios settings{};
+  if (tcgetattr(descriptor, &settings) != 0) return ENOTTY;
+  cfmakeraw(&settings);
+  settings.c_cflag |= CLOCAL | CREAD;
+  settings.c_cflag &= ~(HUPCL | CRTSCTS | CSTOPB);
+  settings.c_cc[VMIN] = 1;  // with 0, "nothing now" and "gone" would both read 0 bytes
+  settings.c_cc[VTIME] = 0;
+  if (baud != 0) {
+    const speed_t speed = speedOf(baud);
+    if (speed == B0) return EINVAL;
+    cfsetispeed(&settings, speed);
+    cfsetospeed(&settings, speed);
+  }
+  if (tcsetattr(descriptor, TCSANOW, &settings) != 0) return errno;
+  termios in_force{};  // tcsetattr succeeds when it could do any of it
+  if (tcgetattr(descriptor, &in_force) != 0) return errno;
+  return cfgetospeed(&in_force) == cfgetospeed(&settings) ? 0 : EINVAL;
+}
+
+Descriptor openSerialLine(const std::string& path, int baud) {
+  Descriptor line(::open(path.c_str(), O_RDWR | O_NONBLOCK | O_NOCTTY | O_CLOEXEC));
+  if (line.get() < 0) failToOpen(path, errno);
+  // The lock comes first: who does not get it must not touch the other's settings.
+  if (flock(line.get(), LOCK_EX | LOCK_NB) != 0) failInUse(path);
+  if (isatty(line.get()) == 0) fail(path, "not a serial device");
+  int exclusive = 0;
+  if (ioctl(line.get(), TIOCGEXCL, &exclusive) == 0 && exclusive != 0) {
+    flock(line.get(), LOCK_UN);  // or the holder named would be this process
+    failInUse(path);
+  }
+  if (!isPseudoTerminal(line.get())) static_cast<void>(ioctl(line.get(), TIOCEXCL));
+  switch (const int error = makeRaw(line.get(), baud)) {
+    case 0:
+      break;
+    case EINVAL:
+      fail(path, "no speed of " + std::to_string(baud) + " baud; the robot's are 38400 and 500000");
+    default:
+      failToOpen(path, error);
+  }
+  tcflush(line.get(), TCIOFLUSH);
+  askForLowLatency(line.get());
+  return line;
+}
+
+std::string lineHolder(const std::string& path) {
+  struct stat file {};
+  if (stat(path.c_str(), &file) != 0) return {};
+  std::string holder = lockHolder(file);
+  if (!holder.empty()) return holder;
+  std::error_code ignored;
+  for (const auto& process : fs::directory_iterator("/proc", ignored)) {
+    const std::string pid = process.path().filename();
+    if (pid.find_first_not_of("0123456789") != std::string::npos ||
+        pid == std::to_string(getpid())) {
+      continue;
+    }
+    std::error_code hidden;  // other users' processes show nothing
+    for (const auto& entry : fs::directory_iterator(process.path() / "fd", hidden)) {
+      struct stat open_file {};
+      if (stat(entry.path().c_str(), &open_file) == 0 && open_file.st_rdev == file.st_rdev &&
+          open_file.st_ino == file.st_ino && open_file.st_dev == file.st_dev) {
+        return describeProcess(pid);
+      }
+    }
+  }
+  return {};
+}
+
+}  // namespace lab

@@ -1,0 +1,52 @@
+#include "common/service/manual_light.hpp"
+
+#include "common/experiment/light_messages.hpp"
+#include "common/math/units.hpp"
+
+namespace lab {
+namespace {
+
+constexpr std::int64_t kRepeat_us = 500'000;
+constexpr int kFarewells = 3;
+
+}  // namespace
+
+void UniformLight::show(double intensity, double hold, const std::string& label,
+                        std::int64_t now) {
+  until_utime_ = hold > 0 ? now + units::microseconds(hold) : 0;
+  const bool same = showing_ && command_.label == label &&
+                    command_.layers.front().intensity == intensity;
+  if (same) return;
+  ++command_.seq;
+  command_.priority = light_command_t::MANUAL;
+  command_.from_utime = now;
+  command_.release = 0;
+  command_.label = label;
+  light::Layer uniform;
+  uniform.kind = light::LayerKind::kUniform;
+  uniform.intensity = intensity;
+  setLayers(command_, {{uniform, {}}});
+  showing_ = true;
+  farewells_ = 0;
+  sent_utime_ = 0;
+}
+
+void UniformLight::giveBack() {
+  if (!showing_) return;
+  showing_ = false;
+  farewells_ = kFarewells;
+  sent_utime_ = 0;
+  ++command_.seq;
+  command_.release = 1;
+  setLayers(command_, {});
+}
+
+std::optional<light_command_t> UniformLight::due(std::int64_t now) {
+  if (showing_ && until_utime_ != 0 && now >= until_utime_) giveBack();
+  if ((!showing_ && farewells_ == 0) || now - sent_utime_ < kRepeat_us) return std::nullopt;
+  if (!showing_) --farewells_;
+  sent_utime_ = now;
+  return command_;
+}
+
+}  // namespace lab

@@ -1,0 +1,103 @@
+#include "common/service/node.hpp"
+
+#include <unistd.h>
+
+#include <array>
+#include <utility>
+
+#include "common/bus/channels.hpp"
+#include "common/math/units.hpp"
+#include "common/process/version.hpp"
+
+namespace lab {
+namespace {
+
+constexpr std::int64_t kClosingMessages = 5;
+
+std::string hostName() {
+  std::array<char, 256> name{};
+  return gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "";
+}
+
+}  // namespace
+
+Node::Node(Bus& bus, Loop& loop, NodeIdentity identity)
+    : bus_(bus), loop_(loop), identity_(std::move(identity)), start_utime_(loop.now()) {}
+
+void Node::start() {
+  beat();
+  loop_.every(units::kSecond_us, start_utime_ + units::kSecond_us, [this] {
+    if (state_ != service_status_t::ENDED) beat();
+  });
+}
+
+void Node::ready() {
+  if (state_ == service_status_t::ENDED) return;
+  state_ = service_status_t::READY;
+  beat();
+}
+
+void Node::fault(const std::string& what) {
+  last_error_ = what;
+  if (state_ == service_status_t::FAULT || state_ == service_status_t::ENDED) return;
+  state_ = service_status_t::FAULT;
+  beat();
+}
+
+void Node::close() {
+  if (state_ == service_status_t::ENDED) return;
+  state_ = service_status_t::ENDED;
+  for (announced_ = kClosingMessages; announced_ > 0; --announced_) beat();
+}
+
+std::int64_t& Node::sentOn(std::string_view channel) {
+  const auto found = sent_.find(channel);
+  return found != sent_.end() ? found->second : sent_[std::string(channel)];
+}
+
+void Node::beat() {
+  service_status_t status{};
+  status.state = state_;
+  status.origin = identity_.origin;
+  if (!loop_.isVirtual()) {
+    status.host = hostName();
+    status.pid = getpid();
+  }
+  status.version = kVersion;
+  status.contract_version = kContractVersion;
+  status.start_utime = start_utime_;
+  status.last_error = last_error_.c_str();  // a text on the bus ends at its first zero
+
+  // This message counts itself, and the closing ones count those still to come.
+  const std::int64_t own = std::max<std::int64_t>(1, announced_);
+  auto sent = sent_;
+  sent[std::string(channels::kServiceStatus)] += own;
+  for (const auto& [channel, messages] : sent) {
+    channel_count_t count{};
+    count.channel = channel;
+    count.messages = messages;
+    status.sent.push_back(count);
+  }
+  status.num_sent = static_cast<std::int32_t>(status.sent.size());
+
+  for (const auto& [key, stream] : streams_.streams()) {
+    stream_count_t count{};
+    count.channel = key.channel;
+    count.sender = key.sender;
+    count.instance = key.instance;
+    count.received = stream.received;
+    count.lost = stream.lost;
+    status.received.push_back(count);
+  }
+  for (const auto& [channel, errors] : streams_.decodeErrors()) {
+    stream_count_t count{};
+    count.channel = channel;
+    count.decode_errors = errors;
+    status.received.push_back(count);
+  }
+  status.received.insert(status.received.end(), other_streams_.begin(), other_streams_.end());
+  status.num_received = static_cast<std::int32_t>(status.received.size());
+  publish(channels::kServiceStatus, status);
+}
+
+}  // namespace lab

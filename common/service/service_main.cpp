@@ -1,0 +1,111 @@
+#include "common/service/service_main.hpp"
+
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <csignal>
+#include <optional>
+#include <thread>
+
+#include "cameras/camera_devices.hpp"
+#include "common/loop/asio_loop.hpp"
+#include "common/experiment/experiment_file.hpp"
+#include "common/bus/lcm_bus.hpp"
+#include "common/serial/serial_devices.hpp"
+#include "common/process/version.hpp"
+
+namespace lab {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  std::string experiment;
+  std::string lcm_url = defaultLcmUrl();
+  std::string ports = defaultPortsFolder();
+};
+
+constexpr std::int64_t kMostPassingOn = 500'000;  // [us]
+constexpr auto kPassingOnStep = std::chrono::milliseconds(2);
+
+/// What the node says last comes back from the bus to who passes it on.
+void end(Node& node, AsioLoop& loop, Service& service) {
+  node.close();
+  const std::int64_t deadline = loop.now() + kMostPassingOn;
+  while (service.isPassingOn() && loop.now() < deadline) {
+    loop.poll();
+    std::this_thread::sleep_for(kPassingOnStep);
+  }
+}
+
+void run(const ServiceDescription& description, const Options& options) {
+  const Experiment experiment =
+      options.experiment.empty() ? Experiment{} : loadExperiment(options.experiment);
+  AsioLoop loop;
+  LcmBus bus(options.lcm_url);
+  SerialDevices ports(loop, options.ports);
+  CameraDevices cameras(loop, options.ports);
+  Node node(bus, loop, {description.name, description.origin, loop.now()});
+  const std::unique_ptr<Service> service =
+      description.make({node, loop, experiment, fs::path(options.experiment).parent_path(), ports,
+                        fs::canonical("/proc/self/exe").parent_path(), cameras, loop});
+  loop.onReadable(bus.fileDescriptor(), [&bus] { bus.drain(); });
+  loop.onSignals({SIGINT, SIGTERM}, [&loop](int) { loop.stop(); });
+  node.start();
+  try {
+    loop.run();
+  } catch (const std::exception& error) {
+    node.fault(error.what());
+    node.close();
+    throw;
+  }
+  end(node, loop, *service);
+}
+
+}  // namespace
+
+int serviceMain(int argc, char** argv, const ServiceDescription& description) {
+  spdlog::set_default_logger(spdlog::stderr_color_mt(description.name));
+  CLI::App app{description.summary, description.name};
+  Options options;
+  CLI::Option* experiment =
+      app.add_option("--experiment,--config", options.experiment, "Experiment file (TOML)");
+  experiment->required(description.needs_experiment);
+  app.add_option("--lcm-url", options.lcm_url, "The bus, as printed by lab run")
+      ->capture_default_str();
+  if (description.uses_ports) {
+    app.add_option("--ports", options.ports,
+                   "Folder of the lines to simulated robots and of the simulated camera")
+        ->capture_default_str();
+  }
+  if (description.add_options) description.add_options(app);
+  app.set_version_flag("--version", kVersion);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  try {
+    run(description, options);
+    return 0;
+  } catch (const ExperimentError& error) {
+    spdlog::error("{}", error.what());
+    return 2;
+  } catch (const BusError& error) {
+    spdlog::error("{}", error.what());
+    return 2;
+  } catch (const SerialError& error) {
+    spdlog::error("{}", error.what());
+    return 2;
+  } catch (const CameraError& error) {
+    spdlog::error("{}", error.what());
+    return 2;
+  } catch (const std::exception& error) {
+    spdlog::critical("{}", error.what());
+    return 1;
+  }
+}
+
+}  // namespace lab

@@ -1,0 +1,152 @@
+#include "common/text/format.hpp"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace lab::report {
+namespace {
+
+constexpr const char* kNone = "–";
+
+struct UnitRow {
+  std::string_view si;
+  std::string_view text;
+  std::string_view key;
+  double factor;
+};
+
+constexpr std::array kUnits{UnitRow{"m", "cm", "cm", 1e2},
+                            UnitRow{"m^2", "cm²", "cm2", 1e4},
+                            UnitRow{"m/s", "cm/s", "cm_s", 1e2},
+                            UnitRow{"m^2/s", "cm²/s", "cm2_s", 1e4},
+                            UnitRow{"rad", "rad", "rad", 1},
+                            UnitRow{"rad^2", "rad²", "rad2", 1},
+                            UnitRow{"rad/s", "rad/s", "rad_s", 1},
+                            UnitRow{"rad^2/s", "rad²/s", "rad2_s", 1},
+                            UnitRow{"1/s", "1/s", "per_s", 1},
+                            UnitRow{"s", "s", "s", 1},
+                            UnitRow{"1", "", "", 1},
+                            UnitRow{"", "", "", 1}};
+
+std::string withoutTrailingZeros(std::string text) {
+  if (text.find('.') == std::string::npos || text.find('e') != std::string::npos) return text;
+  text.erase(text.find_last_not_of('0') + 1);
+  if (text.back() == '.') text.pop_back();
+  return text;
+}
+
+/// Decimals that show `figures` figures of a number of this size.
+int decimalsFor(double size, int figures) {
+  return std::clamp(figures - 1 - static_cast<int>(std::floor(std::log10(size))), 0, 12);
+}
+
+bool isPlain(char letter) {
+  return (letter >= 'a' && letter <= 'z') || (letter >= 'A' && letter <= 'Z') ||
+         (letter >= '0' && letter <= '9') || letter == '-' || letter == '_';
+}
+
+}  // namespace
+
+PeopleUnit peopleUnit(const std::string& si_unit) {
+  for (const UnitRow& row : kUnits) {
+    if (row.si == si_unit) return {std::string(row.text), std::string(row.key), row.factor};
+  }
+  return {si_unit, fileWord(si_unit), 1};
+}
+
+std::string numberText(double value, double error) {
+  if (!std::isfinite(value)) return kNone;
+  if (!std::isfinite(error) || error <= 0) return shortText(value);
+  return fmt::format("{:.{}f}", value, decimalsFor(error, 2));
+}
+
+std::string shortText(double value) {
+  if (!std::isfinite(value)) return kNone;
+  const double size = std::abs(value);
+  if (size == 0) return "0";
+  if (size < 1e-4 || size >= 1e6) return fmt::format("{:.3e}", value);
+  return withoutTrailingZeros(fmt::format("{:.{}f}", value, decimalsFor(size, 4)));
+}
+
+std::string durationText(double seconds) {
+  if (!std::isfinite(seconds)) return kNone;
+  if (seconds < 0) return fmt::format("-{}", durationText(-seconds));
+  if (seconds < 99.95) return withoutTrailingZeros(fmt::format("{:.1f}", seconds)) + " s";
+  const auto whole = static_cast<std::int64_t>(std::llround(seconds));
+  if (whole < 3600) return fmt::format("{} min {} s", whole / 60, whole % 60);
+  return fmt::format("{} h {} min", whole / 3600, whole % 3600 / 60);
+}
+
+std::string countText(std::int64_t count, std::string_view noun) {
+  return fmt::format("{} {}{}", groupedText(count), noun, count == 1 ? "" : "s");
+}
+
+std::string groupedText(std::int64_t count) {
+  const std::string digits = std::to_string(count < 0 ? -count : count);
+  std::string text;
+  if (count < 0) text += '-';
+  for (std::size_t i = 0; i < digits.size(); ++i) {
+    if (i > 0 && (digits.size() - i) % 3 == 0) text += "\u202f";
+    text += digits[i];
+  }
+  return text;
+}
+
+std::string utcText(std::int64_t utime) {
+  return fmt::format("{:%Y-%m-%d %H:%M:%S} UTC",
+                     fmt::gmtime(static_cast<std::time_t>(utime / 1'000'000)));
+}
+
+std::string symbolHtml(const std::string& name) {
+  const std::size_t bar = name.find('_');
+  std::string letter = name.substr(0, bar);
+  if (letter == "gamma") letter = "γ";
+  if (letter == "tau") letter = "τ";
+  if (letter == "epsilon") letter = "ε";
+  if (letter == "eta") letter = "η";
+  const std::string index = bar == std::string::npos ? "" : name.substr(bar + 1);
+  return fmt::format("<i>{}</i>{}", escapeHtml(letter),
+                     index.empty() ? "" : fmt::format("<sub>{}</sub>", escapeHtml(index)));
+}
+
+std::string escapeHtml(std::string_view text) {
+  std::string html;
+  html.reserve(text.size());
+  for (const char letter : text) {
+    switch (letter) {
+      case '&':
+        html += "&amp;";
+        break;
+      case '<':
+        html += "&lt;";
+        break;
+      case '>':
+        html += "&gt;";
+        break;
+      case '"':
+        html += "&quot;";
+        break;
+      case '\'':
+        html += "&#39;";
+        break;
+      default:
+        if (static_cast<unsigned char>(letter) >= 0x20 || letter == '\n') html += letter;
+    }
+  }
+  return html;
+}
+
+std::string fileWord(std::string_view text) {
+  std::string word;
+  for (const char letter : text) {
+    if (isPlain(letter)) word += letter;
+    if (letter == ' ') word += '_';
+  }
+  return word.empty() ? "program" : word;
+}
+
+}  // namespace lab::report

@@ -1,0 +1,64 @@
+#include "common/text/utf8.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+namespace lab {
+namespace {
+
+constexpr const char* kReplacement = "\xEF\xBF\xBD";
+
+/// What stands at the beginning of a text.
+struct Piece {
+  std::size_t size;
+  bool valid;
+};
+
+/// @param text not empty
+Piece firstPiece(std::string_view text) {
+  const auto byte = [text](std::size_t i) { return static_cast<std::uint8_t>(text[i]); };
+  const std::uint8_t lead = byte(0);
+  if (lead < 0x80) return {1, true};
+  if (lead < 0xC2 || lead > 0xF4) return {1, false};
+  const std::size_t size = lead < 0xE0 ? 2 : lead < 0xF0 ? 3 : 4;
+  // Of the second byte: no longer form than needed, no surrogates, nothing above U+10FFFF.
+  std::uint8_t low = 0x80;
+  std::uint8_t high = 0xBF;
+  if (lead == 0xE0) low = 0xA0;
+  if (lead == 0xED) high = 0x9F;
+  if (lead == 0xF0) low = 0x90;
+  if (lead == 0xF4) high = 0x8F;
+  for (std::size_t i = 1; i < size; ++i) {
+    if (i == text.size() || byte(i) < low || byte(i) > high) return {i, false};
+    low = 0x80;
+    high = 0xBF;
+  }
+  return {size, true};
+}
+
+std::size_t validPart(std::string_view text) {
+  std::size_t end = 0;
+  while (end < text.size()) {
+    const Piece piece = firstPiece(text.substr(end));
+    if (!piece.valid) break;
+    end += piece.size;
+  }
+  return end;
+}
+
+}  // namespace
+
+void repairUtf8(std::string& text) {
+  std::size_t at = validPart(text);
+  if (at == text.size()) return;
+  std::string repaired = text.substr(0, at);
+  while (at < text.size()) {
+    const Piece piece = firstPiece(std::string_view(text).substr(at));
+    repaired += piece.valid ? text.substr(at, piece.size) : kReplacement;
+    at += piece.size;
+  }
+  text = std::move(repaired);
+}
+
+}  // namespace lab

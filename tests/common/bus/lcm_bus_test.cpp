@@ -1,0 +1,258 @@
+// The live bus against the traps of LCM 1.3.1, in a network of its own. Facts are those of the LCM
+// notes: 3 ports, 4 queues, 8 exceptions, 10 start-up, 13 socket buffers.
+#include "common/bus/lcm_bus.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sched.h>
+#include <sys/socket.h>
+#include <sys/time.h>
+
+#include <algorithm>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <numeric>
+#include <stdexcept>
+
+#include "common/loop/asio_loop.hpp"
+#include "common/bus/channels.hpp"
+
+namespace lab {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+constexpr int kPort = 7811;
+constexpr int kPatience_ms = 5'000;
+
+std::vector<std::uint8_t> number(int value) {
+  return {static_cast<std::uint8_t>(value / 256), static_cast<std::uint8_t>(value % 256)};
+}
+
+PacketHandler into(std::vector<int>& heard) {
+  return [&heard](const Packet& packet) { heard.push_back(packet.data[0] * 256 + packet.data[1]); };
+}
+
+/// Drains `bus` until `count` messages were heard, or no more come.
+void drainUntil(LcmBus& bus, const std::vector<int>& heard, std::size_t count) {
+  while (heard.size() < count && bus.drainFor(kPatience_ms)) {
+  }
+}
+
+TEST(LcmBus, DeliversABurstOfAThousandToABusySubscriber) {  // fact 4: LCM alone keeps 31
+  LcmBus sender(lcmUrl(kPort));
+  LcmBus dut(lcmUrl(kPort));
+  std::vector<int> heard;
+  dut.subscribe("BURST", into(heard));
+  for (int i = 0; i < 1000; ++i) sender.publish("BURST", number(i));
+  drainUntil(dut, heard, 1000);
+  std::vector<int> sent(1000);
+  std::iota(sent.begin(), sent.end(), 0);
+  EXPECT_EQ(heard, sent);
+}
+
+TEST(LcmBus, GivesTheTimersTheirTurnInAFlood) {
+  constexpr std::size_t kMostInOneDrain = 10'000;
+  constexpr std::size_t kFlood = 3 * kMostInOneDrain;
+  LcmBus dut(lcmUrl(kPort));
+  std::size_t published = 1;
+  std::size_t heard = 0;
+  dut.subscribe("ECHO", [&](const Packet& packet) {  // one message becomes two, so none waits long
+    ++heard;
+    for (int i = 0; i < 2 && published < kFlood; ++i, ++published) {
+      dut.publish("ECHO", packet.data);
+    }
+  });
+  dut.publish("ECHO", number(1));
+  bool any = true;
+  for (std::size_t before = 0; any; before = heard) {
+    any = dut.drainFor(100);
+    ASSERT_LE(heard - before, kMostInOneDrain);
+  }
+  EXPECT_GT(heard, kMostInOneDrain);
+}
+
+TEST(LcmBus, TakesChannelNamesLiterally) {  // LCM takes them for regular expressions
+  LcmBus dut(lcmUrl(kPort));
+  std::vector<int> heard;
+  dut.subscribe("ROBOT.1+", into(heard));
+  dut.publish("ROBOTX1", number(1));
+  dut.publish("ROBOT.11", number(2));
+  dut.publish("ROBOT.1", number(3));
+  dut.publish("ROBOT.1+", number(4));
+  drainUntil(dut, heard, 1);
+  EXPECT_THAT(heard, ElementsAre(4));
+}
+
+TEST(LcmBus, LetsHandlersExceptionsOutOfDrainAndGoesOn) {  // fact 8: LCM alone aborts
+  LcmBus dut(lcmUrl(kPort));
+  std::vector<int> heard;
+  dut.subscribe("A", [](const Packet& packet) {
+    if (packet.data[1] < 3) throw std::runtime_error("message " + std::to_string(packet.data[1]));
+  });
+  dut.subscribe("A", into(heard));
+  std::vector<std::string> errors;
+  const auto drain = [&](std::size_t until) {
+    while (heard.size() < until) {
+      try {
+        ASSERT_TRUE(dut.drainFor(kPatience_ms));
+      } catch (const std::runtime_error& error) {
+        errors.emplace_back(error.what());
+      }
+    }
+  };
+  dut.publish("A", number(1));
+  drain(1);
+  dut.publish("A", number(2));
+  drain(2);
+  dut.publish("A", number(3));
+  drain(3);
+  EXPECT_THAT(errors, ElementsAre("message 1", "message 2"));
+  EXPECT_THAT(heard, ElementsAre(1, 2, 3));
+}
+
+TEST(LcmBus, RefusesToDrainInsideAHandler) {  // LCM alone aborts
+  LcmBus dut(lcmUrl(kPort));
+  dut.subscribe("A", [&](const Packet&) { dut.drain(); });
+  dut.publish("A", number(1));
+  EXPECT_THROW(dut.drainFor(kPatience_ms), std::logic_error);
+}
+
+TEST(LcmBus, ReturnsFromItsWaitWhenASignalComes) {
+  LcmBus dut(lcmUrl(kPort));
+  std::vector<int> heard;
+  dut.subscribe("A", into(heard));
+  struct sigaction ignore {};
+  ignore.sa_handler = [](int) {};
+  sigaction(SIGALRM, &ignore, nullptr);
+  const itimerval soon{.it_interval = {}, .it_value = {.tv_sec = 0, .tv_usec = 20'000}};
+  AsioLoop clock;
+  const std::int64_t start = clock.now();
+  ASSERT_EQ(setitimer(ITIMER_REAL, &soon, nullptr), 0);
+  EXPECT_FALSE(dut.drainFor(kPatience_ms));
+  EXPECT_LT(clock.now() - start, kPatience_ms * 1000);
+}
+
+TEST(LcmBus, SeparatesLabsByTheirPort) {  // fact 3: the group does not
+  LcmBus ours(lcmUrl(kPort));
+  LcmBus theirs(lcmUrl(kPort + 1));
+  std::vector<int> heard;
+  theirs.subscribeAll(into(heard));
+  for (int i = 0; i < 100; ++i) ours.publish("A", number(i));
+  theirs.publish("A", number(500));
+  drainUntil(theirs, heard, 1);
+  EXPECT_THAT(heard, ElementsAre(500));
+}
+
+TEST(LcmBus, HearsNothingOfLcmsOwnProbe) {
+  LcmBus dut(lcmUrl(kPort));
+  std::vector<std::string> heard;
+  dut.subscribeAll([&](const Packet& packet) { heard.emplace_back(packet.channel); });
+  LcmBus late(lcmUrl(kPort));  // probes
+  late.publish("A", number(1));
+  while (heard.empty() && dut.drainFor(kPatience_ms)) {
+  }
+  EXPECT_THAT(heard, ElementsAre("A"));
+}
+
+TEST(LcmBus, RefusesAChannelNameThatLcmRefuses) {
+  LcmBus dut(lcmUrl(kPort));
+  EXPECT_NO_THROW(dut.publish(std::string(63, 'X'), number(1)));
+  EXPECT_THROW(dut.publish(std::string(64, 'X'), number(1)), BusError);
+}
+
+TEST(LcmBus, SaysAtOnceHowToRepairANetworkWithoutMulticast) {  // fact 10: LCM alone says nothing
+  const auto open_without_route = [] {
+    if (unshare(CLONE_NEWNET) != 0) std::exit(99);
+    try {
+      const LcmBus dut(lcmUrl(kPort));
+    } catch (const BusError& error) {
+      std::fputs(error.what(), stderr);
+      std::exit(2);
+    }
+    std::exit(0);
+  };
+  EXPECT_EXIT(open_without_route(), testing::ExitedWithCode(2),
+              "sudo ip link set lo up && sudo ip route add 224.0.0.0/4 dev lo");
+}
+
+TEST(LcmBus, RefusesAUrlThatIsNone) { EXPECT_THROW(LcmBus("carrier-pigeon://"), BusError); }
+
+TEST(LcmUrl, StaysOnThisMachineAndAsksForABigSocketBuffer) {  // fact 13
+  EXPECT_EQ(lcmUrl(7700), "udpm://239.255.76.67:7700?ttl=0&recv_buf_size=4194304");
+  EXPECT_EQ(lcmUrl(7700, 1), "udpm://239.255.76.67:7700?ttl=1&recv_buf_size=4194304");
+}
+
+TEST(LcmUrl, IsTheEnvironmentsWhereThatHasOne) {
+  setenv("LCM_DEFAULT_URL", "memq://", 1);
+  EXPECT_EQ(defaultLcmUrl(), "memq://");
+  unsetenv("LCM_DEFAULT_URL");
+  EXPECT_EQ(defaultLcmUrl(), lcmUrl(7667));
+}
+
+/// The largest receive buffer of this process's datagram sockets.
+int largestReceiveBuffer() {
+  int largest = 0;
+  for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd")) {
+    const int descriptor = std::stoi(entry.path().filename());
+    int type = 0;
+    int size = 0;
+    socklen_t length = sizeof(int);
+    if (getsockopt(descriptor, SOL_SOCKET, SO_TYPE, &type, &length) != 0) continue;
+    if (type != SOCK_DGRAM) continue;
+    getsockopt(descriptor, SOL_SOCKET, SO_RCVBUF, &size, &length);
+    largest = std::max(largest, size);
+  }
+  return largest;
+}
+
+TEST(LcmBus, GetsTheBigSocketBuffer) {  // fact 13
+  const LcmBus dut(lcmUrl(kPort));
+  const int socket_of_default = socket(AF_INET, SOCK_DGRAM, 0);
+  int size = 0;
+  socklen_t length = sizeof(int);
+  ASSERT_EQ(getsockopt(socket_of_default, SOL_SOCKET, SO_RCVBUF, &size, &length), 0);
+  close(socket_of_default);
+  EXPECT_GE(largestReceiveBuffer(), 4 * size);
+}
+
+TEST(LcmBus, LosesNothingOf60KilobytesAt30Hertz) {  // fact 13
+  constexpr int kMessages = 30;
+  constexpr std::size_t kSize = 60'000;
+  LcmBus sender(lcmUrl(kPort));
+  LcmBus dut(lcmUrl(kPort));
+  std::vector<int> heard;
+  dut.subscribe("BIG", into(heard));
+  AsioLoop loop;
+  int sent = 0;
+  loop.every(1'000'000 / 30, loop.now(), [&] {
+    std::vector<std::uint8_t> data = number(sent);
+    data.resize(kSize);
+    sender.publish("BIG", data);
+    if (++sent == kMessages) loop.stop();
+  });
+  loop.run();
+  drainUntil(dut, heard, kMessages);
+  EXPECT_EQ(heard.size(), static_cast<std::size_t>(kMessages));
+}
+
+TEST(LcmBus, WakesTheLiveLoop) {
+  LcmBus dut(lcmUrl(kPort));
+  AsioLoop loop;
+  std::vector<int> heard;
+  dut.subscribe("A", [&](const Packet& packet) {
+    into(heard)(packet);
+    if (heard.size() < 3) return dut.publish("A", number(static_cast<int>(heard.size())));
+    loop.stop();
+  });
+  loop.onReadable(dut.fileDescriptor(), [&dut] { dut.drain(); });
+  loop.soon([&dut] { dut.publish("A", number(0)); });
+  loop.run();
+  EXPECT_THAT(heard, ElementsAre(0, 1, 2));
+}
+
+}  // namespace
+}  // namespace lab

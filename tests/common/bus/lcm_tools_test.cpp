@@ -1,0 +1,163 @@
+// Debian's own lcm-logger and lcm-logplayer beside our bus and our logs. Facts are those of the LCM
+// notes: 5 bursts, 6 the tail, 7 options.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <lcm/lcm.h>
+#include <spawn.h>
+#include <sys/wait.h>
+
+#include <csignal>
+#include <fstream>
+#include <iterator>
+#include <memory>
+
+#include "common/loop/asio_loop.hpp"
+#include "common/bus/channels.hpp"
+#include "common/bus/lcm_bus.hpp"
+#include "common/bus/log_file.hpp"
+#include "tests/common/temporary_folder.hpp"
+
+namespace lab::stock_tools_test {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kPort = 7811;
+constexpr int kPatience_ms = 5'000;
+constexpr std::int64_t kMillisecond = 1'000;
+
+/// A program that runs beside the test.
+class Process {
+ public:
+  explicit Process(std::vector<std::string> words) {
+    std::vector<char*> arguments;
+    for (std::string& word : words) arguments.push_back(word.data());
+    arguments.push_back(nullptr);
+    if (posix_spawnp(&pid_, arguments[0], nullptr, nullptr, arguments.data(), environ) != 0) {
+      throw std::runtime_error("cannot start " + words[0]);
+    }
+  }
+  ~Process() {
+    if (pid_ > 0) terminate();
+  }
+  Process(const Process&) = delete;
+  Process& operator=(const Process&) = delete;
+
+  int terminate() {
+    kill(pid_, SIGTERM);
+    return wait();
+  }
+  int wait() {
+    int status = 0;
+    waitpid(pid_, &status, 0);
+    pid_ = 0;
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  }
+
+ private:
+  pid_t pid_ = 0;
+};
+
+std::string contentsOf(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+std::vector<std::uint8_t> number(int value) {
+  return {static_cast<std::uint8_t>(value / 256), static_cast<std::uint8_t>(value % 256)};
+}
+
+/// The numbers on `channel` of a log, possibly one that is still written.
+std::vector<int> numbersIn(const fs::path& path, std::string_view channel) {
+  std::vector<int> numbers;
+  if (!fs::exists(path)) return numbers;
+  readLog({path}, [&](const Packet& packet) {
+    if (packet.channel == channel) numbers.push_back(packet.data[0] * 256 + packet.data[1]);
+  });
+  return numbers;
+}
+
+class StockTools : public testing::Test {
+ protected:
+  /// Records with stock lcm-logger what `publish(i)` sends at each of `ticks` ticks.
+  void record(int ticks, std::int64_t period_us, const std::function<void(int)>& publish) {
+    // LCM's own probe tells when a program has joined the bus.
+    const std::unique_ptr<lcm_t, decltype(&lcm_destroy)> probe(lcm_create(lcmUrl(kPort).c_str()),
+                                                               &lcm_destroy);
+    bool joined = false;
+    lcm_subscribe(
+        probe.get(), channels::kLcmSelfTest.data(),
+        [](const lcm_recv_buf_t*, const char*, void* flag) { *static_cast<bool*>(flag) = true; },
+        &joined);
+    Process logger({"lcm-logger", "-q", "--lcm-url=" + lcmUrl(kPort), log_.string()});
+    while (!joined && lcm_handle_timeout(probe.get(), kPatience_ms) > 0) {
+    }
+    ASSERT_TRUE(joined);
+
+    AsioLoop loop;
+    int tick = 0;
+    const int run_in = static_cast<int>(100 * kMillisecond / period_us);
+    const std::int64_t give_up = loop.now() + kPatience_ms * kMillisecond;
+    loop.every(period_us, loop.now(), [&] {
+      ++tick;
+      if (tick > run_in && tick <= run_in + ticks) return publish(tick - run_in - 1);
+      // Before, for a logger that is still starting; after, as it writes only when more comes.
+      bus_.publish("TICK", number(0));
+      if (tick < run_in + ticks || tick % 10 != 0) return;
+      const std::vector<int> numbers = numbersIn(log_, "LAST");
+      if (!numbers.empty() || loop.now() > give_up) loop.stop();
+      bus_.publish("LAST", number(0));
+    });
+    loop.run();
+    EXPECT_EQ(logger.terminate(), 0);
+  }
+
+  TemporaryFolder folder_;
+  fs::path log_ = folder_ / "log.lcmlog";
+  LcmBus bus_{lcmUrl(kPort)};
+};
+
+TEST_F(StockTools, LoggerRecordsOurBusWithOurOptions) {  // facts 6 and 7
+  record(100, 2 * kMillisecond, [this](int i) { bus_.publish("A", number(i)); });
+  const std::vector<int> recorded = numbersIn(log_, "A");
+  ASSERT_EQ(recorded.size(), 100U);
+  for (int i = 0; i < 100; ++i) EXPECT_EQ(recorded[static_cast<std::size_t>(i)], i);
+}
+
+TEST_F(StockTools, LoggerKeepsBurstsBelowItsLimit) {  // fact 5: it holds 31 messages
+  constexpr int kBurst = 28;                          // lcmtypes/README.md, the worst of ours
+  record(20, 10 * kMillisecond, [this](int i) {
+    for (int k = 0; k < kBurst; ++k) bus_.publish("A", number(kBurst * i + k));
+  });
+  EXPECT_EQ(numbersIn(log_, "A").size(), 20U * kBurst);
+}
+
+TEST_F(StockTools, OurWriterWritesWhatTheLoggerWrote) {
+  record(50, 2 * kMillisecond, [this](int i) { bus_.publish(i % 2 != 0 ? "A" : "BB", number(i)); });
+  const fs::path ours = folder_ / "ours.lcmlog";
+  {
+    LogWriter writer(ours);
+    readLog({log_}, [&writer](const Packet& packet) { writer.write(packet); });
+  }
+  EXPECT_GT(fs::file_size(log_), 50U * 28U);
+  EXPECT_EQ(contentsOf(ours), contentsOf(log_));
+}
+
+TEST_F(StockTools, PlayerPlaysWhatOurWriterWrote) {
+  {
+    LogWriter writer(log_);
+    for (int i = 0; i < 200; ++i) writer.write({"A", number(i), 946'684'800'000'000 + i * 500});
+  }
+  std::vector<int> heard;
+  bus_.subscribe(
+      "A", [&](const Packet& packet) { heard.push_back(packet.data[0] * 256 + packet.data[1]); });
+  Process player({"lcm-logplayer", "-l", lcmUrl(kPort), log_.string()});
+  while (heard.size() < 200 && bus_.drainFor(kPatience_ms)) {
+  }
+  EXPECT_EQ(player.wait(), 0);
+  ASSERT_EQ(heard.size(), 200U);
+  for (int i = 0; i < 200; ++i) EXPECT_EQ(heard[static_cast<std::size_t>(i)], i);
+}
+
+}  // namespace
+}  // namespace lab::stock_tools_test

@@ -1,0 +1,86 @@
+#include "common/bus/stream_counter.hpp"
+
+#include <gtest/gtest.h>
+
+#include "common/bus/channels.hpp"
+
+namespace lab {
+namespace {
+
+constexpr std::string_view kChannel = channels::kRobotStatus;
+
+StreamCount heard(std::initializer_list<std::int64_t> seqs, std::string_view channel = kChannel) {
+  StreamCounter dut;
+  for (const std::int64_t seq : seqs) dut.count(channel, "sim_svc", 1, seq, 1000 + seq);
+  return dut.streams().begin()->second;
+}
+
+TEST(StreamCounter, CountsWhatCame) {
+  const StreamCount stream = heard({1, 2, 3});
+  EXPECT_EQ(stream.received, 3);
+  EXPECT_EQ(stream.lost, 0);
+  EXPECT_EQ(stream.first_seq, 1);
+  EXPECT_EQ(stream.last_seq, 3);
+  EXPECT_EQ(stream.last_utime, 1003);
+}
+
+TEST(StreamCounter, CountsGapsAsLost) { EXPECT_EQ(heard({1, 2, 5, 9}).lost, 2 + 3); }
+
+TEST(StreamCounter, DoesNotCountWhatWasSentBeforeTheFirstMessageHeard) {
+  EXPECT_EQ(heard({1000, 1001}).lost, 0);
+  EXPECT_EQ(heard({1000, 999, 1001}).lost, 0);
+}
+
+TEST(StreamCounter, ClosesTheGapOfALateMessage) {
+  EXPECT_EQ(heard({1, 2, 4, 3}).lost, 0);
+  EXPECT_EQ(heard({1, 5, 3}).lost, 2);
+  EXPECT_EQ(heard({1, 64, 2}).lost, 61);
+  EXPECT_EQ(heard({1, 5, 3, 6}).last_seq, 6);
+}
+
+TEST(StreamCounter, ClosesNoGapForAMessageThatComesTwice) {
+  EXPECT_EQ(heard({1, 2, 4, 2}).lost, 1);
+  EXPECT_EQ(heard({1, 2, 4, 4}).lost, 1);
+  EXPECT_EQ(heard({1, 4, 3, 3}).lost, 1);
+}
+
+TEST(StreamCounter, GivesUpOnWhatIsMoreThan63Behind) {
+  EXPECT_EQ(heard({1, 66, 2}).lost, 64);
+  EXPECT_EQ(heard({1, 1000, 2}).lost, 998);
+}
+
+TEST(StreamCounter, CountsNoGapsInTheNumbersOfCommands) {  // a repeated command keeps its seq
+  for (const std::string_view channel :
+       {channels::kRobotCommand, channels::kRobotStop, channels::kLightCommand}) {
+    const StreamCount stream = heard({1, 1, 5, 5}, channel);
+    EXPECT_EQ(stream.received, 4);
+    EXPECT_EQ(stream.lost, 0);
+    EXPECT_EQ(stream.last_seq, 5);
+  }
+}
+
+TEST(StreamCounter, KeepsChannelsSendersAndTheirRunsApart) {
+  StreamCounter dut;
+  for (std::int64_t seq = 1; seq <= 3; ++seq) {
+    dut.count(kChannel, "sim_svc", 1, seq, 0);
+    dut.count(kChannel, "sim_svc", 2, 2 * seq, 0);
+    dut.count(kChannel, "robot_bridge", 1, 3 * seq, 0);
+    dut.count(channels::kSimTruth, "sim_svc", 1, 4 * seq, 0);
+  }
+  ASSERT_EQ(dut.streams().size(), 4U);
+  EXPECT_EQ(dut.streams().at({std::string(kChannel), "sim_svc", 1}).lost, 0);
+  EXPECT_EQ(dut.streams().at({std::string(kChannel), "sim_svc", 2}).lost, 2);
+  EXPECT_EQ(dut.streams().at({std::string(kChannel), "robot_bridge", 1}).lost, 4);
+  EXPECT_EQ(dut.lost(), 2 + 4 + 6);
+}
+
+TEST(StreamCounter, CountsDecodeErrorsPerChannel) {
+  StreamCounter dut;
+  dut.countDecodeError(kChannel);
+  dut.countDecodeError(kChannel);
+  EXPECT_EQ(dut.decodeErrors().at(std::string(kChannel)), 2);
+  EXPECT_TRUE(dut.streams().empty());
+}
+
+}  // namespace
+}  // namespace lab

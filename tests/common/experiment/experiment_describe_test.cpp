@@ -1,0 +1,138 @@
+#include <gmock/gmock.h>
+
+#include "common/experiment/experiment_log_size.hpp"
+#include "tests/common/experiment_samples.hpp"
+
+namespace lab {
+namespace {
+
+using ::testing::HasSubstr;
+
+Experiment shipped(const std::string& name) {
+  return loadExperiment(std::filesystem::path(LAB_ROOT) / "experiments" / (name + ".toml"));
+}
+
+TEST(Description, SaysWhatWouldStart) {
+  const std::string dut = describeExperiment(shipped("light_switching"));
+
+  EXPECT_THAT(dut, HasSubstr("run           90 s, seed 1\n"));
+  EXPECT_THAT(dut, HasSubstr("robots        1 simulated (1), 1 at given and 0 at random places\n"));
+  EXPECT_THAT(dut, HasSubstr("bp: Brownian, V = 7 cm/s, epsilon = 0.2 s\n"));
+  EXPECT_THAT(dut, HasSubstr("light         3 steps, again every 90 s\n"));
+  EXPECT_THAT(dut, HasSubstr("30 s half: ABP: light 0.5, abp\n"));
+}
+
+TEST(Description, DerivesTheNumbersOfThePaper) {
+  // D_r = epsilon eta^2 / 6, |v| + eta d / 2
+  EXPECT_THAT(describeExperiment(shipped("abp")),
+              HasSubstr("D_r = 0.75 rad^2/s; fastest wheel 14.25 of 27 cm/s"));
+  EXPECT_THAT(describeExperiment(shipped("abp"), [](const ProgramSpec& p) { return p.v * 2; }),
+              HasSubstr("D_r = 0.75 rad^2/s, L_s = 6 cm; fastest wheel"));
+  // D_r = epsilon V^2 / (3 d^2), D_t = epsilon V^2 / 24, V + va
+  EXPECT_THAT(describeExperiment(shipped("noisy_abp")),
+              HasSubstr("D_r = 0.05926 rad^2/s, D_t = 0.4167 cm^2/s; fastest wheel 11 of"));
+  EXPECT_THAT(describeExperiment(shipped("bp")), HasSubstr("D = 0.4083 cm^2/s; fastest wheel 7 "));
+  // v^2 / (2 gamma (1 + gamma tau_t)), pi d / (2 tau_t)
+  EXPECT_THAT(describeExperiment(shipped("rtp")),
+              HasSubstr("mean run = 1.667 cm, D = 1.667 cm^2/s; fastest wheel 23.56 of"));
+}
+
+TEST(Description, SaysThatARunIsTooShortForItsProgram) {
+  const auto with = [](const std::string& set) { return describeExperiment(small({}, {set})); };
+  EXPECT_THAT(with("programs.abp.epsilon_s=20"), ::testing::Not(HasSubstr("a third of the run")));
+  EXPECT_THAT(with("programs.abp.epsilon_s=20.001"),
+              HasSubstr("epsilon = 20 s is more than a third of the run"));
+  Experiment tumbling = small();
+  ProgramSpec& program = tumbling.programs.begin()->second;
+  program.model = Model::kRtp;
+  program.gamma = 0.01;
+  program.tau_t = 0.5;
+  EXPECT_THAT(describeExperiment(tumbling), HasSubstr("1/gamma = 100 s is more than a third"));
+  program.tau_t = 500;
+  EXPECT_THAT(describeExperiment(tumbling), HasSubstr("tau_t = 500 s is more than a third"));
+}
+
+TEST(Description, SaysWhichServiceStartsOnWhichHost) {
+  EXPECT_THAT(describeExperiment(shipped("two_hosts")),
+              HasSubstr("hosts         bench: sim_svc (ssh pi@robot-bench)\n"
+                        "              joined by DDS, domain 77, unsecured\n"));
+  EXPECT_THAT(describeExperiment(shipped("abp")), ::testing::Not(HasSubstr("hosts")));
+}
+
+TEST(Description, SaysWhoGetsWhichPartOfTheArena) {
+  EXPECT_THAT(describeExperiment(shipped("half_dark_arena")),
+              HasSubstr("light 0.1 to 0.8, abp 50 %, rtp 50 %\n"));
+}
+
+TEST(Description, SaysThatALightChanges) {
+  EXPECT_THAT(describeExperiment(shipped("travelling_wave")),
+              HasSubstr("abp 50 %, bp 50 % as it begins, then it changes\n"));
+  EXPECT_THAT(describeExperiment(small("[[light.steps]]\nat_s = 0\nlayers = [{kind = \"disk\", "
+                                       "radius_cm = 4, intensity = 1, follow = \"robots\"}]\n")),
+              HasSubstr("light 0, abp; without what robots bring about\n"));
+}
+
+TEST(Description, WarnsOfLightThatSelectsNothing) {
+  const Experiment dut = small(
+      "[[light.steps]]\nat_s = 0\nlayers = [{kind = \"uniform\", "
+      "intensity = 0.9}]\n[[light.steps]]\nat_s = 5\nramp_s = 2\nlayers = "
+      "[{kind = \"uniform\", intensity = 1}]\n[light_table]\nsensor = "
+      "\"front\"\n",
+      {"program=abp"});
+  Experiment narrow = dut;
+  narrow.light_table.bands[0].high = 0.8;
+
+  EXPECT_THAT(describeExperiment(narrow), HasSubstr("light 0.9, no band (robots stand)\n"));
+  EXPECT_THAT(describeExperiment(dut), HasSubstr("light 1, abp, fading in for 2 s\n"));
+  EXPECT_THAT(describeExperiment(dut), HasSubstr("front sensor"));
+}
+
+TEST(Description, SaysWhoMayLookAndWhoMayDrive) {
+  Experiment experiment = small();
+  EXPECT_THAT(describeExperiment(experiment), testing::Not(HasSubstr("ROS 2")));
+  experiment.gateway.ros = true;
+  EXPECT_THAT(describeExperiment(experiment), HasSubstr("on this machine only"));
+  EXPECT_THAT(describeExperiment(experiment), HasSubstr("may look, not drive"));
+  experiment.gateway.commands = true;
+  experiment.gateway.command_robots = {1};
+  EXPECT_THAT(describeExperiment(experiment), HasSubstr("drive robots: 1"));
+}
+
+TEST(Description, SaysWhoElseSeesThePage) {
+  Experiment experiment = small();
+  EXPECT_THAT(describeExperiment(experiment), testing::Not(HasSubstr("dashboard")));
+  experiment.dashboard.address = "127.0.0.2";
+  EXPECT_THAT(describeExperiment(experiment), testing::Not(HasSubstr("dashboard")));
+  experiment.dashboard.address = "0.0.0.0";
+  EXPECT_THAT(describeExperiment(experiment), HasSubstr("listens on 0.0.0.0, unencrypted"));
+  EXPECT_THAT(describeExperiment(experiment), HasSubstr("buttons work on this machine only"));
+  experiment.dashboard.control_from_elsewhere = true;
+  EXPECT_THAT(describeExperiment(experiment), HasSubstr("drives robots and light"));
+}
+
+TEST(Description, NamesRunsOfIds) {
+  EXPECT_THAT(describeExperiment(small("[[robots]]\nid = 5\ncount = 3\n[[robots]]\nid = 9\n")),
+              HasSubstr("5 simulated (1, 5 to 7, 9)"));
+}
+
+TEST(Description, HasALineForEveryModel) {
+  const std::string dut = describeExperiment(
+      small("[programs.still]\nmodel = \"stand\"\n[programs.turn]\nmodel = \"wheels\"\nleft_cm_s = "
+            "-4\nright_cm_s = 5\n[reversal]\non = \"never\"\n"));
+
+  EXPECT_THAT(dut, HasSubstr("still: stands still\n"));
+  EXPECT_THAT(dut, HasSubstr("turn: constant wheel speeds, left = -4 cm/s, right = 5 cm/s\n"));
+  EXPECT_THAT(dut, HasSubstr("fastest wheel 5 of 27"));
+  EXPECT_THAT(dut, HasSubstr("reversal      never\n"));
+}
+
+TEST(LogSize, GrowsWithTimeAndRobots) {
+  const double one = expectedLogBytes(small());
+  EXPECT_DOUBLE_EQ(expectedLogBytes(small({}, {"duration_s=120"})), 2 * one);
+  const double ten = expectedLogBytes(small({}, {"robots[0].count=10"}));
+  EXPECT_GT(ten, 3 * one);
+  EXPECT_LT(ten, 10 * one);
+}
+
+}  // namespace
+}  // namespace lab

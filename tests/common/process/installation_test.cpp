@@ -1,0 +1,56 @@
+#include "common/process/installation.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/process/version.hpp"
+
+namespace lab {
+namespace {
+
+using testing::AllOf;
+using testing::EndsWith;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+TEST(Installation, OfAPackageIsKnownByItsFolder) {
+  const Installation found = installationOf("/usr/lib/active-lab/bin/lab");
+
+  EXPECT_TRUE(found.packaged);
+  EXPECT_EQ(found.command, "active-lab");
+  EXPECT_EQ(found.programs, "/usr/lib/active-lab/bin");
+  EXPECT_EQ(found.experiments, "/usr/share/active-lab/experiments");
+  EXPECT_TRUE(installationOf("/home/me/x/lib/active-lab/bin/sim_svc").packaged);
+}
+
+TEST(Installation, OfEverythingElseIsABuild) {
+  const Installation found = installationOf("/home/me/active-lab/build/release/bin/lab");
+
+  EXPECT_FALSE(found.packaged);
+  EXPECT_EQ(found.command, "./lab");
+  EXPECT_EQ(found.experiments, "/home/me/active-lab/experiments");
+  for (const char* program : {"/home/me/active-lab/bin/lab", "/home/lib/my-lab/bin/lab", "/lab"}) {
+    EXPECT_FALSE(installationOf(program).packaged) << program;
+  }
+}
+
+TEST(Installation, NamesThePackageOfWhatIsMissing) {
+  const Installation package = installationOf("/usr/lib/active-lab/bin/lab");
+  const auto way = [&](const char* name) { return package.wayTo(name, "build it"); };
+
+  EXPECT_THAT(way("dds_gateway"),
+              AllOf(StartsWith("sudo apt install ./active-lab-gateway_"), HasSubstr(kVersion),
+                    EndsWith("_*.deb")));
+  EXPECT_THAT(way("robot_emulator"), HasSubstr("./active-lab-emulator_"));
+  EXPECT_THAT(way("robot_firmware.elf"), HasSubstr("./active-lab-emulator_"));
+  EXPECT_THAT(way("robot_firmware.hex"), HasSubstr("./active-lab_"));
+  EXPECT_EQ(installationOf("/x/build/dev/bin/lab").wayTo("dds_gateway", "build it"), "build it");
+}
+
+TEST(Installation, OfThisTestIsTheBuild) {
+  EXPECT_FALSE(installation().packaged);
+  EXPECT_TRUE(std::filesystem::exists(installation().programs));
+}
+
+}  // namespace
+}  // namespace lab

@@ -1,0 +1,251 @@
+// What only devices and pseudo terminals have: other processes, permissions, speeds, descriptors.
+#include "common/serial/serial_devices.hpp"
+
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/file.h>
+#include <sys/ioctl.h>
+#include <sys/wait.h>
+#include <termios.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <functional>
+#include <string>
+
+#include "common/serial/serial_line.hpp"
+#include "tests/common/temporary_folder.hpp"
+
+namespace lab {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::ElementsAre;
+using testing::EndsWith;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+/// Another process at work, until this is destroyed.
+class OtherProcess {
+ public:
+  explicit OtherProcess(const std::function<void()>& work) {
+    std::array<int, 2> ready{};
+    EXPECT_EQ(pipe(ready.data()), 0);
+    pid_ = fork();
+    if (pid_ == 0) {
+      work();
+      static_cast<void>(!write(ready[1], "r", 1));
+      pause();
+      _exit(0);
+    }
+    close(ready[1]);
+    char letter = 0;
+    EXPECT_EQ(read(ready[0], &letter, 1), 1) << "the other process ended early";
+    close(ready[0]);
+  }
+  ~OtherProcess() {
+    kill(pid_, SIGKILL);
+    waitpid(pid_, nullptr, 0);
+  }
+  OtherProcess(const OtherProcess&) = delete;
+  OtherProcess& operator=(const OtherProcess&) = delete;
+
+  [[nodiscard]] std::string pid() const { return std::to_string(pid_); }
+
+ private:
+  pid_t pid_;
+};
+
+class SerialDevicesTest : public testing::Test {
+ protected:
+  std::string complaint(const std::string& path, int baud = 38400) {
+    try {
+      static_cast<void>(dut.open(path, baud));
+    } catch (const SerialError& error) {
+      return error.what();
+    }
+    return "opened";
+  }
+
+  /// What the complaint is for a user without privileges.
+  std::string complaintOfNobody(const std::string& path) {
+    std::array<int, 2> result{};
+    EXPECT_EQ(pipe(result.data()), 0);
+    const pid_t pid = fork();
+    if (pid == 0) {
+      if (geteuid() == 0 && seteuid(65534) != 0) _exit(1);
+      const std::string text = complaint(path);
+      static_cast<void>(!write(result[1], text.data(), text.size()));
+      _exit(0);
+    }
+    close(result[1]);
+    std::array<char, 500> text{};
+    const ssize_t size = read(result[0], text.data(), text.size());
+    close(result[0]);
+    waitpid(pid, nullptr, 0);
+    return size > 0 ? std::string(text.data(), static_cast<std::size_t>(size)) : "nothing";
+  }
+
+  static std::size_t openDescriptors() {
+    const fs::directory_iterator all("/proc/self/fd");
+    return static_cast<std::size_t>(std::distance(begin(all), end(all)));
+  }
+
+  TemporaryFolder folder;
+  AsioLoop loop;
+  SerialDevices dut{loop, folder / "ports"};
+};
+
+TEST_F(SerialDevicesTest, MakesTheFolderOnlyWhenItOffers) {
+  EXPECT_FALSE(fs::exists(folder / "ports"));
+  const auto port = dut.offer("robot_1");
+  EXPECT_TRUE(fs::is_symlink(folder / "ports" / "robot_1"));
+}
+
+TEST_F(SerialDevicesTest, NamesTheProcessThatHasALine) {
+  const auto robot = dut.offer("robot_1");
+  const std::string path = dut.offered().at(0);
+  OtherProcess other([&path] { openSerialLine(path, 38400).release(); });
+  EXPECT_THAT(complaint(path), HasSubstr("in use by test_common (pid " + other.pid() + ")"));
+  EXPECT_THAT(lineHolder(path), HasSubstr(other.pid()));
+}
+
+TEST_F(SerialDevicesTest, RespectsAProgramThatOnlyAskedForExclusiveUse) {
+  const auto robot = dut.offer("robot_1");
+  const std::string path = dut.offered().at(0);
+  OtherProcess other([&path] { ioctl(open(path.c_str(), O_RDWR | O_NOCTTY), TIOCEXCL); });
+  EXPECT_THAT(complaint(path), HasSubstr("in use by test_common (pid " + other.pid() + ")"));
+}
+
+TEST_F(SerialDevicesTest, LeavesTheSettingsOfALineInUseAlone) {
+  const auto robot = dut.offer("robot_1");
+  const std::string path = dut.offered().at(0);
+  const Descriptor other = openSerialLine(path, 500000);
+  EXPECT_NE(complaint(path, 38400), "opened");
+  termios settings{};
+  ASSERT_EQ(tcgetattr(other.get(), &settings), 0);
+  EXPECT_EQ(cfgetospeed(&settings), static_cast<speed_t>(B500000));
+}
+
+TEST_F(SerialDevicesTest, ALineIsFreeAfterItsHolderWasKilled) {
+  const auto robot = dut.offer("robot_1");
+  const std::string path = dut.offered().at(0);
+  {
+    OtherProcess other([&path] { openSerialLine(path, 38400).release(); });
+  }
+  EXPECT_EQ(complaint(path), "opened");
+  // Also for those whom exclusive use would bind.
+  fs::permissions(folder / ".", fs::perms::all);
+  fs::permissions(path, fs::perms::all);
+  EXPECT_EQ(complaintOfNobody(path), "opened");
+}
+
+TEST_F(SerialDevicesTest, SaysHowToGetPermission) {
+  const std::string path = folder / "device";
+  std::ofstream(path) << "";
+  fs::permissions(path, fs::perms::none);
+  fs::permissions(folder / ".", fs::perms::all);
+  const std::string text = complaintOfNobody(path);
+  EXPECT_THAT(text, HasSubstr(path + ": no permission"));
+  EXPECT_THAT(text, HasSubstr("sudo usermod -aG "));
+}
+
+TEST_F(SerialDevicesTest, RefusesWhatIsNoSerialDevice) {
+  const std::string file = folder / "file";
+  std::ofstream(file) << "text";
+  EXPECT_EQ(complaint(file), file + ": not a serial device");
+  EXPECT_THAT(complaint(folder / "."), HasSubstr("not a serial device"));
+  EXPECT_EQ(complaint("/dev/null"), "/dev/null: not a serial device");
+}
+
+TEST_F(SerialDevicesTest, RefusesASpeedThatDoesNotExist) {
+  const auto robot = dut.offer("robot_1");
+  const std::string path = dut.offered().at(0);
+  EXPECT_THAT(complaint(path, 12345), HasSubstr("no speed of 12345 baud"));
+  for (const int baud : {9600, 38400, 500000}) EXPECT_EQ(complaint(path, baud), "opened");
+}
+
+TEST_F(SerialDevicesTest, ALineIsRawAndKeepsItsModemLines) {
+  const auto robot = dut.offer("robot_1");
+  const Descriptor line = openSerialLine(dut.offered().at(0), 38400);
+  termios settings{};
+  ASSERT_EQ(tcgetattr(line.get(), &settings), 0);
+  EXPECT_EQ(settings.c_lflag & static_cast<tcflag_t>(ICANON | ECHO | ISIG), 0U);
+  EXPECT_EQ(settings.c_iflag & static_cast<tcflag_t>(IXON | ICRNL | ISTRIP), 0U);
+  EXPECT_EQ(settings.c_cflag & static_cast<tcflag_t>(HUPCL | CRTSCTS), 0U);
+  EXPECT_NE(settings.c_cflag & static_cast<tcflag_t>(CLOCAL), 0U);
+  EXPECT_EQ(settings.c_cc[VMIN], 1);
+}
+
+TEST_F(SerialDevicesTest, OffersOfAKilledProcessAreNotFollowedAndAreReplaced) {
+  std::string terminal;
+  {
+    OtherProcess other([this] {
+      AsioLoop its_loop;
+      SerialDevices its(its_loop, folder / "ports");
+      static_cast<void>(its.offer("robot_1").release());
+      static_cast<void>(its.offer("robot_2").release());
+    });
+    EXPECT_THAT(dut.offered(), ElementsAre(EndsWith("robot_1"), EndsWith("robot_2")));
+    try {
+      static_cast<void>(dut.offer("robot_1"));
+      FAIL() << "two processes offer one name";
+    } catch (const SerialError& error) {
+      EXPECT_THAT(error.what(), HasSubstr("another process offers it"));
+    }
+  }
+  ASSERT_TRUE(fs::is_symlink(folder / "ports" / "robot_1"));
+  // The old links may lead to new terminals of anybody, here to robot_2's.
+  const auto second = dut.offer("robot_2");
+  fs::remove(folder / "ports" / "robot_1");
+  fs::create_symlink(fs::read_symlink(folder / "ports" / "robot_2"), folder / "ports" / "robot_1");
+  EXPECT_THAT(dut.offered(), ElementsAre(EndsWith("robot_2")));
+  const auto first = dut.offer("robot_1");
+  EXPECT_THAT(dut.offered(), ElementsAre(EndsWith("robot_1"), EndsWith("robot_2")));
+}
+
+TEST_F(SerialDevicesTest, FollowsLinksThatOthersMade) {
+  fs::create_directories(folder / "ports");
+  const int master = posix_openpt(O_RDWR | O_NOCTTY);
+  ASSERT_EQ(unlockpt(master), 0);
+  fs::create_symlink(ptsname(master), folder / "ports" / "emulated");
+  fs::create_symlink(folder / "nothing", folder / "ports" / "broken");
+  EXPECT_THAT(dut.offered(), ElementsAre(EndsWith("emulated")));
+  close(master);
+  EXPECT_THAT(dut.offered(), IsEmpty());
+}
+
+TEST_F(SerialDevicesTest, ARobotWithoutHostIsNotCalled) {
+  const auto robot = dut.offer("robot_1");
+  int calls = 0;
+  robot->onReadable([&] {
+    ++calls;
+    std::array<std::uint8_t, 8> bytes{};
+    static_cast<void>(robot->read(bytes));
+  });
+  { const auto host = dut.open(dut.offered().at(0), 38400); }
+  loop.at(loop.now() + 200'000, [this] { loop.stop(); });
+  loop.run();
+  EXPECT_LE(calls, 2);
+}
+
+TEST_F(SerialDevicesTest, LeaksNoDescriptor) {
+  const auto cycle = [this](const std::string& name) {
+    auto robot = dut.offer(name);
+    robot->onReadable([] {});
+    auto host = dut.open(dut.offered().at(0), 38400);
+    host->onReadable([] {});
+    EXPECT_NE(complaint(dut.offered().at(0)), "opened");
+    if (name == "robot_1") robot.reset();  // either end first
+    host.reset();
+  };
+  cycle("robot_0");
+  const std::size_t before = openDescriptors();
+  for (int i = 0; i < 100; ++i) cycle("robot_" + std::to_string(i % 3));
+  EXPECT_EQ(openDescriptors(), before);
+  EXPECT_THAT(fs::directory_iterator(folder / "ports"), fs::directory_iterator());
+}
+
+}  // namespace
+}  // namespace lab

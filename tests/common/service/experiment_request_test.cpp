@@ -1,0 +1,99 @@
+#include "common/service/experiment_request.hpp"
+
+#include <gtest/gtest.h>
+
+namespace lab {
+namespace {
+
+constexpr std::int64_t kStart_us = 1'000'000;
+
+ExperimentRequest pauseRequest() {
+  experiment_command_t wish{};
+  wish.action = experiment_command_t::PAUSE;
+  return {wish, "lab_pause", 7, 42, kStart_us};
+}
+
+experiment_status_t echoOf(const ExperimentRequest& request) {
+  experiment_status_t status{};
+  status.commander = request.message().sender;
+  status.command_instance = request.message().instance;
+  status.command_seq = request.message().seq;
+  return status;
+}
+
+TEST(ExperimentRequest, SaysWhoWantsWhat) {
+  experiment_command_t wish{};
+  wish.action = experiment_command_t::SEEK;
+  wish.value = 12.5;
+  wish.text = "there";
+  const ExperimentRequest request(wish, "dashboard", 3, 9, kStart_us);
+  EXPECT_EQ(request.message().action, experiment_command_t::SEEK);
+  EXPECT_EQ(request.message().value, 12.5);
+  EXPECT_EQ(request.message().text, "there");
+  EXPECT_EQ(request.message().sender, "dashboard");
+  EXPECT_EQ(request.message().instance, 3);
+  EXPECT_EQ(request.message().seq, 9);
+  EXPECT_EQ(request.message().utime, kStart_us);
+}
+
+TEST(ExperimentRequest, IsAnsweredByItsEchoAlone) {
+  ExperimentRequest request = pauseRequest();
+  EXPECT_FALSE(request.take(experiment_status_t{}));
+  experiment_status_t other = echoOf(request);
+  other.command_seq = 41;
+  EXPECT_FALSE(request.take(other)) << "an earlier wish";
+  other = echoOf(request);
+  other.command_instance = 6;
+  EXPECT_FALSE(request.take(other)) << "another process";
+  other = echoOf(request);
+  other.commander = "dashboard";
+  EXPECT_FALSE(request.take(other)) << "somebody else";
+  EXPECT_FALSE(request.answered());
+
+  EXPECT_TRUE(request.take(echoOf(request)));
+  EXPECT_TRUE(request.answered());
+  EXPECT_EQ(request.refusal(), "");
+  EXPECT_TRUE(request.take(other)) << "answered for good";
+}
+
+TEST(ExperimentRequest, KeepsTheFirstAnswersRefusal) {
+  ExperimentRequest request = pauseRequest();
+  experiment_status_t echo = echoOf(request);
+  echo.refusal = "the script is over";
+  EXPECT_TRUE(request.take(echo));
+  echo.refusal = "";
+  EXPECT_TRUE(request.take(echo));
+  EXPECT_EQ(request.refusal(), "the script is over");
+}
+
+TEST(ExperimentRequest, ExpiresWithoutAnAnswer) {
+  ExperimentRequest request = pauseRequest();
+  EXPECT_FALSE(request.expired(kStart_us + ExperimentRequest::kPatience_us));
+  EXPECT_TRUE(request.expired(kStart_us + ExperimentRequest::kPatience_us + 1));
+  EXPECT_TRUE(request.take(echoOf(request)));
+  EXPECT_FALSE(request.expired(kStart_us + 10 * ExperimentRequest::kPatience_us));
+}
+
+TEST(Remark, IsOneLineOfText) {
+  EXPECT_EQ(remarkProblem(""), "");
+  EXPECT_EQ(remarkProblem("\u03B7 = 3 rad/s, robot 4 was l\u00F6se"), "");
+  EXPECT_NE(remarkProblem("two\nlines"), "");
+  EXPECT_NE(remarkProblem("bell\a"), "");
+  EXPECT_NE(remarkProblem(std::string("nul\0", 4)), "");
+  EXPECT_NE(remarkProblem("\x7F"), "");
+  EXPECT_NE(remarkProblem("\xC2\x9B" "2J"), "") << "what a terminal takes for an escape";
+  EXPECT_EQ(remarkProblem("\xC2\xA0"), "") << "the first character behind Latin-1's controls";
+  EXPECT_NE(remarkProblem("caf\xE9"), "") << "Latin-1";
+}
+
+TEST(Remark, HasAtMost500Characters) {
+  std::string longest;
+  for (int i = 0; i < 500; ++i) longest += "\U0001F916";  // four bytes each
+  EXPECT_EQ(remarkProblem(longest), "");
+  EXPECT_NE(remarkProblem(longest + "a"), "");
+  EXPECT_NE(remarkProblem(std::string(501, 'a')), "");
+  EXPECT_NE(remarkProblem(std::string(10'000'000, 'a')), "");
+}
+
+}  // namespace
+}  // namespace lab

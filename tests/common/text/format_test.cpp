@@ -1,0 +1,68 @@
+#include "common/text/format.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace lab::report {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+TEST(People, GivesAsManyDigitsAsTheErrorAllows) {
+  EXPECT_EQ(numberText(0.748123, 0.0123), "0.748");
+  EXPECT_EQ(numberText(12.3456, 1.7), "12.3");
+  EXPECT_EQ(numberText(1234.5, 210), "1234");
+  EXPECT_EQ(numberText(3.00003, 0.00049), "3.00003");
+  EXPECT_EQ(numberText(0.75, 0), "0.75");
+  EXPECT_EQ(numberText(kNan, 0.1), "–");
+  EXPECT_EQ(numberText(0.75, kNan), "0.75");
+}
+
+TEST(People, WritesPlainNumbersShort) {
+  EXPECT_EQ(shortText(3), "3");
+  EXPECT_EQ(shortText(0.40831), "0.4083");
+  EXPECT_EQ(shortText(-20.50001), "-20.5");
+  EXPECT_EQ(shortText(0), "0");
+  EXPECT_EQ(shortText(1.5e-6), "1.500e-06");
+  EXPECT_EQ(shortText(std::numeric_limits<double>::infinity()), "–");
+}
+
+TEST(People, SaysDurationsInWords) {
+  EXPECT_EQ(durationText(3.25), "3.2 s");
+  EXPECT_EQ(durationText(60), "60 s");
+  EXPECT_EQ(durationText(99.96), "1 min 40 s");
+  EXPECT_EQ(durationText(3600), "1 h 0 min");
+  EXPECT_EQ(durationText(-2), "-2 s");
+}
+
+TEST(People, TurnsUnitsOfTheAnalysisIntoCentimetres) {
+  EXPECT_EQ(peopleUnit("m^2/s").text, "cm²/s");
+  EXPECT_EQ(peopleUnit("m^2/s").key, "cm2_s");
+  EXPECT_DOUBLE_EQ(peopleUnit("m^2/s").factor, 1e4);
+  EXPECT_DOUBLE_EQ(peopleUnit("rad^2/s").factor, 1);
+  EXPECT_EQ(peopleUnit("furlong").text, "furlong");
+}
+
+TEST(People, EscapesWhatHtmlWouldTakeForMarkup) {
+  EXPECT_EQ(escapeHtml("<b a=\"1\" c='2'>&\x01"), "&lt;b a=&quot;1&quot; c=&#39;2&#39;&gt;&amp;");
+  EXPECT_EQ(symbolHtml("D_r"), "<i>D</i><sub>r</sub>");
+  EXPECT_EQ(symbolHtml("gamma"), "<i>γ</i>");
+  EXPECT_EQ(symbolHtml("<x>_<y>"), "<i>&lt;x&gt;</i><sub>&lt;y&gt;</sub>");
+}
+
+TEST(People, MakesWordsForFiles) {
+  EXPECT_EQ(fileWord("noisy ABP"), "noisy_ABP");
+  EXPECT_EQ(fileWord("../../etc"), "etc");
+  EXPECT_EQ(fileWord("///"), "program");
+}
+
+TEST(People, GroupsLargeCounts) {
+  EXPECT_EQ(groupedText(999), "999");
+  EXPECT_EQ(groupedText(1234567), "1\u202f234\u202f567");
+  EXPECT_EQ(countText(1, "robot"), "1 robot");
+  EXPECT_EQ(countText(2, "robot"), "2 robots");
+}
+
+}  // namespace
+}  // namespace lab::report

@@ -1,0 +1,41 @@
+#include "common/text/utf8.hpp"
+
+#include <gtest/gtest.h>
+
+namespace lab {
+namespace {
+
+std::string repaired(std::string text) {
+  repairUtf8(text);
+  return text;
+}
+
+TEST(Utf8, LeavesWhatIsValid) {
+  // The first and the last character of each length, and the neighbours of the surrogates.
+  for (const char* text :
+       {"", "abp", "\x7F", "\xC2\x80", "\xDF\xBF", "\xE0\xA0\x80", "\xED\x9F\xBF", "\xEE\x80\x80",
+        "\xEF\xBF\xBF", "\xF0\x90\x80\x80", "\xF4\x8F\xBF\xBF", "\xCE\xB7 = 3 rad\xC2\xB2/s"}) {
+    EXPECT_EQ(repaired(text), text);
+  }
+}
+
+TEST(Utf8, ReplacesWhatIsNone) {
+  EXPECT_EQ(repaired("a\xFFz"), "a\uFFFDz");
+  EXPECT_EQ(repaired("a\x80"), "a\uFFFD") << "a byte that only goes on";
+  EXPECT_EQ(repaired("\xC0\xAF"), "\uFFFD\uFFFD") << "a slash in two bytes";
+  EXPECT_EQ(repaired("\xE0\x80\x80"), "\uFFFD\uFFFD\uFFFD") << "NUL in three bytes";
+  EXPECT_EQ(repaired("\xED\xA0\x80"), "\uFFFD\uFFFD\uFFFD") << "a surrogate";
+  EXPECT_EQ(repaired("\xF4\x90\x80\x80"), "\uFFFD\uFFFD\uFFFD\uFFFD") << "above U+10FFFF";
+  EXPECT_EQ(repaired("caf\xE9 au lait"), "caf\uFFFD au lait") << "Latin-1";
+  EXPECT_EQ(repaired("\xE2\x82"), "\uFFFD") << "cut within a character";
+  EXPECT_EQ(repaired("\xF0\x9F\x98z"), "\uFFFDz");
+}
+
+TEST(Utf8, TheStandardsExample) {
+  // Unicode 15, table 3-8.
+  EXPECT_EQ(repaired("\x61\xF1\x80\x80\xE1\x80\xC2\x62\x80\x63\x80\xBF\x64"),
+            "a\uFFFD\uFFFD\uFFFDb\uFFFDc\uFFFD\uFFFDd");
+}
+
+}  // namespace
+}  // namespace lab
