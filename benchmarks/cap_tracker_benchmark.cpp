@@ -9,7 +9,7 @@
 
 #include "common/math/random.hpp"
 #include "robot/dynamics/kinematics.hpp"
-#include "tracker_svc/cap_tracker.hpp"
+#include "tracker_svc/tracking/cap_tracker.hpp"
 
 namespace {
 

@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "detector/circle_fit.hpp"
+#include "tracker_svc/circle_fit.hpp"
 #include "tests/detector/circle_picture.hpp"
 
 namespace {

@@ -10,7 +10,7 @@
 #include <random>
 #include <vector>
 
-#include "detector/detector.hpp"
+#include "tracker_svc/detector.hpp"
 #include "light/optics/simulated_camera.hpp"
 #include "sim_svc/camera_painter.hpp"
 

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "cameras/camera_devices.hpp"
+#include "tracker_svc/camera_devices.hpp"
 
 namespace {
 

@@ -23,8 +23,8 @@
 #ifdef LAB_HAS_OPENCV
 #include "benchmarks/tracker_cases_opencv.hpp"
 #endif
-#include "detector/detector.hpp"
-#include "detector/response_finder.hpp"
+#include "tracker_svc/detector.hpp"
+#include "tracker_svc/response_finder.hpp"
 
 namespace {
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "detector/detector.hpp"
+#include "tracker_svc/detector.hpp"
 
 namespace lab::cases {
 

@@ -14,7 +14,7 @@
 #include <string_view>
 #include <vector>
 
-#include "detector/detector.hpp"
+#include "tracker_svc/detector.hpp"
 #include "tests/detector/kinds/bars.hpp"
 #include "tests/detector/kinds/scenes.hpp"
 #include "tests/detector/kinds/score.hpp"

@@ -8,7 +8,7 @@
 #include <queue>
 #include <vector>
 
-#include "detector/circle_fit.hpp"
+#include "tracker_svc/circle_fit.hpp"
 #include "light/photometry/camera_response.hpp"
 
 namespace lab::runner {

@@ -3,8 +3,8 @@
 
 #include <optional>
 
-#include "calibration/board.hpp"
-#include "calibration/camera_fit.hpp"
+#include "tracker_svc/calibration/board.hpp"
+#include "tracker_svc/calibration/camera_fit.hpp"
 #include "light/optics/grey_image.hpp"
 
 namespace lab::runner {

@@ -8,15 +8,15 @@
 #include <optional>
 #include <stdexcept>
 
-#include "calibration/board.hpp"
-#include "calibration/camera_fit.hpp"
-#include "calibration/camera_report.hpp"
-#include "calibration/cap_sheet.hpp"
-#include "cameras/film_reader.hpp"
+#include "tracker_svc/calibration/board.hpp"
+#include "tracker_svc/calibration/camera_fit.hpp"
+#include "tracker_svc/calibration/camera_report.hpp"
+#include "tracker_svc/calibration/cap_sheet.hpp"
+#include "tracker_svc/film_reader.hpp"
 #include "common/calibration/camera_file.hpp"
 #include "common/experiment/experiment_file.hpp"
 #include "common/math/units.hpp"
-#include "detector/response_finder.hpp"
+#include "tracker_svc/response_finder.hpp"
 #include "runner/board_finder.hpp"
 #include "runner/cap_gathering.hpp"
 #include "runner/commands.hpp"

@@ -6,8 +6,8 @@
 #include <set>
 #include <vector>
 
-#include "calibration/camera_fit.hpp"
-#include "detector/detector.hpp"
+#include "tracker_svc/calibration/camera_fit.hpp"
+#include "tracker_svc/detector.hpp"
 #include "light/optics/grey_image.hpp"
 #include "light/photometry/imaging.hpp"
 

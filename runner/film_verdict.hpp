@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "calibration/spacing_check.hpp"
+#include "tracker_svc/calibration/spacing_check.hpp"
 #include "common/calibration/camera_file.hpp"
 #include "tracker_svc/film_tracking.hpp"
 

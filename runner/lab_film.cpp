@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "cameras/camera_devices.hpp"
+#include "tracker_svc/camera_devices.hpp"
 #include "common/experiment/experiment_file.hpp"
 #include "common/experiment/experiment_messages.hpp"
 #include "common/math/units.hpp"

@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "cameras/film_reader.hpp"
+#include "tracker_svc/film_reader.hpp"
 
 namespace lab::runner {
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "cameras/camera_devices.hpp"
+#include "tracker_svc/camera_devices.hpp"
 #include "common/bus/channels.hpp"
 #include "common/experiment/light_messages.hpp"
 #include "common/math/units.hpp"

@@ -8,7 +8,7 @@
 #include <lab/service_status_t.hpp>
 #include <thread>
 
-#include "cameras/camera_devices.hpp"
+#include "tracker_svc/camera_devices.hpp"
 #include "common/loop/asio_loop.hpp"
 #include "common/bus/channels.hpp"
 #include "common/experiment/experiment_file.hpp"

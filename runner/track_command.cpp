@@ -11,11 +11,11 @@
 #include <string>
 #include <utility>
 
-#include "cameras/film_reader.hpp"
+#include "tracker_svc/film_reader.hpp"
 #include "common/calibration/camera_file.hpp"
 #include "common/experiment/experiment_file.hpp"
 #include "common/math/units.hpp"
-#include "detector/response_finder.hpp"
+#include "tracker_svc/response_finder.hpp"
 #include "runner/commands.hpp"
 #include "runner/film_overlay.hpp"
 #include "runner/film_progress.hpp"

@@ -1,9 +1,9 @@
 /// What the caps that the tracker sees say of the camera's calibration, live and in films.
 #pragma once
 
-#include "calibration/spacing_check.hpp"
+#include "tracker_svc/calibration/spacing_check.hpp"
 #include "common/calibration/camera_file.hpp"
-#include "detector/detector.hpp"
+#include "tracker_svc/detector.hpp"
 
 namespace lab::tracker {
 

@@ -8,9 +8,9 @@
 #include <string_view>
 #include <vector>
 
-#include "detector/detector.hpp"
+#include "tracker_svc/detector.hpp"
 #include "light/optics/grey_image.hpp"
-#include "tracker_svc/cap_tracker.hpp"
+#include "tracker_svc/tracking/cap_tracker.hpp"
 
 namespace lab::tracker {
 

@@ -6,9 +6,9 @@
 #include <string_view>
 #include <vector>
 
-#include "detector/detector.hpp"
+#include "tracker_svc/detector.hpp"
 #include "light/optics/grey_image.hpp"
-#include "tracker_svc/cap_tracker.hpp"
+#include "tracker_svc/tracking/cap_tracker.hpp"
 #include "light/optics/rgb_image.hpp"
 
 namespace lab::tracker {

@@ -10,10 +10,10 @@
 #include <lab/robot_state_t.hpp>
 #include <utility>
 
-#include "cameras/camera_devices.hpp"
+#include "tracker_svc/camera_devices.hpp"
 #include "common/bus/channels.hpp"
 #include "common/math/units.hpp"
-#include "detector/scale_map.hpp"
+#include "tracker_svc/detector/scale_map.hpp"
 #include "light/optics/simulated_camera.hpp"
 #include "tracker_svc/cap_spacings.hpp"
 

@@ -10,16 +10,16 @@
 #include <string>
 #include <vector>
 
-#include "calibration/spacing_check.hpp"
+#include "tracker_svc/calibration/spacing_check.hpp"
 #include "common/calibration/camera_file.hpp"
 #include "common/service/service_main.hpp"
-#include "detector/detector.hpp"
-#include "detector/response_finder.hpp"
-#include "tracker_svc/cap_tracker.hpp"
-#include "tracker_svc/debug_port.hpp"
-#include "tracker_svc/latency.hpp"
-#include "tracker_svc/picture_check.hpp"
-#include "tracker_svc/sync_reader.hpp"
+#include "tracker_svc/detector.hpp"
+#include "tracker_svc/response_finder.hpp"
+#include "tracker_svc/tracking/cap_tracker.hpp"
+#include "tracker_svc/views/debug_output.hpp"
+#include "tracker_svc/tracking/latency.hpp"
+#include "tracker_svc/detector/picture_check.hpp"
+#include "tracker_svc/detector/sync_reader.hpp"
 
 namespace lab::tracker {
 

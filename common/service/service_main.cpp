@@ -9,7 +9,7 @@
 #include <optional>
 #include <thread>
 
-#include "cameras/camera_devices.hpp"
+#include "tracker_svc/camera_devices.hpp"
 #include "common/loop/asio_loop.hpp"
 #include "common/experiment/experiment_file.hpp"
 #include "common/bus/lcm_bus.hpp"

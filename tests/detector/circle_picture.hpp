@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-#include "detector/circle_fit.hpp"
+#include "tracker_svc/circle_fit.hpp"
 #include "light/optics/grey_image.hpp"
 #include "light/photometry/imaging.hpp"
 

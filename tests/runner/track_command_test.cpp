@@ -13,7 +13,7 @@
 
 #include "tests/runner/../common/temporary_folder.hpp"
 #include "tests/runner/../tracker_svc/painted_film.hpp"
-#include "cameras/film_reader.hpp"
+#include "tracker_svc/film_reader.hpp"
 #include "common/calibration/camera_file.hpp"
 #include "common/experiment/experiment_file.hpp"
 #include "light/field/image.hpp"

@@ -5,7 +5,7 @@
 #include <map>
 #include <set>
 
-#include "tests/detector/covered_cap.hpp"
+#include "tests/tracker_svc/covered_cap.hpp"
 #include "tests/tracker_svc/painted_film.hpp"
 
 namespace lab::tracker::film_tracking_test {

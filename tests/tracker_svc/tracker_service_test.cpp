@@ -13,7 +13,7 @@
 #include "light/optics/simulated_camera.hpp"
 #include "sim_svc/camera_painter.hpp"
 #include "tests/common/temporary_folder.hpp"
-#include "tests/detector/covered_cap.hpp"
+#include "tests/tracker_svc/covered_cap.hpp"
 
 namespace lab::tracker {
 namespace {

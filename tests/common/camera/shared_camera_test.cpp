@@ -13,7 +13,7 @@
 #include <thread>
 #include <vector>
 
-#include "cameras/camera_devices.hpp"
+#include "tracker_svc/camera_devices.hpp"
 #include "common/camera/frame_ring.hpp"
 #include "tests/cameras/loop_until.hpp"
 #include "tests/common/temporary_folder.hpp"

@@ -10,7 +10,7 @@
 #include <random>
 #include <stdexcept>
 
-#include "cameras/raw_pixels.hpp"
+#include "tracker_svc/cameras/raw_pixels.hpp"
 #include "light/optics/camera_model.hpp"
 #include "light/optics/simulated_camera.hpp"
 #include "light/optics/rgb_image.hpp"

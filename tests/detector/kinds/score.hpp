@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "detector/detector.hpp"
+#include "tracker_svc/detector.hpp"
 #include "tests/detector/kinds/bars.hpp"
 
 namespace lab::cases {

@@ -1,0 +1,384 @@
+#include "tracker_svc/calibration/camera_fit.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "tracker_svc/calibration/camera_error_map.hpp"
+#include "light/optics/bundle_adjustment.hpp"
+#include "tracker_svc/calibration/camera_fit_start.hpp"
+#include "tracker_svc/calibration/camera_fit_verdict.hpp"
+
+namespace lab::calibration {
+namespace {
+
+using Eigen::VectorXd;
+
+constexpr int kRounds = 4;
+constexpr double kOutlying = 5;       // standard deviations
+constexpr double kUnseen = 100;       // standard deviations, of what no camera like this can see
+constexpr double kNormalMedian = 1.4826;
+constexpr double kLeastNoise = 0.1;  // of what was said: no camera is better
+
+// What cameras are like: see camera_fit.hpp.
+constexpr double kSquare = 0.002;
+constexpr double kMiddle = 0.02;
+constexpr double kTangential = 1e-3;
+constexpr double kSecond = 0.3;
+constexpr double kCapMake = 5e-4;
+constexpr double kHeldAtZero = 1e-9;
+
+std::vector<int> upTo(int end) {
+  std::vector<int> all(static_cast<std::size_t>(end));
+  std::iota(all.begin(), all.end(), 0);
+  return all;
+}
+
+std::array<optics::Place, 4> cornersOf(const CameraSights& sights) {
+  const double w = sights.arena_width;
+  const double h = sights.arena_height;
+  return {{{0, 0}, {w, 0}, {w, h}, {0, h}}};
+}
+
+/// Seen less marked [px].
+VectorXd cornerMisses(const CameraSights& sights, const optics::CameraParameters& camera) {
+  const optics::CameraModel model(camera);
+  const auto places = cornersOf(sights);
+  VectorXd out(8);
+  for (std::size_t i = 0; i < 4; ++i) {
+    const optics::Pixel seen = model.project(places[i].x, places[i].y, 0);
+    const auto row = 2 * static_cast<Eigen::Index>(i);
+    out[row] = seen.x - sights.corners[i].x;
+    out[row + 1] = seen.y - sights.corners[i].y;
+  }
+  return out;
+}
+
+ResidualBlock cornerBlock(const CameraSights& sights) {
+  return {upTo(kSpacing),
+          [&sights](const CameraState& at) -> VectorXd {
+            return cornerMisses(sights, at.camera) / sights.corner_sigma;
+          },
+          false};
+}
+
+ResidualBlock priorBlock(const CameraSights& sights) {
+  const auto residuals = [&sights](const CameraState& at) {
+    const optics::CameraParameters& p = at.camera;
+    const double middle = kMiddle * sights.width;
+    VectorXd out(9);
+    out << (p.fy / p.fx - 1) / kSquare, (p.cx - (sights.width - 1) / 2.0) / middle,
+        (p.cy - (sights.height - 1) / 2.0) / middle, p.p1 / kTangential, p.p2 / kTangential,
+        p.k2 / kSecond, p.k3 / (sights.with_k3 ? kSecond : kHeldAtZero), at.spacing / kCapMake,
+        heightMiss(sights, p);
+    return out;
+  };
+  return {upTo(kCameraUnknowns), residuals, false};
+}
+
+/// One cap, and how well its spacing is known if its sigma is right.
+struct WeighedCap {
+  CapSight seen;     // the ellipses' centres
+  CapSight centres;  // the circles'
+  double sigma = 0;  // [m]
+};
+
+ResidualBlock capBlock(const CameraSights& sights, const std::vector<WeighedCap>& caps,
+                       double noise) {
+  const auto residuals = [&sights, &caps, noise](const CameraState& at) {
+    const optics::CameraModel model(at.camera);
+    VectorXd out(static_cast<Eigen::Index>(caps.size()));
+    for (std::size_t i = 0; i < caps.size(); ++i) {
+      const std::optional<double> miss = spacingMiss(model, sights.cap, caps[i].centres);
+      out[static_cast<Eigen::Index>(i)] =
+          miss ? (*miss - at.spacing * sights.cap.spacing()) / (noise * caps[i].sigma) : kUnseen;
+    }
+    return out;
+  };
+  return {upTo(kCameraUnknowns), residuals, true};
+}
+
+/// A circle on the plane appears as an ellipse whose centre is not the circle's. In units of the
+/// plane its outline is a circle, moved by R^2/2 e'He for each normal e, H the second derivatives;
+/// the centre that fits best is R^2/8 (trace H_i + 2 sum_k H_k,ki) off. Exact for a pinhole.
+optics::Pixel discCentre(const optics::CameraModel& model, double x, double y, double z,
+                         double radius) {
+  constexpr double kStep = 0.005;  // [m]
+  optics::PlaneScale scale;
+  const optics::Pixel middle = model.project(x, y, z, scale);
+  Eigen::Matrix2d forward;
+  forward << scale.ux, scale.uy, scale.vx, scale.vy;
+  const Eigen::Matrix2d inverse = forward.inverse();
+  const auto second = [&](double dx, double dy) {
+    const optics::PlaneScale more = model.scaleAt({x + dx, y + dy}, z);
+    const optics::PlaneScale less = model.scaleAt({x - dx, y - dy}, z);
+    Eigen::Matrix2d slope;  // d/dx or d/dy of the derivatives, in units of the plane
+    slope << more.ux - less.ux, more.uy - less.uy, more.vx - less.vx, more.vy - less.vy;
+    return Eigen::Matrix2d(inverse * slope / (2 * kStep));
+  };
+  const Eigen::Matrix2d by_x = second(kStep, 0);
+  const Eigen::Matrix2d by_y = second(0, kStep);
+  const Eigen::Vector2d trace(by_x(0, 0) + by_y(0, 1), by_x(1, 0) + by_y(1, 1));
+  const Eigen::Vector2d divergence(by_x(0, 0) + by_x(1, 1), by_y(0, 0) + by_y(1, 1));
+  const Eigen::Vector2d moved = forward * (trace + 2 * divergence) * (radius * radius / 8);
+  return {middle.x + moved[0], middle.y + moved[1]};
+}
+
+/// Seen less expected [px] of every disc of one board.
+VectorXd boardMisses(const BoardView& board, const CameraState& at, std::size_t index) {
+  optics::CameraParameters p = at.camera;
+  using RowMajor = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+  Eigen::Map<RowMajor>(p.rotation.data()) = at.boards[index].rotation;
+  Eigen::Map<Eigen::Vector3d>(p.translation.data()) = at.boards[index].translation;
+  const optics::CameraModel model(p);
+  VectorXd out(2 * static_cast<Eigen::Index>(board.points.size()));
+  for (std::size_t i = 0; i < board.points.size(); ++i) {
+    const BoardPoint& point = board.points[i];
+    const optics::Pixel seen = discCentre(model, point.x, point.y, 0, board.disc_radius);
+    const auto row = 2 * static_cast<Eigen::Index>(i);
+    out[row] = seen.x - point.pixel.x;
+    out[row + 1] = seen.y - point.pixel.y;
+  }
+  return out;
+}
+
+VectorXd boardSigmas(const BoardView& board) {
+  VectorXd out(2 * static_cast<Eigen::Index>(board.points.size()));
+  for (std::size_t i = 0; i < board.points.size(); ++i) {
+    out.segment<2>(2 * static_cast<Eigen::Index>(i)).setConstant(board.points[i].sigma);
+  }
+  return out;
+}
+
+ResidualBlock boardBlock(const BoardView& board, std::size_t index, double noise) {
+  std::vector<int> unknowns = upTo(kTurn);
+  for (int i = 0; i < 6; ++i) {
+    unknowns.push_back(kCameraUnknowns + 6 * static_cast<int>(index) + i);
+  }
+  return {unknowns,
+          [&board, index, noise](const CameraState& at) -> VectorXd {
+            return boardMisses(board, at, index).cwiseQuotient(noise * boardSigmas(board));
+          },
+          true};
+}
+
+/// Standard deviation from the median of the sizes, which a few strangers do not change; `freedom` is
+/// the share of the numbers that the fit has not used up.
+double robustSigma(std::vector<double> sizes, double freedom) {
+  if (sizes.empty()) return 1;
+  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
+  std::ranges::nth_element(sizes, middle);
+  return std::max(kNormalMedian * *middle / std::sqrt(std::max(0.05, freedom)), kLeastNoise);
+}
+
+/// Where the centre of a circle of a cap appears, from the centre of the ellipse that it appears as.
+optics::Pixel circleCentre(const optics::CameraModel& model, const optics::CapGeometry& cap,
+                           const optics::Pixel& ellipse, double radius) {
+  const auto place = model.toPlane(ellipse, cap.height);
+  if (!place) return ellipse;
+  const optics::Pixel middle = model.project(place->x, place->y, cap.height);
+  const optics::Pixel seen = discCentre(model, place->x, place->y, cap.height, radius);
+  return {ellipse.x - (seen.x - middle.x), ellipse.y - (seen.y - middle.y)};
+}
+
+std::vector<WeighedCap> weighed(const CameraSights& sights, const optics::CameraParameters& camera,
+                                const std::vector<CapSight>& caps) {
+  const optics::CameraModel model(camera);
+  std::vector<WeighedCap> out;
+  for (const CapSight& sight : caps) {
+    CapSight centres = sight;
+    centres.big = circleCentre(model, sights.cap, sight.big, sights.cap.big_radius);
+    centres.small = circleCentre(model, sights.cap, sight.small, sights.cap.small_radius);
+    const auto sigma = spacingSigma(model, sights.cap, centres);
+    if (sigma) out.push_back({sight, centres, *sigma});
+  }
+  return out;
+}
+
+double rms(const VectorXd& values) {
+  return values.size() == 0 ? 0 : std::sqrt(values.squaredNorm() /
+                                            static_cast<double>(values.size()));
+}
+
+CameraState startFrom(const CameraSights& sights,
+                      const std::optional<optics::CameraParameters>& start) {
+  CameraState state;
+  state.pivot = {sights.arena_width / 2, sights.arena_height / 2, 0};
+  std::vector<Eigen::Matrix3d> homographies;
+  for (const BoardView& board : sights.boards) {
+    homographies.push_back(homographyOf(board.points).value_or(Eigen::Matrix3d::Identity()));
+  }
+  if (start) {
+    state.camera = *start;
+  } else {
+    state.camera = guessFromCorners(sights);
+    if (const auto focal = focalLengthOf(homographies, sights.width, sights.height)) {
+      const double height = optics::CameraModel(state.camera).centre()[2];
+      const double ratio = std::clamp(*focal / state.camera.fx, 0.2, 5.0);
+      state.camera = guessFromCorners(sights, ratio * height);
+    }
+  }
+  for (const Eigen::Matrix3d& h : homographies) state.boards.push_back(boardPose(h, state.camera));
+  return state;
+}
+
+/// What was estimated on the way.
+struct Fitted {
+  CameraSolution solution;
+  std::vector<WeighedCap> caps;
+  double noise = 1;        // of the caps, in units of their sigma
+  double board_noise = 1;
+  int outlying = 0;
+};
+
+std::vector<ResidualBlock> blocksOf(const CameraSights& sights, const Fitted& fitted) {
+  std::vector<ResidualBlock> blocks = {cornerBlock(sights), priorBlock(sights)};
+  if (!fitted.caps.empty()) blocks.push_back(capBlock(sights, fitted.caps, fitted.noise));
+  for (std::size_t i = 0; i < sights.boards.size(); ++i) {
+    blocks.push_back(boardBlock(sights.boards[i], i, fitted.board_noise));
+  }
+  return blocks;
+}
+
+void estimateNoise(const CameraSights& sights, Fitted& fitted) {
+  const CameraState& state = fitted.solution.state;
+  std::vector<double> sizes;
+  if (!fitted.caps.empty()) {
+    const VectorXd misses = capBlock(sights, fitted.caps, 1).residuals(state);
+    for (const double miss : misses) sizes.push_back(std::abs(miss));
+    const auto count = static_cast<double>(sizes.size());
+    fitted.noise = robustSigma(sizes, (count - (sights.boards.empty() ? 9 : 3)) / count);
+  }
+  sizes.clear();
+  for (std::size_t i = 0; i < sights.boards.size(); ++i) {
+    const VectorXd misses = boardBlock(sights.boards[i], i, 1).residuals(state);
+    for (const double miss : misses) sizes.push_back(std::abs(miss));
+  }
+  const auto count = static_cast<double>(sizes.size());
+  const double used = 8 + 6 * static_cast<double>(sights.boards.size());
+  fitted.board_noise = robustSigma(sizes, (count - used) / count);
+}
+
+Fitted fitAll(const CameraSights& sights, const CameraState& start) {
+  Fitted fitted;
+  fitted.solution.state = start;
+  std::vector<CapSight> sightings = sights.caps;
+  fitted.noise = 10;  // the first look is a rough one: weights count from afar
+  fitted.board_noise = 10;
+  for (int round = 0; round < kRounds; ++round) {
+    fitted.caps = weighed(sights, fitted.solution.state.camera, sightings);
+    fitted.solution = solveCamera(blocksOf(sights, fitted), fitted.solution.state);
+    estimateNoise(sights, fitted);
+    if (round + 2 != kRounds || fitted.caps.empty()) continue;
+    const VectorXd misses =
+        capBlock(sights, fitted.caps, fitted.noise).residuals(fitted.solution.state);
+    sightings.clear();
+    for (std::size_t i = 0; i < fitted.caps.size(); ++i) {
+      if (std::abs(misses[static_cast<Eigen::Index>(i)]) < kOutlying) {
+        sightings.push_back(fitted.caps[i].centres);
+      }
+    }
+  }
+  fitted.outlying = static_cast<int>(sights.caps.size() - fitted.caps.size());
+  return fitted;
+}
+
+optics::CameraParameters errorsOf(const Eigen::MatrixXd& covariance) {
+  const VectorXd sigma = covariance.diagonal().cwiseMax(0).cwiseSqrt();
+  optics::CameraParameters error;
+  error.fx = sigma[kFx];
+  error.fy = sigma[kFy];
+  error.cx = sigma[kCx];
+  error.cy = sigma[kCy];
+  error.k1 = sigma[kK1];
+  error.k2 = sigma[kK2];
+  error.p1 = sigma[kP1];
+  error.p2 = sigma[kP2];
+  error.k3 = sigma[kK3];
+  return error;
+}
+
+/// Errors of where the camera stands.
+void placeErrors(const CameraState& state, const Eigen::MatrixXd& covariance, CameraFit& fit) {
+  ResidualBlock block;
+  block.unknowns = upTo(kCameraUnknowns);
+  block.residuals = [](const CameraState& at) -> VectorXd {
+    const auto centre = optics::CameraModel(at.camera).centre();
+    return Eigen::Vector3d(centre[0], centre[1], centre[2]);
+  };
+  const Eigen::MatrixXd slopes = slopesOf(block, state);
+  const Eigen::Matrix3d errors =
+      slopes * covariance.topLeftCorner(kCameraUnknowns, kCameraUnknowns) * slopes.transpose();
+  fit.height_error = std::sqrt(errors(2, 2));
+  fit.foot_error = std::sqrt(errors(0, 0) + errors(1, 1));
+}
+
+CameraFit summary(const CameraSights& sights, const Fitted& fitted) {
+  const CameraState& state = fitted.solution.state;
+  CameraFit fit;
+  fit.camera = state.camera;
+  fit.camera.width = sights.width;
+  fit.camera.height = sights.height;
+  fit.height = optics::CameraModel(state.camera).centre()[2];
+  fit.caps = static_cast<int>(fitted.caps.size());
+  fit.outlying = fitted.outlying;
+  fit.corner_residual = rms(cornerMisses(sights, state.camera));
+  VectorXd misses(0);
+  if (!fitted.caps.empty()) {
+    std::vector<double> sigmas;
+    misses = capBlock(sights, fitted.caps, 1).residuals(state);
+    for (std::size_t i = 0; i < fitted.caps.size(); ++i) {
+      misses[static_cast<Eigen::Index>(i)] *= fitted.caps[i].sigma;
+      sigmas.push_back(fitted.caps[i].seen.sigma);
+    }
+    const auto middle = sigmas.begin() + static_cast<std::ptrdiff_t>(sigmas.size() / 2);
+    std::ranges::nth_element(sigmas, middle);
+    fit.cap_noise = fitted.noise * *middle;
+    fit.spacing_residual = rms(misses);
+  }
+  VectorXd all(0);
+  for (std::size_t i = 0; i < sights.boards.size(); ++i) {
+    const VectorXd more = boardMisses(sights.boards[i], state, i);
+    VectorXd joined(all.size() + more.size());
+    joined << all, more;
+    all = joined;
+  }
+  fit.board_residual = rms(all);
+  if (!fitted.solution.determined) return fit;
+  fit.error = errorsOf(fitted.solution.covariance);
+  placeErrors(state, fitted.solution.covariance, fit);
+  fit.map = errorMap(state, fitted.solution.covariance, sights);
+  std::vector<SpacingAt> spacings;
+  const optics::CameraModel model(state.camera);
+  for (std::size_t i = 0; i < fitted.caps.size(); ++i) {
+    const CapSight& sight = fitted.caps[i].centres;
+    const auto place = model.toPlane(sight.big, sights.cap.height);
+    if (place) spacings.push_back({*place, misses[static_cast<Eigen::Index>(i)]});
+  }
+  addSpacings(fit.map, spacings, sights);
+  return fit;
+}
+
+}  // namespace
+
+CameraFit fitCamera(const CameraSights& sights,
+                    const std::optional<optics::CameraParameters>& start,
+                    const CameraFitLimits& limits) {
+  CameraFit fit;
+  fit.refusal = cornerFault(sights.corners, sights.width, sights.height, sights.arena_width,
+                            sights.arena_height);
+  if (!fit.refusal.empty()) return fit;
+  const CameraState begin = startFrom(sights, start);
+  if (sights.boards.empty()) fit.refusal = coverageFault(sights, begin.camera, limits);
+  if (!fit.refusal.empty()) return fit;
+  const Fitted fitted = fitAll(sights, begin);
+  fit = summary(sights, fitted);
+  fit.refusal = fitted.solution.determined
+                    ? refusalOf(sights, fit, limits)
+                    : "the camera cannot be told from this: more caps over all of the arena, or a "
+                      "board in several poses, are needed";
+  return fit;
+}
+
+}  // namespace lab::calibration

@@ -1,0 +1,52 @@
+#include "tracker_svc/camera_devices.hpp"
+
+#include <utility>
+
+#include "tracker_svc/cameras/film_source.hpp"
+#include "common/camera/shared_camera.hpp"
+#include "tracker_svc/cameras/v4l2_source.hpp"
+
+namespace lab {
+
+bool isFilm(const std::string& source) {
+  return source != kSimulatedCamera && !cameras::namesVideoDevice(source) && !cameras::namesStream(source);
+}
+
+CameraFormat wantedFormat(const Camera& camera) {
+  CameraFormat format;
+  format.width = camera.width;
+  format.height = camera.height;
+  format.fps = isFilm(camera.source) ? 0 : camera.fps;  // a film has a rate of its own
+  format.exposure = camera.exposure;
+  // 0 leaves a device's gain where it is; 1 of unknown units would be a guess.
+  const bool set = camera.source == kSimulatedCamera || camera.gain != Camera{}.gain;
+  format.gain = set ? camera.gain : 0;
+  return format;
+}
+
+CameraDevices::CameraDevices(AsioLoop& loop, std::filesystem::path folder)
+    : loop_(loop), folder_(std::move(folder)) {}
+
+CameraDevices::~CameraDevices() = default;
+
+std::unique_ptr<FrameSource> CameraDevices::open(const std::string& source,
+                                                 const CameraFormat& wanted,
+                                                 CameraHandlers handlers) {
+  if (source == "sim") {
+    return cameras::openSharedCamera(loop_, folder_, wanted, std::move(handlers));
+  }
+  if (cameras::namesVideoDevice(source)) {
+    return cameras::openVideoDevice(loop_, cameras::systemV4l2Calls(), source, wanted,
+                                    std::move(handlers));
+  }
+  if (cameras::namesStream(source)) {
+    return cameras::openStream(loop_, source, wanted, std::move(handlers));
+  }
+  return cameras::openFilm(loop_, source, wanted, std::move(handlers));
+}
+
+std::unique_ptr<FrameSink> CameraDevices::offer(const CameraFormat& format) {
+  return cameras::offerSharedCamera(loop_, folder_, format);
+}
+
+}  // namespace lab

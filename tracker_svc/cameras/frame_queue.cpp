@@ -1,0 +1,99 @@
+#include "tracker_svc/cameras/frame_queue.hpp"
+
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include "common/camera/cameras.hpp"
+
+namespace lab::cameras {
+
+FrameFeed::FrameFeed() : ready_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
+  if (ready_.get() < 0) throw CameraError("no event descriptor to be had");
+}
+
+bool FrameFeed::push(Item item) {
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [this] { return !open_ || items_.size() < kCapacity; });
+  return add(std::move(item));
+}
+
+bool FrameFeed::pushOver(Item item) {
+  const std::lock_guard lock(mutex_);
+  if (items_.size() >= kCapacity) {
+    const auto oldest = std::find_if(items_.begin(), items_.end(), [](const Item& one) {
+      return one.kind == Item::Kind::kFrame;
+    });
+    if (oldest != items_.end()) {
+      spare_.push_back(std::move(oldest->image));
+      items_.erase(oldest);
+    }
+  }
+  return add(std::move(item));
+}
+
+bool FrameFeed::add(Item item) {
+  if (!open_) return false;
+  items_.push_back(std::move(item));
+  const std::uint64_t one = 1;
+  static_cast<void>(!write(ready_.get(), &one, sizeof one));
+  return true;
+}
+
+optics::GreyImage FrameFeed::blank(int width, int height) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (!spare_.empty()) {
+      optics::GreyImage image = std::move(spare_.back());
+      spare_.pop_back();
+      if (image.width == width && image.height == height) return image;
+    }
+  }
+  return {width, height};
+}
+
+bool FrameFeed::pause(std::int64_t microseconds) {
+  std::unique_lock lock(mutex_);
+  return !changed_.wait_for(lock, std::chrono::microseconds(microseconds),
+                            [this] { return !open_; });
+}
+
+void FrameFeed::close() {
+  {
+    const std::lock_guard lock(mutex_);
+    open_ = false;
+  }
+  changed_.notify_all();
+}
+
+bool FrameFeed::isOpen() {
+  const std::lock_guard lock(mutex_);
+  return open_;
+}
+
+std::optional<FrameFeed::Item> FrameFeed::pop() {
+  std::optional<Item> item;
+  {
+    const std::lock_guard lock(mutex_);
+    if (!items_.empty()) {
+      item = std::move(items_.front());
+      items_.pop_front();
+    }
+    if (items_.empty()) {
+      std::uint64_t count = 0;
+      static_cast<void>(!read(ready_.get(), &count, sizeof count));
+    }
+  }
+  changed_.notify_all();
+  return item;
+}
+
+void FrameFeed::takeBack(optics::GreyImage image) {
+  const std::lock_guard lock(mutex_);
+  if (spare_.size() < kCapacity) spare_.push_back(std::move(image));
+}
+
+}  // namespace lab::cameras

@@ -1,0 +1,264 @@
+#include "tracker_svc/cameras/movie_reader.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "tracker_svc/cameras/child_process.hpp"
+#include "tracker_svc/cameras/grey.hpp"
+
+namespace lab::cameras {
+namespace {
+
+using nlohmann::json;
+
+bool isAddress(const std::string& source) { return source.find("://") != std::string::npos; }
+
+/// The words that name the input: a file is never taken for an option or a protocol.
+std::vector<std::string> inputOf(const std::string& source) {
+  if (!isAddress(source)) return {"-i", "file:" + source};
+  std::vector<std::string> words;
+  // Five seconds of silence are a dead camera [us]; pictures at once instead of smooth playback.
+  if (source.starts_with("rtsp://")) words = {"-rtsp_transport", "tcp", "-timeout", "5000000"};
+  if (source.starts_with("http")) words = {"-rw_timeout", "5000000"};
+  for (const char* word : {"-fflags", "nobuffer", "-flags", "low_delay", "-i"}) {
+    words.emplace_back(word);
+  }
+  words.push_back(source);
+  return words;
+}
+
+std::string textOf(const json& object, const char* key) {
+  const auto entry = object.find(key);
+  return entry != object.end() && entry->is_string() ? entry->get<std::string>() : "";
+}
+
+/// "30000/1001" as a number.
+double ratio(const std::string& text) {
+  const std::size_t slash = text.find('/');
+  const double above = std::atof(text.c_str());
+  const double below = slash == std::string::npos ? 1 : std::atof(text.c_str() + slash + 1);
+  return below > 0 && above > 0 ? above / below : 0;
+}
+
+/// Presentation times of the packets in order [us since the first]. A packet without one (AVI) has
+/// its decoding time instead.
+std::vector<std::int64_t> timesOf(const json& packets) {
+  std::vector<double> times;
+  for (const json& packet : packets) {
+    if (textOf(packet, "flags").find('D') != std::string::npos) continue;  // decoded, never shown
+    const std::string shown = textOf(packet, "pts_time");
+    times.push_back(std::atof((shown.empty() ? textOf(packet, "dts_time") : shown).c_str()));
+  }
+  std::sort(times.begin(), times.end());
+  std::vector<std::int64_t> utimes;
+  utimes.reserve(times.size());
+  for (const double time : times) utimes.push_back(std::llround((time - times.front()) * 1e6));
+  return utimes;
+}
+
+/// Of the codecs that people film with, those that lose nothing.
+bool losesNothing(const std::string& codec) {
+  constexpr std::array kWhole{"ffv1",     "rawvideo", "huffyuv", "ffvhuff", "utvideo",
+                              "magicyuv", "png",      "qtrle",   "bmp",     "tiff"};
+  return std::ranges::find(kWhole, codec) != kWhole.end();
+}
+
+std::string shownNumber(std::int64_t count, const char* noun) {
+  return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
+}
+
+class MovieReader final : public FilmReader {
+ public:
+  MovieReader(std::string source, double fps)
+      : source_(std::move(source)),
+        facts_(movieFacts(source_, true)),
+        decoder_(decodeCommand(source_, facts_.grey), source_ + ": movies are read by", "ffmpeg"),
+        image_(facts_.width, facts_.height),
+        colour_(facts_.grey ? 0 : image_.pixels.size() * 3) {
+    if (!(fps > 0)) return;
+    facts_.fps = fps;
+    for (std::size_t i = 0; i < facts_.utimes.size(); ++i) {
+      facts_.utimes[i] = std::llround(static_cast<double>(i) * 1e6 / fps);
+    }
+  }
+
+  [[nodiscard]] bool next(CameraFrame& frame) override {
+    if (over_) return false;
+    const std::span<std::uint8_t> bytes =
+        facts_.grey ? std::span(image_.pixels) : std::span(colour_);
+    if (decoder_.read(bytes) < bytes.size()) {
+      over_ = true;
+      problem_ = whatWentWrong(decoder_.finish());
+      return false;
+    }
+    if (!facts_.grey) greyFromRgb(colour_.data(), image_.pixels);
+    frame.number = count_;
+    frame.utime = utime(count_);
+    frame.grey = image_.view();
+    ++count_;
+    return true;
+  }
+
+  [[nodiscard]] std::int64_t length() const override {
+    return static_cast<std::int64_t>(facts_.utimes.size());
+  }
+  [[nodiscard]] CameraFormat format() const override {
+    CameraFormat format;
+    format.width = facts_.width;
+    format.height = facts_.height;
+    format.fps = usualRate();
+    format.pixels = facts_.pixels;
+    format.compressed = facts_.compressed;
+    return format;
+  }
+  [[nodiscard]] std::string mark() const override {
+    return facts_.rotation == 0 ? "" : "rotation " + std::to_string(facts_.rotation);
+  }
+  [[nodiscard]] std::int64_t dropped() const override { return 0; }
+  [[nodiscard]] std::string problem() const override { return problem_; }
+
+ private:
+  [[nodiscard]] std::int64_t utime(std::int64_t number) const {
+    if (number < length()) return facts_.utimes[static_cast<std::size_t>(number)];
+    // A frame more than there were packets: at the usual rate behind the last one.
+    const std::int64_t last = facts_.utimes.empty() ? 0 : facts_.utimes.back();
+    const auto more = static_cast<double>(number - length() + 1);
+    return last + std::llround(more * 1e6 / (facts_.fps > 0 ? facts_.fps : 30));
+  }
+
+  /// The median, or the mean that the file states where they agree: MKV keeps whole milliseconds.
+  [[nodiscard]] double usualRate() const {
+    std::vector<std::int64_t> steps;
+    for (std::size_t i = 1; i < facts_.utimes.size(); ++i) {
+      steps.push_back(facts_.utimes[i] - facts_.utimes[i - 1]);
+    }
+    if (steps.empty()) return facts_.fps;
+    const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+    std::nth_element(steps.begin(), middle, steps.end());
+    const auto median = static_cast<double>(*middle);
+    constexpr double kRounding_us = 1000;
+    const bool agree = facts_.fps > 0 && std::abs(median - 1e6 / facts_.fps) <= kRounding_us;
+    return agree || median <= 0 ? facts_.fps : 1e6 / median;
+  }
+
+  [[nodiscard]] std::string whatWentWrong(int status) const {
+    const std::int64_t expected = std::max(length(), facts_.claimed - facts_.never_shown);
+    const std::string complaint =
+        decoder_.complaint().empty() ? facts_.complaint : decoder_.complaint();
+    const std::string why = complaint.empty() ? "" : " (ffmpeg: " + complaint + ")";
+    if (count_ < expected) {
+      return source_ + ": ends early or is damaged: " + std::to_string(count_) + " of " +
+             shownNumber(expected, "frame") + " could be read; where one is missing inside, those " +
+             "behind it have its number and time" + why;
+    }
+    if (status != 0 || !facts_.complaint.empty()) {
+      return source_ + ": " + shownNumber(count_, "frame") + " could be read, then it broke off" +
+             why;
+    }
+    if (!complaint.empty()) {
+      return source_ + ": all frames could be read, but ffmpeg found fault with some, in which caps " +
+             "may stand where they were before" + why;
+    }
+    return {};
+  }
+
+  std::string source_;
+  MovieFacts facts_;
+  ChildProcess decoder_;
+  optics::GreyImage image_;
+  std::vector<std::uint8_t> colour_;
+  std::int64_t count_ = 0;
+  bool over_ = false;
+  std::string problem_;
+};
+
+[[noreturn]] void noMovie(const std::string& source, std::string why, const char* hint = "") {
+  const std::size_t itself = why.find(source + ": ");
+  if (itself != std::string::npos) why = why.substr(itself + source.size() + 2);
+  throw CameraError(source + ": is no movie that ffmpeg can read" +
+                    (why.empty() ? "" : " (" + why + ")") + hint);
+}
+
+/// What to do about an MP4 whose recording was cut off.
+const char* hintFor(const std::string& errors) {
+  return errors.find("moov atom not found") == std::string::npos
+             ? ""
+             : ": an MP4 that was not closed has no index; record MKV";
+}
+
+}  // namespace
+
+MovieFacts movieFacts(const std::string& source, bool packets) {
+  std::error_code error;
+  if (!isAddress(source) && !std::filesystem::is_regular_file(source, error)) {
+    throw CameraError(source + ": no such file");
+  }
+  std::vector<std::string> command = {
+      "ffprobe",
+      "-v",
+      "error",
+      "-select_streams",
+      "v:0",
+      "-of",
+      "json=compact=1",
+      "-show_entries",
+      std::string("stream=codec_name,pix_fmt,width,height,avg_frame_rate,nb_frames"
+                  ":stream_side_data=rotation") +
+          (packets ? ":packet=pts_time,dts_time,flags" : "")};
+  for (const std::string& word : inputOf(source)) command.push_back(word);
+  ChildProcess probe(command, source + ": movies are read by", "ffmpeg");
+  const std::string answer = probe.readAll();
+  const int status = probe.finish();
+  const json facts = json::parse(answer, nullptr, false);
+  if (status != 0 || !facts.is_object()) {
+    noMovie(source, probe.complaint(), hintFor(probe.errors()));
+  }
+  const auto streams = facts.find("streams");
+  if (streams == facts.end() || streams->empty()) noMovie(source, "it has no pictures");
+  const json& stream = streams->front();
+  MovieFacts found;
+  found.width = stream.value("width", 0);
+  found.height = stream.value("height", 0);
+  found.fps = ratio(textOf(stream, "avg_frame_rate"));
+  const std::string codec = textOf(stream, "codec_name");
+  const std::string pixels = textOf(stream, "pix_fmt");
+  if (codec == "ansi" || codec == "bintext") noMovie(source, "it is a text");
+  if (found.width <= 0 || found.height <= 0) noMovie(source, "its pictures have no size");
+  found.pixels = pixels + " (" + codec + ")";
+  found.compressed = !losesNothing(codec);
+  found.grey = pixels.starts_with("gray");
+  found.claimed = std::atoll(textOf(stream, "nb_frames").c_str());
+  for (const json& side : stream.value("side_data_list", json::array())) {
+    found.rotation = side.value("rotation", found.rotation);
+  }
+  if (packets) {
+    const json listed = facts.value("packets", json::array());
+    found.utimes = timesOf(listed);
+    found.never_shown = static_cast<std::int64_t>(listed.size() - found.utimes.size());
+  }
+  found.complaint = probe.complaint();
+  return found;
+}
+
+std::vector<std::string> decodeCommand(const std::string& source, bool grey) {
+  std::vector<std::string> command = {"ffmpeg", "-nostdin", "-v", "error", "-noautorotate"};
+  for (const std::string& word : inputOf(source)) command.push_back(word);
+  for (const char* word :
+       {"-map", "0:v:0", "-fps_mode", "passthrough", "-f", "rawvideo", "-pix_fmt"}) {
+    command.emplace_back(word);
+  }
+  command.emplace_back(grey ? "gray" : "rgb24");
+  command.emplace_back("pipe:1");
+  return command;
+}
+
+std::unique_ptr<FilmReader> openMovie(const std::string& source, double fps) {
+  return std::make_unique<MovieReader>(source, fps);
+}
+
+}  // namespace lab::cameras

@@ -1,0 +1,82 @@
+/// A video device of Linux (Video4Linux, version 2) that streams.
+#pragma once
+
+#include <linux/videodev2.h>
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "tracker_svc/cameras/raw_pixels.hpp"
+#include "tracker_svc/cameras/v4l2_calls.hpp"
+#include "common/camera/cameras.hpp"
+
+namespace lab::cameras {
+
+/// Opened, set up and streaming from construction to destruction.
+class V4l2Device {
+ public:
+  /// Takes the format that is least processed among those that reach the wanted size and rate,
+  /// switches everything automatic off, sets exposure, gain and rate, and reads back what is set.
+  /// @param calls must outlive it
+  /// @throws CameraError, one line: not there, no permission, no camera, in use, no such size.
+  V4l2Device(V4l2Calls& calls, std::string path, const CameraFormat& wanted);
+  ~V4l2Device();
+  V4l2Device(const V4l2Device&) = delete;
+  V4l2Device& operator=(const V4l2Device&) = delete;
+
+  /// A frame as it came. It must be given back.
+  struct Raw {
+    std::uint32_t buffer = 0;
+    std::uint32_t sequence = 0;
+    std::span<const std::uint8_t> bytes;  ///< empty: the frame is damaged
+    std::int64_t age = 0;  ///< [us] since the middle of the exposure, as far as the device tells
+    bool stamped = false;  ///< whether the age is the device's, or that of a frame just come
+  };
+
+  enum class State { kFrame, kNothing, kGone };
+
+  /// Takes the oldest frame that waits, without waiting for one.
+  [[nodiscard]] State take(Raw& frame);
+  void giveBack(const Raw& frame);
+
+  [[nodiscard]] int descriptor() const { return device_; }
+  [[nodiscard]] const RawLayout& layout() const { return layout_; }
+  [[nodiscard]] const CameraFormat& format() const { return format_; }
+
+ private:
+  struct Buffer {
+    std::uint8_t* memory = nullptr;
+    std::size_t bytes = 0;
+  };
+
+  int call(unsigned long request, void* argument) const {
+    return calls_.ioctl(device_, request, argument);
+  }
+  [[noreturn]] void fail(const std::string& what) const;
+  [[noreturn]] void failToSet(int error, const std::string& what) const;
+  void checkIsCamera() const;
+  void chooseFormat(const CameraFormat& wanted);
+  void setFormat(std::uint32_t fourcc, int width, int height);
+  void setRate(double fps);
+  void lock(const CameraFormat& wanted);
+  void startStreaming();
+  void stop();
+
+  [[nodiscard]] std::vector<std::uint32_t> offeredFormats() const;
+  [[nodiscard]] bool hasSize(std::uint32_t fourcc, int width, int height) const;
+  [[nodiscard]] double fastestRate(std::uint32_t fourcc, int width, int height) const;
+  [[nodiscard]] std::string offers() const;
+
+  V4l2Calls& calls_;
+  std::string path_;
+  int device_ = -1;
+  RawLayout layout_;
+  CameraFormat format_;
+  std::vector<Buffer> buffers_;
+  int errors_in_a_row_ = 0;
+};
+
+}  // namespace lab::cameras

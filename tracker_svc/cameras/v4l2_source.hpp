@@ -1,0 +1,25 @@
+/// A video device on the loop.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "tracker_svc/cameras/v4l2_calls.hpp"
+#include "common/loop/asio_loop.hpp"
+#include "common/camera/cameras.hpp"
+
+namespace lab::cameras {
+
+/// Whether the source is a video device, "/dev/video0" or "v4l2:/dev/video0".
+[[nodiscard]] bool namesVideoDevice(const std::string& source);
+
+/// Opens it. When it is gone it is looked for each second, by the same path; a camera that delivers
+/// nothing for two seconds is trouble as well.
+/// @param calls must outlive the source
+/// @throws CameraError as V4l2Device
+[[nodiscard]] std::unique_ptr<FrameSource> openVideoDevice(AsioLoop& loop, V4l2Calls& calls,
+                                                           const std::string& source,
+                                                           const CameraFormat& wanted,
+                                                           CameraHandlers handlers);
+
+}  // namespace lab::cameras

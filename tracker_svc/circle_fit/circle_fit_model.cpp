@@ -1,0 +1,253 @@
+#include "tracker_svc/circle_fit/circle_fit_model.hpp"
+
+#include <algorithm>
+
+#include "tracker_svc/circle_fit/circle_fit_lanes.hpp"
+
+namespace lab::detector::fit {
+
+namespace {
+
+LAB_INLINE Lanes whiteAt(const Disc& disc, const Lanes& x, const Lanes& y) {
+  return disc.white + disc.slope_x * x + disc.slope_y * y;
+}
+
+std::size_t eightsOf(const Window& window) {
+  return static_cast<std::size_t>(window.count / kLanes);
+}
+
+/// What the model needs at every pixel of a pass, in registers or at hand.
+struct Pass {
+  Disc disc;
+  Constants constants;
+  float over_sigma;
+  float over_cutoff;
+  float contrast;
+};
+
+// A pass looks at all pixels several times. In one look each step would wait for the one before; a
+// processor finds other pixels to go on with only while a look is short.
+
+/// First: where eight pixels lie in the disc, kept in the places of the slopes that need it.
+LAB_INLINE void placeEight(Window& window, std::size_t eight, const Pass& pass) {
+  const std::size_t at = eight * kLanes;
+  Way way;
+  wayAt(loadLanes(window.x + at), loadLanes(window.y + at), pass.disc, pass.constants,
+        pass.over_sigma, way);
+  Slopes& kept = window.slopes[eight];
+  storeLanes(kept.by[kX], way.out_x);
+  storeLanes(kept.by[kY], way.out_y);
+  storeLanes(kept.by[kScale], way.z);
+  storeLanes(kept.by[kSigma], way.over_distance);
+}
+
+/// Then: the paint there, and its slopes.
+LAB_INLINE void paintEight(Window& window, std::size_t eight, const Pass& pass) {
+  Slopes& kept = window.slopes[eight];
+  const Lanes z = loadLanes(kept.by[kScale]);
+  const Lanes over_distance = loadLanes(kept.by[kSigma]);
+  Lanes share;
+  Lanes slope;
+  edgeProfile(z, share, slope);
+  const Lanes rise = slope * (pass.contrast * pass.over_sigma);
+  const Lanes inward = -rise * over_distance;
+  storeLanes(kept.by[kX], loadLanes(kept.by[kX]) * inward);
+  storeLanes(kept.by[kY], loadLanes(kept.by[kY]) * inward);
+  storeLanes(kept.by[kScale], rise * (-pass.constants.radius));
+  storeLanes(kept.by[kSigma], rise * (pass.disc.sigma * over_distance - z));
+  storeLanes(kept.by[kWhite], pass.disc.ratio + pass.contrast * share);
+  storeLanes(kept.by[kRatio], 1.0F - share);
+}
+
+/// Then the light on it: slopes and certainty to window.slopes, residual to window.residual.
+/// @tparam kAll every lane is a pixel, and none is full: nothing is to be counted
+template <bool kAll>
+LAB_INLINE void lightEight(Window& window, std::size_t eight, const Pass& pass,
+                           LaneCounts& counts) {
+  const std::size_t at = eight * kLanes;
+  Slopes& kept = window.slopes[eight];
+  const Lanes x = loadLanes(window.x + at);
+  const Lanes y = loadLanes(window.y + at);
+  const Lanes value = loadLanes(window.value + at);
+  const Lanes white = whiteAt(pass.disc, x, y);
+  const Lanes lightness = loadLanes(kept.by[kWhite]);
+  const Lanes signal = white * lightness;
+  storeLanes(window.residual + at, value - pass.constants.black - signal);
+  storeLanes(kept.weight, kAll ? 1.0F / varianceOf(signal, pass.constants)
+                               : certaintyOf(value, signal, pass.constants, counts));
+  for (const Unknown lit : {kX, kY, kScale, kRatio, kSigma}) {
+    storeLanes(kept.by[lit], white * loadLanes(kept.by[lit]));
+  }
+  storeLanes(kept.by[kSlopeX], lightness * x);
+  storeLanes(kept.by[kSlopeY], lightness * y);
+}
+
+/// Last: the weights of the residuals to window.light, and the right sides.
+template <bool kAll>
+LAB_INLINE void believeEight(Window& window, std::size_t eight, const Pass& pass,
+                             LaneCounts& counts, Lanes& squares, Lanes* rights) {
+  const std::size_t at = eight * kLanes;
+  const Slopes& kept = window.slopes[eight];
+  const Lanes residual = loadLanes(window.residual + at);
+  const Lanes certain = loadLanes(kept.weight);
+  const Lanes square = residual * residual * certain;
+  const Lanes belief = beliefOf(square, pass.over_cutoff);
+  counts.weight += kAll ? belief : (certain > 0.0F ? belief : Lanes{});
+  squares += square * belief;
+  const Lanes weight = certain * belief;
+  const Lanes weighted = weight * residual;
+#pragma GCC unroll 8
+  for (std::size_t i = 0; i < kUnknowns; ++i) rights[i] += weighted * loadLanes(kept.by[i]);
+  storeLanes(window.light + at, weight);
+}
+
+/// The normal matrix of one block, of the slopes from `first` on: ten sums, which with what they
+/// need stay in registers.
+LAB_INLINE void sumBlock(const Window& window, std::size_t first, double* normal) {
+  Lanes normals[10];
+#pragma GCC unroll 10
+  for (Lanes& sum : normals) sum = Lanes{};
+  const std::size_t eights = eightsOf(window);
+  for (std::size_t eight = 0; eight < eights; ++eight) {
+    const Slopes& kept = window.slopes[eight];
+    const Lanes weight = loadLanes(window.light + eight * kLanes);
+    std::size_t pair = 0;
+#pragma GCC unroll 4
+    for (std::size_t i = 0; i < kBlock; ++i) {
+      const Lanes weighted = loadLanes(kept.by[first + i]) * weight;
+#pragma GCC unroll 4
+      for (std::size_t j = 0; j <= i; ++j) {
+        normals[pair++] += weighted * loadLanes(kept.by[first + j]);
+      }
+    }
+  }
+  totalEach(normals, normal);
+}
+
+}  // namespace
+
+LAB_FIT_CLONES
+void sumBlocks(Window& window, const Constants& constants, const Disc& disc, float cutoff,
+               Blocks& blocks) {
+  const Pass pass{disc,
+                  constants,
+                  1.0F / disc.sigma,
+                  1.0F / (cutoff * cutoff),
+                  1.0F - disc.ratio};
+  LaneCounts counts;
+  Lanes squares = {};
+  Lanes rights[kUnknowns];
+#pragma GCC unroll 8
+  for (Lanes& sum : rights) sum = Lanes{};
+  const std::size_t eights = eightsOf(window);
+  const std::size_t plain = window.plain && eights > 0 ? eights - 1 : 0;
+  for (std::size_t i = 0; i < eights; ++i) placeEight(window, i, pass);
+  for (std::size_t i = 0; i < eights; ++i) paintEight(window, i, pass);
+  for (std::size_t i = 0; i < plain; ++i) lightEight<true>(window, i, pass, counts);
+  for (std::size_t i = plain; i < eights; ++i) lightEight<false>(window, i, pass, counts);
+  for (std::size_t i = 0; i < plain; ++i) {
+    believeEight<true>(window, i, pass, counts, squares, rights);
+  }
+  for (std::size_t i = plain; i < eights; ++i) {
+    believeEight<false>(window, i, pass, counts, squares, rights);
+  }
+  counts.pixels += static_cast<float>(plain);
+  sumBlock(window, 0, blocks.odd.data());
+  sumBlock(window, kBlock, blocks.even.data());
+  totalEach(rights, blocks.right.data());
+  blocks.squares = total(squares);
+  counts.writeTo(blocks.counts);
+}
+
+LAB_FIT_CLONES
+void sumLast(Window& window, const Row& by, float cutoff, const BlockRow& row_x,
+             const BlockRow& row_y, LastStep& last) {
+  const float over_cutoff = 1.0F / (cutoff * cutoff);
+  float moved[kUnknowns];
+  float to_x[kBlock];
+  float to_y[kBlock];
+  for (std::size_t i = 0; i < kUnknowns; ++i) moved[i] = static_cast<float>(by[i]);
+  for (std::size_t i = 0; i < kBlock; ++i) {
+    to_x[i] = static_cast<float>(row_x[i]);
+    to_y[i] = static_cast<float>(row_y[i]);
+  }
+  Lanes believed = {};
+  Lanes cost = {};
+  Lanes sum_x = {};
+  Lanes sum_y = {};
+  Lanes xx = {};
+  Lanes xy = {};
+  Lanes yy = {};
+  Lanes squares = {};
+  // Two looks, as in a pass.
+  const std::size_t eights = eightsOf(window);
+  for (std::size_t eight = 0; eight < eights; ++eight) {
+    const std::size_t at = eight * kLanes;
+    const Slopes& kept = window.slopes[eight];
+    Lanes by_odd = moved[0] * loadLanes(kept.by[0]);
+    Lanes by_even = moved[kBlock] * loadLanes(kept.by[kBlock]);
+#pragma GCC unroll 4
+    for (std::size_t i = 1; i < kBlock; ++i) {
+      by_odd += moved[i] * loadLanes(kept.by[i]);
+      by_even += moved[kBlock + i] * loadLanes(kept.by[kBlock + i]);
+    }
+    storeLanes(window.residual + at, loadLanes(window.residual + at) - (by_odd + by_even));
+  }
+  for (std::size_t eight = 0; eight < eights; ++eight) {
+    const std::size_t at = eight * kLanes;
+    const Slopes& kept = window.slopes[eight];
+    const Lanes certain = loadLanes(kept.weight);
+    const Lanes residual = loadLanes(window.residual + at);
+    Lanes pull_x = to_x[0] * loadLanes(kept.by[0]);
+    Lanes pull_y = to_y[0] * loadLanes(kept.by[0]);
+#pragma GCC unroll 4
+    for (std::size_t i = 1; i < kBlock; ++i) {
+      pull_x += to_x[i] * loadLanes(kept.by[i]);
+      pull_y += to_y[i] * loadLanes(kept.by[i]);
+    }
+    const Lanes square = residual * residual * certain;
+    const Lanes belief = beliefOf(square, over_cutoff);
+    const Lanes weighted = residual * certain * belief;
+    pull_x *= weighted;
+    pull_y *= weighted;
+    sum_x += pull_x;
+    sum_y += pull_y;
+    xx += pull_x * pull_x;
+    xy += pull_x * pull_y;
+    yy += pull_y * pull_y;
+    squares += weighted * residual;
+    believed += belief;
+    cost += limitedCost(square);
+    storeLanes(window.residual + at, weighted);
+  }
+  last.x = total(sum_x);
+  last.y = total(sum_y);
+  last.variance = {total(xx), total(xy), total(yy)};
+  last.squares = total(squares);
+  last.believed = total(believed);
+  last.cost = total(cost);
+}
+
+LAB_FIT_CLONES
+void layLight(Window& window, const Disc& disc) {
+  for (int at = 0; at < window.count; at += kLanes) {
+    storeLanes(window.light + at,
+               whiteAt(disc, loadLanes(window.x + at), loadLanes(window.y + at)));
+  }
+}
+
+LAB_FIT_CLONES
+double correlation(const Window& window) {
+  Lanes together = {};
+  Lanes squares = {};
+  for (int at = 0; at + kLanes < window.count; at += kLanes) {
+    const Lanes here = loadLanes(window.residual + at);
+    const Lanes next = loadLanes(window.residual + at + 1);
+    together += here * next;
+    squares += here * here;
+  }
+  const double all = total(squares);
+  return all > 0 ? total(together) / all : 0;
+}
+
+}  // namespace lab::detector::fit

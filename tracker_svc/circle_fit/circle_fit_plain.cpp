@@ -1,0 +1,302 @@
+#include "tracker_svc/circle_fit/circle_fit_plain.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tracker_svc/circle_fit/circle_fit_saturated.hpp"
+#include "tracker_svc/circle_fit/circle_fit_solve.hpp"
+
+namespace lab::detector::fit {
+namespace {
+
+// [px] rough estimates of neighbouring grid points differ by less
+constexpr double kDoubt = 0.06;
+constexpr float kMostMargin = 0.8F;  // [radius]
+constexpr float kTexture = 0.006F * 0.006F;  // grain of paint and sensor, variance over signal^2
+
+constexpr double kFreedoms = kUnknowns;
+constexpr int kMostPasses = 6;
+constexpr int kMostMoves = 8;          // over the grid
+constexpr double kSettled = 0.06;      // [px] a last step of the whole disc is shorter
+constexpr double kSettledBlur = 0.15;  // [1] and changes the blur by less
+constexpr double kSettledScale = 0.03;
+constexpr double kSettledFull = 0.1;    // [1] of those where some pixels are full
+constexpr double kSettledWhite = 0.01;  // [1] and changes the white level by less
+constexpr float kRoughCutoff = 0.3F;  // [1] of the white level, as kCutoff while the disc is rough
+constexpr float kLeastNoise = 0.5F;
+
+// Beyond what the residuals show: paint that is not quite round. More would be too cautious where
+// circles are large, since it does not shrink with them.
+constexpr double kFloor = 0.0008;  // [px]
+// What the biweight (1.39 at a cutoff of 5 deviations) and the unknowns take off the scatter.
+constexpr double kScatterLoss = 1.5;
+
+// Weak knowledge that keeps a fit to something else, or to an overexposed circle, finite.
+constexpr double kScaleSpread = 0.1;
+constexpr double kRatioSpread = 0.15;
+constexpr double kSlopeSpread = 0.02;  // [1/px] of the white level
+// [1] how much less where every pixel is full: no slope can be seen there, and what lens and
+// projector do over a whole picture is a few ten-thousandths a pixel
+constexpr double kFullSlope = 150;
+constexpr double kSigmaSpread = 0.5;   // [of sigma]
+// [1] as kFullSlope: white, dark and size are told apart by the little that is not full
+constexpr double kFullShape = 4;
+
+// Mean weight of the biweight, for a normal residual and a cutoff in deviations.
+double beliefAt(float cutoff) {
+  const double over = 1.0 / static_cast<double>(cutoff * cutoff);
+  return 1 - 2 * over + 3 * over * over;
+}
+
+struct Rough {
+  bool good = false;
+  Disc disc;
+};
+
+Rough roughAt(const Task& task, GridPoint point) {
+  Rough out;
+  const Pixels::Rough u = task.pixels->rough(*task.picture, point);
+  const double contrast = u.white - u.dark;
+  if (!(contrast > 0.5)) return out;
+  // A step longer than this is not linear any more.
+  const double most = 0.3 * static_cast<double>(task.constants.radius);
+  const double length = std::sqrt(u.x * u.x + u.y * u.y) / contrast;
+  const double shortened = (length > most ? most / length : 1.0) / contrast;
+  const double white = u.white - static_cast<double>(task.constants.black);
+  out.disc.x = static_cast<float>(u.x * shortened);
+  out.disc.y = static_cast<float>(u.y * shortened);
+  out.disc.white = static_cast<float>(white);
+  out.disc.ratio = static_cast<float>(std::clamp(1 - contrast / white, 0.0, 0.5));
+  out.disc.sigma = task.sigma;
+  out.good = white > 0;
+  return out;
+}
+
+// What is known beforehand: unknown i is `off` from there, and known as well as `weight` says.
+struct Known {
+  std::size_t i;
+  double off;
+  double weight;  // one over the variance
+};
+
+constexpr double weightOf(double spread) { return 1 / (spread * spread); }
+
+// @param full pixels that are full, for each that is not: they say that the light is even, as far
+//   as anybody can see
+std::array<Known, 5> knownOf(const Disc& disc, float sigma, double full) {
+  const double slope = weightOf(kSlopeSpread * std::max(1.0, static_cast<double>(disc.white)) /
+                                (1 + kFullSlope * full));
+  const double shape = (1 + kFullShape * full) * (1 + kFullShape * full);
+  const auto off = [](float v) { return static_cast<double>(v); };
+  return {{{kSlopeX, off(-disc.slope_x), slope},
+           {kSlopeY, off(-disc.slope_y), slope},
+           {kScale, off(1.0F - disc.scale), shape * weightOf(kScaleSpread)},
+           {kRatio, off(kUsualRatio - disc.ratio), shape * weightOf(kRatioSpread)},
+           {kSigma, off(sigma - disc.sigma), weightOf(kSigmaSpread * static_cast<double>(sigma))}}};
+}
+
+void step(Disc& disc, const Row& by, float sigma) {
+  disc.x += static_cast<float>(by[kX]);
+  disc.y += static_cast<float>(by[kY]);
+  disc.white += static_cast<float>(by[kWhite]);
+  disc.slope_x += static_cast<float>(by[kSlopeX]);
+  disc.slope_y += static_cast<float>(by[kSlopeY]);
+  disc.scale = std::clamp(disc.scale + static_cast<float>(by[kScale]), 0.6F, 1.5F);
+  disc.ratio = std::clamp(disc.ratio + static_cast<float>(by[kRatio]), -0.5F, 0.9F);
+  disc.sigma = std::clamp(disc.sigma + static_cast<float>(by[kSigma]), 0.4F * sigma, 3.0F * sigma);
+}
+
+}  // namespace
+
+Task::Task(const optics::GreyView& the_picture, const DiscShape& the_shape,
+           const optics::Imaging& imaging, bool is_sparse)
+    : picture(&the_picture),
+      sigma(static_cast<float>(std::sqrt(imaging.blur * imaging.blur + optics::kPixelBox))),
+      sparse(is_sparse) {
+  constants.black = static_cast<float>(imaging.black);
+  constants.floor_variance =
+      static_cast<float>(imaging.read_noise * imaging.read_noise + 1.0 / 12.0);
+  constants.shot_gain = static_cast<float>(imaging.shot_gain);
+  constants.texture = kTexture;
+  constants.compressed = imaging.compressed;
+  setShape(the_shape);
+}
+
+bool Task::setShape(const DiscShape& the_shape) {
+  if (pixels != nullptr && the_shape == shape) return false;
+  shape = the_shape;
+  constants.radius = shape.radius();
+  const float* m = shape.m;
+  const float square = constants.radius * constants.radius;
+  constants.outline = {square * (m[0] * m[0] + m[2] * m[2]), square * (m[0] * m[1] + m[2] * m[3]),
+                       square * (m[1] * m[1] + m[3] * m[3])};
+  return setSigma(sigma);
+}
+
+bool Task::setSigma(float the_sigma) {
+  sigma = the_sigma;
+  return choosePixels();
+}
+
+bool Task::setMargin(float sigmas) {
+  margin_sigmas = sigmas;
+  return choosePixels();
+}
+
+bool Task::setSparse(bool is_sparse) {
+  sparse = is_sparse;
+  return choosePixels();
+}
+
+bool Task::choosePixels() {
+  const float sigmas = sparse ? kMarginSparse : margin_sigmas;
+  const float margin =
+      std::max(2.0F * sigma, std::min(sigmas * sigma, kMostMargin * constants.radius));
+  const std::shared_ptr<const Pixels>& found = Pixels::about(shape, sigma, margin, sparse);
+  if (pixels == found) return false;
+  pixels = found;
+  return true;
+}
+
+bool Task::gather(GridPoint point, Window& window) const {
+  if (window.pixels != pixels) window.pixels = pixels;
+  return pixels->gather(*picture, point, window);
+}
+
+float noiseOver(double squares, double freedom, bool robust) {
+  constexpr double kLeft = 0.848;  // of the variance, by a biweight with a cutoff of 5 deviations
+  const double variance = std::max(0.0, squares) / std::max(1.0, freedom);
+  return std::max(kLeastNoise, static_cast<float>(std::sqrt(robust ? variance / kLeft : variance)));
+}
+
+std::array<double, 3> covarianceOf(const std::array<double, 3>& expected,
+                                   const std::array<double, 3>& scatter) {
+  // The normal matrix holds if the noise is as expected; how the residuals pull the centre holds in
+  // any case, but is known from few pixels: so the shape of one and the size of the other.
+  const double size = kScatterLoss * 0.5 * (scatter[0] / expected[0] + scatter[2] / expected[2]);
+  return {size * expected[0] + kFloor * kFloor, size * expected[1],
+          size * expected[2] + kFloor * kFloor};
+}
+
+std::optional<GridPoint> settlePlain(const Task& task, GridPoint start, Window& window,
+                                     Disc& disc) {
+  GridPoint last;
+  const auto estimate = [&](GridPoint point) -> std::optional<optics::Pixel> {
+    const Rough rough = roughAt(task, point);
+    if (!rough.good) return std::nullopt;
+    last = point;
+    disc = rough.disc;
+    const optics::Pixel at = point.pixel();
+    return optics::Pixel{at.x + static_cast<double>(disc.x), at.y + static_cast<double>(disc.y)};
+  };
+  const std::optional<GridPoint> chosen = settle(start, kDoubt, kMostMoves, estimate);
+  if (!chosen) return chosen;
+  if (!(last == *chosen)) static_cast<void>(estimate(*chosen));
+  return task.gather(*chosen, window) ? chosen : std::nullopt;
+}
+
+Outcome fitPlain(const Task& task, Window& window, const Disc& rough) {
+  Outcome out;
+  Disc disc = rough;
+  if (!window.plain) startBeyondFull(window, task.constants, disc);
+  // Holes and hot pixels are far off even from the rough disc.
+  const float deviation = std::sqrt(task.constants.noiseAt(rough.white));
+  float cutoff = std::max(kCutoff, kRoughCutoff * rough.white / deviation);
+  const auto cutoffAfter = [](double squares, const Row& by, const Row& right, double pixels,
+                              bool robust) {
+    // What the sum of squares will be after the step.
+    for (std::size_t i = 0; i < kUnknowns; ++i) squares -= by[i] * right[i];
+    return kCutoff * std::max(1.0F, noiseOver(squares, pixels - kFreedoms, robust));
+  };
+  // Whole steps until they are small: one, mostly.
+  std::optional<Factor<kBlock, Both>> factor;  // odd and even
+  const auto solve = [&](const Row& right) {
+    std::array<Both, kBlock> both;
+    for (std::size_t i = 0; i < kBlock; ++i) both[i] = Both{right[i], right[i + kBlock]};
+    both = factor->solve(both);
+    Row steps;
+    for (std::size_t i = 0; i < kBlock; ++i) {
+      steps[i] = both[i][0];
+      steps[i + kBlock] = both[i][1];
+    }
+    return steps;
+  };
+  float matrix_cutoff = cutoff;
+  Row by{};
+  double pixels = 0;
+  for (int pass = 0; pass < kMostPasses; ++pass) {
+    matrix_cutoff = cutoff;
+    Blocks blocks;
+    sumBlocks(window, task.constants, disc, cutoff, blocks);
+    Row& right = blocks.right;
+    const Counts& counts = blocks.counts;
+    pixels = counts.pixels;
+    const double full = counts.full / std::max(1.0, pixels);
+    const auto known = knownOf(disc, task.sigma, full);
+    for (const Known& k : known) {
+      const std::size_t i = k.i % kBlock;
+      right[k.i] += k.off * k.weight;
+      (k.i < kBlock ? blocks.odd : blocks.even)[i * (i + 1) / 2 + i] += k.weight;
+    }
+    std::array<Both, 10> normal;
+    for (std::size_t i = 0; i < normal.size(); ++i) {
+      normal[i] = Both{blocks.odd[i], blocks.even[i]};
+    }
+    factor.emplace(normal);
+    if (!factor->good()) return out;
+    by = solve(right);
+    cutoff =
+        cutoffAfter(blocks.squares, by, right, pass > 0 ? counts.weight : pixels, pass > 0);
+    step(disc, by, task.sigma);
+    // Full pixels move in and out of what is known while the white level is found.
+    const double strict = counts.full < 0.5 ? 1 : kSettledFull;
+    if (by[kX] * by[kX] + by[kY] * by[kY] < strict * strict * kSettled * kSettled &&
+        std::abs(by[kSigma]) < strict * kSettledBlur * static_cast<double>(disc.sigma) &&
+        std::abs(by[kScale]) < strict * kSettledScale &&
+        (strict == 1 || std::abs(by[kWhite]) < kSettledWhite * static_cast<double>(disc.white))) {
+      break;
+    }
+  }
+  // Then one of the centre alone, robust in any case, which also says how well it is known.
+  const auto column = [&](std::size_t unknown, bool even) {
+    const std::array<Both, kBlock> both = factor->inverseColumn(unknown % kBlock);
+    BlockRow out_row;
+    for (std::size_t i = 0; i < kBlock; ++i) out_row[i] = both[i][even ? 1 : 0];
+    return out_row;
+  };
+  BlockRow row_x = column(kX, false);
+  BlockRow row_y = column(kY, false);
+  const double ratio_variance = column(kRatio, true)[kRatio - kBlock];
+  const double belief = beliefAt(kCutoff) / beliefAt(matrix_cutoff);
+  for (double& r : row_x) r /= belief;
+  for (double& r : row_y) r /= belief;
+  LastStep last;
+  sumLast(window, by, cutoff, row_x, row_y, last);
+  disc.x += static_cast<float>(last.x);
+  disc.y += static_cast<float>(last.y);
+  // Light that rises by g across an edge blurred by sigma moves it by sigma^2 g / white: the blur
+  // of the product is not quite the product of the blurs.
+  const float white = disc.white + disc.slope_x * disc.x + disc.slope_y * disc.y;
+  const float moved = white > 0 ? disc.sigma * disc.sigma / white : 0.0F;
+  out.x = window.base_x + static_cast<double>(disc.x + moved * disc.slope_x);
+  out.y = window.base_y + static_cast<double>(disc.y + moved * disc.slope_y);
+  out.floor = kFloor * kFloor;
+  out.covariance = covarianceOf({row_x[kX], row_x[kY], row_y[kY]}, last.variance);
+  out.white = white;
+  out.ratio = disc.ratio;
+  out.scale = disc.scale;
+  out.sigma = disc.sigma;
+  out.slope_x = disc.slope_x;
+  out.slope_y = disc.slope_y;
+  const double believed = last.believed - (window.count - pixels);
+  out.noise = noiseOver(last.squares, believed - kFreedoms, true);
+  out.believed = static_cast<float>(believed / std::max(1.0, pixels));
+  out.pixels = static_cast<int>(pixels);
+  out.cost = static_cast<float>(last.cost);
+  out.correlation = static_cast<float>(correlation(window));
+  out.ratio_error = static_cast<float>(std::sqrt(ratio_variance));
+  out.good = std::isfinite(out.x) && std::isfinite(out.y);
+  return out;
+}
+
+}  // namespace lab::detector::fit

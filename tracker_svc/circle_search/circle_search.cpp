@@ -1,0 +1,306 @@
+#include "tracker_svc/circle_search/circle_search.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+
+namespace lab::detector {
+namespace {
+
+constexpr double kToNeighbour = 1.3;     // [big radii] outside of both circles, inside the cap
+constexpr double kRowsPerRadius = 1.1;  // of the small circle, between tested rows
+constexpr double kReach = 2.65;          // [big radii] from a candidate to the farthest pixel, and
+constexpr double kReachMore = 5;         // [px] on top
+constexpr float kSigmas = 3.3F;          // of read noise that no candidate is made of
+constexpr int kLine = 64;                // [bytes] that come from memory together
+constexpr int kAhead = 4;                // [tested rows] that are asked for before they are needed
+constexpr int kBits = 64;
+// Opposite directions one after the other, the four axes first: junk is soon known for it.
+constexpr int kOrder[16] = {0, 8, 4, 12, 2, 10, 6, 14, 1, 9, 5, 13, 3, 11, 7, 15};
+
+}  // namespace
+
+CircleSearch::CircleSearch(const ScaleMap& scale, const optics::CapGeometry& cap,
+                           const optics::Imaging& imaging, int width, int height)
+    : imaging_(imaging) {
+  for (std::size_t i = 0; i < kDirections; ++i) {
+    const double angle = 2 * std::numbers::pi * kOrder[i] / kDirections;
+    cos_[i] = static_cast<float>(std::cos(angle));
+    sin_[i] = static_cast<float>(std::sin(angle));
+  }
+  black_ = std::clamp(static_cast<int>(std::lround(imaging.black)), 0, 100);
+  noise_ = std::clamp(static_cast<int>(std::ceil(kSigmas * static_cast<float>(imaging.read_noise))),
+                      1, 100);
+  levels_ = levelsOf(black_, noise_);
+  softness_ = static_cast<float>(std::sqrt(imaging.blur * imaging.blur + optics::kPixelBox));
+  if (scale.largest() <= 0 || width <= kWord || height < 1) return;
+  const double small = cap.small_radius * static_cast<double>(scale.smallest());
+  const double big = cap.big_radius * static_cast<double>(scale.largest());
+  step_ = std::max(1, static_cast<int>(std::lround(kRowsPerRadius * small)));
+  reach_ = static_cast<int>(std::ceil(kReach * big + kReachMore));
+  padding_ = (reach_ + kWord - 1) / kWord * kWord;
+  width_ = width + 2 * padding_;
+  height_ = height + 2 * padding_;
+  for (int x = 0; x + kWord <= width; x += kWord) word_starts_.push_back(padding_ + x);
+  const int last = padding_ + width - kWord;
+  if (word_starts_.back() < last) word_starts_.push_back(last);
+  const std::size_t blocks = (word_starts_.size() + kBits - 1) / kBits;
+  addSizes(scale, cap);
+  for (const Neighbours& to : neighbours_) near_ = std::max<int>(near_, to.across);
+  edge_words_.assign(blocks, 0);
+  std::vector<int> starts;
+  for (std::size_t i = 0; i < word_starts_.size(); ++i) {
+    const int start = word_starts_[i];
+    starts.push_back(start - padding_);
+    const bool inside = start - near_ >= padding_ && start + kWord + near_ <= width_ - padding_;
+    if (!inside) edge_words_[i / kBits] |= std::uint64_t{1} << (i % kBits);
+  }
+  glance_ = FirstGlance(width, height, starts, (step_ - padding_ % step_) % step_, step_, near_);
+  claims_ = ClaimMap(width_, height_);
+  dark_.resize(2 * kBits);
+  marks_.assign(static_cast<std::size_t>(height_) * blocks, 0);
+}
+
+void CircleSearch::addSizes(const ScaleMap& scale, const optics::CapGeometry& cap) {
+  const int margin = reach_ / 2;
+  for (int y = 0; y < height_; y += kBand) {
+    for (const int x : word_starts_) {
+      const LocalScale there =
+          scale.at(x + kWord / 2 - padding_,
+                   std::clamp(y + kBand / 2 - padding_, 0, height_ - 2 * padding_ - 1));
+      Sizes sizes;
+      Neighbours to;
+      if (there.mean > 0) {
+        sizes.big = static_cast<float>(cap.big_radius) * there.mean;
+        sizes.small = static_cast<float>(cap.small_radius) * there.mean;
+        to.near = static_cast<std::int16_t>(std::max<long>(std::lround(sizes.small / 2), 1));
+        const double across = kToNeighbour * static_cast<double>(sizes.big);
+        to.across = static_cast<std::int16_t>(std::clamp<long>(std::lround(across), 1, margin));
+        to.diagonal = static_cast<std::int16_t>(
+            std::clamp<long>(std::lround(across / std::numbers::sqrt2), 1, margin));
+      }
+      sizes_.push_back(sizes);
+      neighbours_.push_back(to);
+    }
+  }
+}
+
+void CircleSearch::find(const optics::GreyView& picture, std::span<const Region> regions,
+                        std::vector<Spot>& spots, std::vector<Refused>* refused) {
+  findRound(picture, regions, spots, refused);
+  findRest(Rows::kAll, spots, refused);
+}
+
+void CircleSearch::findRound(const optics::GreyView& picture, std::span<const Region> regions,
+                             std::vector<Spot>& spots, std::vector<Refused>* refused) {
+  spots.clear();
+  rest_.clear();
+  if (word_starts_.empty()) return;
+  spots_ = &spots;
+  refused_ = refused;
+  claims_.forget();
+  aimAt(picture);
+  aim(edges_, padded_.begin(picture, padding_));
+  std::fill(marks_.begin(), marks_.end(), 0);
+  int top = picture.height;
+  int bottom = 0;
+  for (const Region& region : regions) {
+    mark(picture, region);
+    top = std::min(top, std::max(region.top, 0));
+    bottom = std::max(bottom, std::min(region.bottom, picture.height - 1));
+  }
+  first_row_ = top + padding_;
+  last_row_ = bottom + padding_;
+  if (top > bottom) return;
+  glance_.look(picture, levels_, top, bottom);
+  for (int y = first_row_; y <= last_row_; ++y) {
+    // In little light single pixels say less: more of them.
+    if (y % step_ != 0 && !glance_.anyFaint(y - padding_)) continue;
+    testRow(y, std::min(kAhead * step_, last_row_ - y) * picture.stride);
+  }
+  bringBack(spots, 0);
+}
+
+void CircleSearch::findRest(Rows rows, std::vector<Spot>& spots, std::vector<Refused>* refused) {
+  const std::size_t first = spots.size();
+  spots_ = &spots;
+  refused_ = refused;
+  if (rows == Rows::kAll) testBetween();
+  for (const Candidate& candidate : rest_) {
+    if (claims_.isCovered(candidate.x, candidate.y)) continue;
+    const auto x = static_cast<float>(candidate.x);
+    if (isClaimed(x, static_cast<float>(candidate.y), candidate.dark)) continue;
+    take(candidate);
+  }
+  rest_.clear();
+  bringBack(spots, first);
+  if (refused == nullptr) return;
+  for (Refused& one : *refused) {
+    one.x -= static_cast<float>(padding_);
+    one.y -= static_cast<float>(padding_);
+  }
+}
+
+// From the coordinates of the padded picture to those of the picture.
+void CircleSearch::bringBack(std::vector<Spot>& spots, std::size_t first) const {
+  const auto back = static_cast<float>(padding_);
+  const auto outside = [&](Spot& spot) {
+    spot.x -= back;
+    spot.y -= back;
+    const auto right = static_cast<float>(width_ - 2 * padding_ - 1);
+    const auto bottom = static_cast<float>(height_ - 2 * padding_ - 1);
+    return !(spot.x >= 0 && spot.y >= 0 && spot.x <= right && spot.y <= bottom);
+  };
+  spots.erase(std::remove_if(spots.begin() + static_cast<std::ptrdiff_t>(first), spots.end(),
+                             outside),
+              spots.end());
+}
+
+void CircleSearch::cover(double x, double y, double radius) {
+  if (word_starts_.empty()) return;
+  claims_.cover(static_cast<float>(x + padding_), static_cast<float>(y + padding_),
+                static_cast<float>(radius));
+}
+
+void CircleSearch::aimAt(const optics::GreyView& picture) {
+  aim(inner_, PaddedPicture::within(picture, padding_));
+}
+
+std::optional<Spot> CircleSearch::circleAt(optics::Pixel place, bool big) const {
+  // [radii] where it is looked for
+  constexpr double kAside[9][2] = {{0, 0},     {1, 0},      {-1, 0},     {0, 1},      {0, -1},
+                                   {0.7, 0.7}, {-0.7, 0.7}, {0.7, -0.7}, {-0.7, -0.7}};
+  if (word_starts_.empty()) return std::nullopt;
+  const auto word = std::min(static_cast<std::size_t>(std::max(place.x, 0.0)) / kWord,
+                             word_starts_.size() - 1);
+  const int middle_y = static_cast<int>(std::lround(place.y)) + padding_;
+  if (middle_y < 0 || middle_y >= height_) return std::nullopt;
+  const std::size_t at = static_cast<std::size_t>(middle_y) / kBand * word_starts_.size() + word;
+  Candidate candidate{.to = neighbours_[at], .sizes = sizes_[at]};
+  if (candidate.to.across == 0) return std::nullopt;
+  const auto radius = static_cast<double>(big ? candidate.sizes.big : candidate.sizes.small);
+  for (const auto& aside : kAside) {
+    candidate.x = static_cast<int>(std::lround(place.x + radius * aside[0])) + padding_;
+    candidate.y = static_cast<int>(std::lround(place.y + radius * aside[1])) + padding_;
+    if (!isInner(candidate.x, candidate.y, reach_)) continue;
+    if (!isDark(inner_, candidate)) continue;
+    Spot spot;
+    if (shapeAround(inner_, candidate, spot) != Shape::kRound) continue;
+    if (big ? !spot.can_be_big : !spot.can_be_small) continue;
+    spot.x -= static_cast<float>(padding_);
+    spot.y -= static_cast<float>(padding_);
+    return spot;
+  }
+  return std::nullopt;
+}
+
+void CircleSearch::aim(Plane& plane, const optics::GreyView& view) const {
+  const bool same = plane.view.stride == view.stride && !plane.rays.empty();
+  plane.view = view;
+  if (same) return;
+  plane.rays.clear();
+  for (int r = 0; r < kMostSamples; ++r) {
+    for (std::size_t k = 0; k < kDirections; ++k) {
+      const long dx = std::lround(static_cast<float>(r) * cos_[k]);
+      const long dy = std::lround(static_cast<float>(r) * sin_[k]);
+      plane.rays.push_back(static_cast<std::int32_t>(dy * view.stride + dx));
+    }
+  }
+}
+
+bool CircleSearch::isInner(int x, int y, int around) const {
+  const int least = padding_ + around;
+  return x >= least && y >= least && x < width_ - least && y < height_ - least;
+}
+
+const CircleSearch::Plane& CircleSearch::planeAt(int x, int y, int around) {
+  if (isInner(x, y, around)) return inner_;
+  padded_.need({x - around, y - around, x + around, y + around});
+  return edges_;
+}
+
+void CircleSearch::mark(const optics::GreyView& picture, const Region& region) {
+  const int left = std::max(region.left, 0);
+  const int right = std::min(region.right, picture.width - 1);
+  if (left > right) return;
+  const auto last_word = static_cast<int>(word_starts_.size()) - 1;
+  const int first = std::min(left / kWord, last_word);
+  const int last = std::min(right / kWord, last_word);
+  const std::size_t blocks = edge_words_.size();
+  const int top = std::max(region.top, 0) + padding_;
+  const int bottom = std::min(region.bottom, picture.height - 1) + padding_;
+  const bool whole = right - left > picture.width / 2;
+  for (int block = first / kBits; block <= last / kBits; ++block) {
+    const int from = std::max(first - block * kBits, 0);
+    const int to = std::min(last - block * kBits, kBits - 1);
+    const std::uint64_t bits = ~std::uint64_t{0} >> (kBits - 1 - to + from) << from;
+    const auto place = static_cast<std::size_t>(block);
+    for (int y = top; y <= bottom; ++y) {
+      marks_[static_cast<std::size_t>(y) * blocks + place] |= bits;
+    }
+  }
+  // Scattered places come from memory one after the other unless all are asked for at once.
+  for (int y = region.top; y <= region.bottom && !whole; ++y) {
+    if (y < 0 || y >= picture.height) continue;
+    for (int x = left; x <= right; x += kLine) __builtin_prefetch(picture.row(y) + x);
+    __builtin_prefetch(picture.row(y) + right);
+  }
+}
+
+void CircleSearch::testRow(int y, std::ptrdiff_t ahead) {
+  const std::size_t blocks = edge_words_.size();
+  const std::uint64_t* marks = marks_.data() + static_cast<std::size_t>(y) * blocks;
+  for (std::size_t block = 0; block < blocks; ++block) {
+    const std::uint64_t may = y % step_ == 0 ? glance_.words(y - padding_, block)
+                                             : glance_.faintWords(y - padding_, block);
+    if ((marks[block] & may) != 0) testWords(y, block, marks[block] & may, ahead);
+  }
+}
+
+void CircleSearch::testBetween() {
+  const std::size_t blocks = edge_words_.size();
+  for (int y = first_row_; y <= last_row_; ++y) {
+    if (y % step_ == 0) continue;
+    for (std::size_t block = 0; block < blocks; ++block) {
+      std::uint64_t may = marks_[static_cast<std::size_t>(y) * blocks + block] &
+                          glance_.words(y - padding_, block) &
+                          ~glance_.faintWords(y - padding_, block);
+      for (std::uint64_t rest = may; rest != 0; rest &= rest - 1) {
+        const int word = std::countr_zero(rest);
+        const int x = word_starts_[block * kBits + static_cast<std::size_t>(word)];
+        if (claims_.isCovered(x, x + kWord - 1, y)) may &= ~(std::uint64_t{1} << word);
+      }
+      if (may != 0) testWords(y, block, may, 0);
+    }
+  }
+}
+
+void CircleSearch::testWords(int y, std::size_t block, std::uint64_t wanted,
+                             std::ptrdiff_t ahead) {
+  const bool at_edge = y < padding_ + near_ || y >= height_ - padding_ - near_;
+  const std::uint64_t edge = at_edge ? wanted : wanted & edge_words_[block];
+  const std::size_t first = static_cast<std::size_t>(y / kBand) * word_starts_.size();
+  const int* starts = word_starts_.data() + block * kBits;
+  const Neighbours* to = neighbours_.data() + first + block * kBits;
+  int found = 0;
+  if (edge != 0) {
+    for (std::uint64_t rest = edge; rest != 0; rest &= rest - 1) {
+      const int x = starts[std::countr_zero(rest)];
+      padded_.need({x - near_, y - near_, x + kWord + near_, y + near_});
+    }
+    found = darkWords(edges_.view.row(y), edges_.view.stride, starts, to, edge, 0, levels_,
+                      dark_.data());
+  }
+  if (edge != wanted) {
+    found += darkWords(inner_.view.row(y), inner_.view.stride, starts, to, wanted & ~edge, ahead,
+                       levels_, dark_.data() + found);
+  }
+  for (int i = 0; i < found; ++i) {
+    dark_[static_cast<std::size_t>(i)].number += static_cast<int>(block) * kBits;
+  }
+  takeWords({dark_.data(), static_cast<std::size_t>(found)}, y);
+}
+
+}  // namespace lab::detector

@@ -1,0 +1,325 @@
+/// Circles of which the search did not see the partner: a light edge crosses it, or the noise hides
+/// it. Where the rim says that the cap is, the partner is looked for by its fit.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <numbers>
+#include <optional>
+
+#include "tracker_svc/detector/cap_check.hpp"
+#include "tracker_svc/detector.hpp"
+#include "tracker_svc/detector/saturation.hpp"
+
+namespace lab::detector {
+namespace {
+
+constexpr int kHeadings = 126;      // that are tried, 0.9 mm of the rim apart
+constexpr int kMostPartners = 2;    // a neighbour or a shadow may look more like one
+constexpr int kBesideIt = 10;       // headings that are the same one
+constexpr std::size_t kRough = 2;   // every second at first
+constexpr double kSure = 4;         // [standard errors] of a rim: the best of many is taken
+constexpr int kMostInVainAside = 4;    // fits beside spots that may be off, that end in no cap
+constexpr int kMostHintsAside = 60;    // such spots: each is looked at from eight sides
+constexpr float kScoreAside = 0.15F;   // [1] rim times darkness there, at least
+constexpr double kAside = 0.8;         // [radii]
+constexpr int kDirectionsAside = 8;
+constexpr float kDark = 0.9F;       // [1] of the white around it is left inside: light on top
+constexpr float kBlack = 0.5F;      // [1] and without
+constexpr double kAgain = 0.1;      // [small radii] between two that are the same
+constexpr float kClear = 4;         // [standard errors] by which it is darker
+constexpr float kHardly = 2;        // [read noise] by which single pixels are darker
+// Of one picture, from its top: a floor full of dark junk must not hold up the tracker. Robots that
+// are there have a few hints in a picture, in stripes as fine as a circle a few dozen.
+constexpr int kMostHints = 300;  // lone circles whose partner is looked for
+// Fits of those and of their partners that end in no cap: each may take a millisecond.
+constexpr int kMostInVain = 40;
+// [m] of the spacing: chosen among many, so no more than a camera that is 2.5 % off
+constexpr double kMostOff = 0.0009;
+constexpr float kAway = 1.4F;       // [radii] where white is looked for around a circle
+constexpr float kCore = 0.35F;      // [radii] inside, whatever the heading's error
+// [rad] beside the heading: what is looked at is sure to a millimetre or two
+constexpr std::array<double, 3> kBeside = {0, 0.06, -0.06};
+
+/// Mean of a square of 2 half + 1 pixels.
+float meanAround(const optics::GreyView& picture, float x, float y, int half) {
+  const int middle_x = static_cast<int>(x + 0.5F);
+  const int middle_y = static_cast<int>(y + 0.5F);
+  int sum = 0;
+  for (int dy = -half; dy <= half; ++dy) {
+    const std::uint8_t* row = picture.row(middle_y + dy) + middle_x;
+    for (int dx = -half; dx <= half; ++dx) sum += row[dx];
+  }
+  const int side = 2 * half + 1;
+  return static_cast<float>(sum) / static_cast<float>(side * side);
+}
+
+/// What is left of the light inside of a circle: of the brightest pair of opposite neighbours, the
+/// darker one. Where a light edge crosses, one pair lies along it. 1: no darker than noise.
+float leftInside(const optics::GreyView& picture, float x, float y, float radius,
+                 const optics::Imaging& imaging) {
+  constexpr float kDiagonal = std::numbers::sqrt2_v<float> / 2;
+  constexpr float kPairs[4][2] = {{1, 0}, {0, 1}, {kDiagonal, kDiagonal}, {kDiagonal, -kDiagonal}};
+  const float away = kAway * radius;
+  const int half = std::max(static_cast<int>(kCore * radius), 1);
+  if (!picture.contains(static_cast<double>(x), static_cast<double>(y),
+                        static_cast<double>(away) + half + 1)) {
+    return 1;
+  }
+  float white = 0;
+  for (const auto& pair : kPairs) {
+    const float dx = away * pair[0];
+    const float dy = away * pair[1];
+    white = std::max(white, std::min(meanAround(picture, x + dx, y + dy, 1),
+                                     meanAround(picture, x - dx, y - dy, 1)));
+  }
+  const float inside = meanAround(picture, x, y, half);
+  const auto black = static_cast<float>(imaging.black);
+  const auto read = static_cast<float>(imaging.read_noise);
+  const float noise =
+      std::sqrt(read * read + static_cast<float>(imaging.shot_gain) * white) / 3;
+  if (white - inside < kClear * noise || white <= black) return 1;
+  return (inside - black) / (white - black);
+}
+
+double distance(const optics::Place& a, const optics::Place& b) {
+  return std::hypot(a.x - b.x, a.y - b.y);
+}
+
+double angleOf(int heading) { return 2 * std::numbers::pi * heading / kHeadings; }
+
+struct Heading {
+  float cosine = 0;
+  float sine = 0;
+};
+
+const std::array<Heading, kHeadings>& headings() {
+  static const std::array<Heading, kHeadings> kAll = [] {
+    std::array<Heading, kHeadings> all;
+    for (int i = 0; i < kHeadings; ++i) {
+      all[static_cast<std::size_t>(i)] = {static_cast<float>(std::cos(angleOf(i))),
+                                          static_cast<float>(std::sin(angleOf(i)))};
+    }
+    return all;
+  }();
+  return kAll;
+}
+
+/// The same by single pixels, and as one that may err: true where it is hardly brighter than both
+/// ends of one pair. Tells most of a floor from circles at the price of nine pixels.
+bool mayBeDark(const optics::GreyView& picture, float x, float y, int away, float noise) {
+  const int middle_x = static_cast<int>(x + 0.5F);
+  const int middle_y = static_cast<int>(y + 0.5F);
+  if (!picture.contains(static_cast<double>(x), static_cast<double>(y), away + 1)) return false;
+  const std::uint8_t* at = picture.row(middle_y) + middle_x;
+  const std::ptrdiff_t column = away * picture.stride;
+  const int diagonal = away * 181 / 256;
+  const std::ptrdiff_t down = diagonal * picture.stride;
+  const int white = std::max(
+      std::max(std::min(at[away], at[-away]), std::min(at[column], at[-column])),
+      std::max(std::min(at[down + diagonal], at[-down - diagonal]),
+               std::min(at[down - diagonal], at[diagonal - down])));
+  return static_cast<float>(white - at[0]) > noise;
+}
+
+}  // namespace
+
+void Detector::lookBeside(const optics::GreyView& picture, std::vector<Rejection>* rejected) {
+  struct Done {
+    optics::Place place;
+    bool big;
+  };
+  std::vector<Done> done;  // what was centred again is there twice
+  const auto isNew = [&](const optics::Place& place, bool big) {
+    return std::ranges::none_of(done, [&](const Done& other) {
+      return big == other.big && distance(place, other.place) < kAgain * cap_.small_radius;
+    });
+  };
+  int hints = kMostHints;
+  int in_vain = 0;
+  const std::size_t known = spots_.size();
+  for (const bool aside : {false, true}) {  // what is found at once needs not be looked for
+    if (aside && isLightEven()) return;  // which leads nothing astray
+    const int most_in_vain =
+        aside ? std::min(in_vain + kMostInVainAside, kMostInVain) : kMostInVain;
+    if (aside) hints = std::min(hints, kMostHintsAside);
+    done.clear();
+    for (std::size_t i = 0; i < known; ++i) {
+      for (const bool big : {true, false}) {
+        const Spot spot = spots_[i];
+        // White that is full may be brighter than it says, and the circle larger than it looks.
+        const bool full = spot.white + static_cast<float>(imaging_.black) >= kFull;
+        if (taken_[i] != 0 || !(big ? spot.can_be_big || full : spot.can_be_small)) continue;
+        const optics::Pixel at{static_cast<double>(spot.x), static_cast<double>(spot.y)};
+        if (!aside && !isBlack(picture, at, big)) continue;
+        const std::optional<optics::Place> rough = camera_.toPlane(at, cap_.height);
+        if (!rough || isByCap(*rough) || !isNew(*rough, big)) continue;
+        if (hints-- == 0) return;
+        if (in_vain >= most_in_vain) break;
+        done.push_back({*rough, big});
+        std::optional<optics::Place> begin;
+        if (aside) {
+          begin = placeAside(picture, *rough, big);
+          if (!begin) continue;
+        } else if (partnersOf(picture, *rough, big, kRough).empty()) {
+          continue;
+        }
+        in_vain += tryLone(picture, static_cast<int>(i), big, begin, rejected);
+      }
+    }
+  }
+}
+
+bool Detector::isLightEven() const {
+  return !seen_.empty() && std::ranges::none_of(seen_, [](const Detection& cap) {
+    return (cap.used & kUsedEdge) != 0;
+  });
+}
+
+bool Detector::isByCap(optics::Place place) const {
+  return std::ranges::any_of(seen_, [&, least = alone()](const Detection& cap) {
+    return distance(place, {cap.x, cap.y}) < least;
+  });
+}
+
+int Detector::tryLone(const optics::GreyView& picture, int spot, bool big,
+                      const std::optional<optics::Place>& aside,
+                      std::vector<Rejection>* rejected) {
+  const Circle before = circleOf(spot, big);
+  const Circle& circle =
+      aside ? fitFrom(picture, camera_.project(aside->x, aside->y, cap_.height), spot, big)
+            : fit(picture, spot, big);
+  const std::size_t known = seen_.size();
+  int in_vain = 1;
+  if (circle.fit.fault == FitFault::kNone && !isByCap(circle.place)) {
+    for (const Partner& partner : partnersOf(picture, circle.place, big, 1)) {
+      in_vain += coupleBeside(picture, spot, big, partner.theta, rejected);
+      if (seen_.size() > known) return in_vain - 1;
+    }
+  }
+  // What was tried beside a spot says nothing of the spot.
+  if (aside) circleOf(spot, big) = before;
+  return in_vain;
+}
+
+bool Detector::isBlack(const optics::GreyView& picture, optics::Pixel at, bool big) const {
+  const float radius = static_cast<float>(big ? cap_.big_radius : cap_.small_radius) *
+                       scale_.at(at.x, at.y).mean;
+  return leftInside(picture, static_cast<float>(at.x), static_cast<float>(at.y), radius,
+                    imaging_) <= kBlack;
+}
+
+// A light edge may have led the search astray by nearly a radius.
+std::optional<optics::Place> Detector::placeAside(const optics::GreyView& picture,
+                                                  optics::Place rough, bool big) const {
+  const double away = kAside * (big ? cap_.big_radius : cap_.small_radius);
+  std::optional<optics::Place> best;
+  float most = kScoreAside;
+  for (int i = 0; i < kDirectionsAside; ++i) {
+    const double angle = 2 * std::numbers::pi * i / kDirectionsAside;
+    const optics::Place place{rough.x + away * std::cos(angle), rough.y + away * std::sin(angle)};
+    if (!isBlack(picture, camera_.project(place.x, place.y, cap_.height), big)) continue;
+    const std::vector<Partner> partners = partnersOf(picture, place, big, kRough);
+    if (partners.empty() || partners[0].score <= most) continue;
+    most = partners[0].score;
+    best = place;
+  }
+  return best;
+}
+
+std::vector<Detector::Partner> Detector::partnersOf(const optics::GreyView& picture,
+                                                    optics::Place circle, bool big,
+                                                    std::size_t step) const {
+  const double offset = big ? cap_.big_offset : cap_.small_offset;
+  const double apart = (big ? cap_.small_offset : cap_.big_offset) - offset;
+  const auto radius = static_cast<float>(big ? cap_.small_radius : cap_.big_radius);
+  const optics::Pixel at = camera_.project(circle.x, circle.y, cap_.height);
+  const LocalScale scale = scale_.at(at.x, at.y);
+  if (scale.mean <= 0) return {};
+  const auto x = static_cast<float>(at.x);
+  const auto y = static_cast<float>(at.y);
+  const auto far = static_cast<float>(apart);
+  const int away = static_cast<int>(kAway * radius * scale.mean);
+  const float noise = kHardly * static_cast<float>(imaging_.read_noise);
+  bool dark = false;
+  std::array<float, kHeadings> score{};
+  for (std::size_t i = 0; i < kHeadings; i += step) {
+    const Heading& heading = headings()[i];
+    const float du = scale.forward[0] * heading.cosine + scale.forward[1] * heading.sine;
+    const float dv = scale.forward[2] * heading.cosine + scale.forward[3] * heading.sine;  // [px/m]
+    if (i % 2 == 0) dark = mayBeDark(picture, x + far * du, y + far * dv, away, noise);
+    if (!dark) continue;
+    const float left =
+        leftInside(picture, x + far * du, y + far * dv, radius * scale.mean, imaging_);
+    if (left > kDark) continue;
+    const optics::Pixel middle{at.x - offset * static_cast<double>(du),
+                               at.y - offset * static_cast<double>(dv)};
+    const float rim = rimContrast(picture, middle, scale, cap_, imaging_,
+                                  step > 1 ? RimLook::kRough : RimLook::kAll, kBeyondFull);
+    if (rim >= kLeastRim) score[i] = rim * (1 - left);
+  }
+  std::vector<Partner> best;
+  for (int n = 0; n < kMostPartners; ++n) {
+    const auto top = std::max_element(score.begin(), score.end());
+    if (*top <= 0) break;
+    const auto heading = static_cast<int>(top - score.begin());
+    best.push_back({angleOf(heading), *top});
+    for (int off = -kBesideIt; off <= kBesideIt; ++off) {
+      score[static_cast<std::size_t>((heading + off + kHeadings) % kHeadings)] = 0;
+    }
+  }
+  return best;
+}
+
+int Detector::coupleBeside(const optics::GreyView& picture, int spot, bool big, double theta,
+                           std::vector<Rejection>* rejected) {
+  int fits = 0;
+  const optics::Place circle = circleOf(spot, big).place;
+  const double apart = big ? cap_.small_offset - cap_.big_offset
+                           : cap_.big_offset - cap_.small_offset;
+  const int partner = static_cast<int>(spots_.size());
+  for (const double beside : kBeside) {
+    const optics::Pixel start =
+        camera_.project(circle.x + apart * std::cos(theta + beside),
+                        circle.y + apart * std::sin(theta + beside), cap_.height);
+    if (!picture.contains(start.x, start.y)) continue;
+    Spot other;
+    other.x = static_cast<float>(start.x);
+    other.y = static_cast<float>(start.y);
+    other.can_be_big = !big;
+    other.can_be_small = big;
+    spots_.push_back(other);
+    circles_.resize(2 * spots_.size());
+    taken_.resize(spots_.size(), 0);
+    Couple couple{big ? spot : partner, big ? partner : spot, 0, 0};
+    ++fits;
+    if (fitFrom(picture, start, partner, !big, true).fit.fault == FitFault::kNone &&
+        measure(picture, couple, nullptr) && couple.rim > leastRim(couple) &&
+        std::abs(distance(circle, circleOf(partner, !big).place) - cap_.spacing()) < kMostOff) {
+      const std::size_t before = seen_.size();
+      couples_.assign(1, couple);
+      settleCouples(picture, rejected);
+      if (seen_.size() > before) return fits - 1;
+      taken_[static_cast<std::size_t>(spot)] = 0;
+    }
+    spots_.pop_back();
+    circles_.resize(2 * spots_.size());
+    taken_.pop_back();
+  }
+  return fits;
+}
+
+// Where there is little light, noise makes some rim in the best of many directions.
+float Detector::leastRim(const Couple& couple) const {
+  constexpr double kPairs = 24;  // of pixels, of which the rim's contrast is the median
+  const double white =
+      std::max(0.5 * static_cast<double>(circleOf(couple.big, true).fit.white +
+                                         circleOf(couple.small, false).fit.white), 1.0);
+  const double noise = std::sqrt(imaging_.read_noise * imaging_.read_noise + 1.0 / 12 +
+                                 imaging_.shot_gain * white);
+  const double error = 1.25 * noise / (2 * white) / std::sqrt(kPairs);
+  return std::max(kLeastRim, static_cast<float>(kSure * error));
+}
+
+}  // namespace lab::detector

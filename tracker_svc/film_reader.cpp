@@ -1,0 +1,13 @@
+#include "tracker_svc/film_reader.hpp"
+
+#include "tracker_svc/cameras/movie_reader.hpp"
+#include "tracker_svc/cameras/picture_reader.hpp"
+
+namespace lab {
+
+std::unique_ptr<FilmReader> FilmReader::open(const std::string& source, double fps) {
+  return cameras::namesPictures(source) ? cameras::openPictures(source, fps)
+                                        : cameras::openMovie(source, fps);
+}
+
+}  // namespace lab

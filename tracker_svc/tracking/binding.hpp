@@ -1,0 +1,89 @@
+/// Which cap is which robot, told by motion: what caps did against what robots say their wheels
+/// did.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <span>
+#include <vector>
+
+#include "tracker_svc/tracking/assignment.hpp"
+#include "tracker_svc/tracking/identity_evidence.hpp"
+#include "tracker_svc/tracking/motion.hpp"
+#include "tracker_svc/tracking/wheel_log.hpp"
+
+namespace lab::tracker {
+
+/// Compares motions in slices of a tenth of a second and binds a cap to a robot when everything
+/// else is less likely by a factor of kBindRatio: any other assignment of caps to robots, and that
+/// the cap belongs to no robot at all or the robot's cap is not in view.
+class MotionBinding {
+ public:
+  MotionBinding(const MotionSettings& settings, std::vector<std::int32_t> robot_ids);
+
+  void take(std::int32_t robot_id, double time, double left, double right);
+
+  [[nodiscard]] std::size_t robots() const { return ids_.size(); }
+  /// -1 where there is no such robot.
+  [[nodiscard]] int indexOf(std::int32_t robot_id) const;
+  [[nodiscard]] std::int32_t idOf(int robot) const {
+    return robot < 0 ? -1 : ids_[static_cast<std::size_t>(robot)];
+  }
+  /// Null for -1.
+  [[nodiscard]] const WheelLog* logOf(int robot) const {
+    return robot < 0 ? nullptr : &logs_[static_cast<std::size_t>(robot)];
+  }
+
+  /// Whether a slice ends with a picture at this time.
+  [[nodiscard]] bool isDue(double time) const;
+
+  /// Ends the slice; weighs what has been reported meanwhile; binds and unbinds.
+  void step(double time, std::span<Evidence* const> caps);
+
+  [[nodiscard]] std::int64_t bound() const { return bound_; }
+  [[nodiscard]] std::int64_t unbound() const { return unbound_; }
+
+  /// Natural logarithm: a wrong binding must be 100000 times less likely than the right one.
+  static constexpr double kBindRatio = 11.5;
+  /// A cap is one of the robots in view rather than a foreign one beside a robot out of view,
+  /// before anything is known: 400 to 1; where there are more caps than robots that report, 3 to 1.
+  static constexpr double kOneOfUs = 6;
+  static constexpr double kOneOfUsAmongMore = 1.1;
+  /// So many slices in a row must say so.
+  static constexpr int kConfirm = 3;
+
+ private:
+  struct Slice {
+    std::int64_t number = 0;
+    double begin = 0;
+    double end = 0;
+  };
+  void measure(double time, std::span<Evidence* const> caps);
+  [[nodiscard]] bool isReady(const Slice& slice, double time) const;
+  [[nodiscard]] double prior(std::span<Evidence* const> caps) const;
+  void expectOfForeign(Evidence& cap, SliceMotion& motion, double fastest) const;
+  void weigh(const Slice& slice, std::span<Evidence* const> caps);
+  void doubt(std::span<Evidence* const> caps);
+  void bindFree(std::span<Evidence* const> caps);
+  void bindTo(Evidence& cap, std::size_t robot);
+  void unbind(Evidence& cap);
+
+  MotionSettings settings_;
+  std::vector<std::int32_t> ids_;
+  std::vector<WheelLog> logs_;
+  std::vector<WheelPath> paths_;
+  std::vector<Evidence*> holders_;  ///< the cap bound to a robot
+  std::deque<Slice> slices_;        ///< not weighed yet
+  std::int64_t next_slice_ = 0;
+  double slice_begin_ = 0;
+  double prior_ = kOneOfUs;  ///< [ln] for each pair, added to its evidence
+  bool started_ = false;
+  Population population_;
+  Assignment assignment_;
+  std::vector<Evidence*> free_caps_;
+  std::vector<std::size_t> free_robots_;
+  std::int64_t bound_ = 0;
+  std::int64_t unbound_ = 0;
+};
+
+}  // namespace lab::tracker

@@ -1,0 +1,436 @@
+#include "tracker_svc/tracking/cap_tracker.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "tracker_svc/tracking/reappearance_density.hpp"
+
+namespace lab::tracker {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kFaster = 1.1;        // [1] than max_wheel_speed: gains, pushes
+constexpr double kPlaceSlack = 0.003;  // [m] of a place, from noise and calibration
+constexpr double kTouch = 0.006;       // [m] nearer than that two may touch
+constexpr double kLost = 0.5;          // [s]
+constexpr double kLostReach = 0.15;    // [m]
+constexpr double kShownFaster = 2;     // [1] than the speed it has shown: freed from a wall, say
+constexpr double kStride = 0.5;        // [s] over which it shows one: noise of places is none
+constexpr double kBriefly = 1;         // [s] what was hardly seen is followed at least so long
+constexpr double kOutside = 0.3;       // [m] beyond the walls nothing is followed
+constexpr double kNewCaps = 1e-3;      // [1/s] how often caps are put into the arena
+constexpr double kNewAtOnce = 1e-5;    // [1] and at least in any picture
+// A cap that was seen in the last lit picture is rarely missed in the next; one that was missed for
+// long has a reason to stay hidden.
+constexpr double kMissed[] = {0.05, 0.5, 0.95};
+constexpr int kMissedLong = 5;  // pictures
+constexpr float kFlippedQuality = 0.4F;  // [1] below what an analysis takes for good
+
+bool isDegraded(const detector::Detection& detection) {
+  return (detection.used & detector::kUsedRim) != 0;
+}
+
+dynamics::Pose poseOf(const detector::Detection& detection) {
+  return {detection.x, detection.y, detection.theta};
+}
+
+double distance2(const dynamics::Pose& pose, const detector::Detection& detection) {
+  const double dx = pose.x - detection.x;
+  const double dy = pose.y - detection.y;
+  return dx * dx + dy * dy;
+}
+
+}  // namespace
+
+struct CapTracker::Follow {
+  std::int64_t number = 0;
+  dynamics::Pose pose;  ///< where it was last seen
+  std::array<double, 6> covariance{};
+  detector::Detection detection;  ///< of this picture, or predicted
+  double first = 0;     ///< [s] when it was first seen
+  double last = 0;      ///< [s] and last
+  bool seen = true;
+  Wheels speeds;    ///< [m/s] under the cap
+  int votes = 1;    ///< pictures that agree with the heading, less those that do not
+  int misses = 0;   ///< lit pictures without it since it was last seen
+  int blanks = 0;   ///< pictures of any kind without it since then
+  dynamics::Pose begun_at;  ///< of the stride that it is in
+  double begun = 0;         ///< [s]
+  double shown = 0;         ///< [m/s] the highest mean speed of a stride
+  int chosen = -1;  ///< detection of this picture
+  Evidence evidence;
+};
+
+CapTracker::CapTracker(const TrackerSettings& settings, std::vector<std::int32_t> robot_ids)
+    : settings_(settings),
+      binding_({settings.wheel_base, settings.max_wheel_speed}, std::move(robot_ids)),
+      reckoner_({settings.wheel_base, settings.max_wheel_speed}) {}
+
+CapTracker::~CapTracker() = default;
+
+void CapTracker::take(std::span<const WheelReport> wheels) {
+  for (const WheelReport& report : wheels) {
+    binding_.take(report.robot_id, report.time, report.left, report.right);
+  }
+}
+
+double CapTracker::reachOf(double unseen) const {
+  return kFaster * settings_.max_wheel_speed * unseen + kPlaceSlack;
+}
+
+/// The median of the highest speeds that caps have shown: no hand that carries one counts.
+double CapTracker::usualSpeed() const {
+  if (follows_.empty()) return 0;
+  std::vector<double> speeds;
+  for (const Follow& follow : follows_) speeds.push_back(follow.shown);
+  const auto middle = speeds.begin() + static_cast<std::ptrdiff_t>(speeds.size() / 2);
+  std::ranges::nth_element(speeds, middle);
+  return *middle;
+}
+
+/// How far from where it was last seen it may come back and be the same.
+double CapTracker::returnOf(const Follow& follow, double time, double usual) const {
+  const double unseen = std::max(0.0, time - follow.last);
+  const double by_hand = 2 * reachOf(unseen);
+  // Without a picture in between it was not missed: films may have one a second.
+  if (!settings_.strangers || follow.blanks == 0 || unseen <= kLost) return by_hand;
+  const double speed = std::max(follow.shown, usual);
+  return std::min(by_hand, kShownFaster * speed * unseen + settings_.robot_radius);
+}
+
+double CapTracker::turnOf(double unseen) const {
+  return kFaster * 2 * settings_.max_wheel_speed / settings_.wheel_base * unseen + 0.1;
+}
+
+Reckoning CapTracker::reckon(const Follow& follow, double time) {
+  Reckoning result = reckoner_.reckon(follow.pose, follow.covariance, follow.speeds,
+                                      binding_.logOf(follow.evidence.robot), follow.last, time);
+  // Walls hold what is inside.
+  const auto hold = [&](double place, double from, double size) {
+    const double low = std::min(settings_.robot_radius, from);
+    const double high = std::max(size - settings_.robot_radius, from);
+    return std::clamp(place, low, high);
+  };
+  result.pose.x = hold(result.pose.x, follow.pose.x, settings_.arena_width);
+  result.pose.y = hold(result.pose.y, follow.pose.y, settings_.arena_height);
+  return result;
+}
+
+const std::vector<detector::Expected>& CapTracker::expect(double time) {
+  expected_.clear();
+  for (const Follow& follow : follows_) {
+    const double unseen = std::max(0.0, time - follow.last);
+    const dynamics::Pose pose = reckon(follow, time).pose;
+    const double moved = std::hypot(pose.x - follow.pose.x, pose.y - follow.pose.y);
+    const double turned = std::abs(pose.theta - follow.pose.theta);
+    const double largest = unseen > kLost ? kLostReach : settings_.robot_radius;
+    expected_.push_back({pose.x, pose.y, wrapped(pose.theta),
+                         std::min(reachOf(unseen) + moved, largest),
+                         std::min(turnOf(unseen) + turned, kPi)});
+  }
+  return expected_;
+}
+
+const std::vector<Track>& CapTracker::update(double time,
+                                             std::span<const detector::Detection> detections) {
+  clean(detections);
+  for (Follow& follow : follows_) follow.chosen = -1;
+  matchSure(time);
+  matchRest(time);
+  const bool lit = 2 * found_.size() >= follows_.size() && !found_.empty();
+  for (Follow& follow : follows_) {
+    if (follow.chosen >= 0) {
+      see(follow, time, found_[static_cast<std::size_t>(follow.chosen)]);
+    } else {
+      miss(follow, time, lit);
+    }
+  }
+  giveUp(time);
+  for (std::size_t i = 0; i < found_.size(); ++i) {
+    if (cap_of_[i] < 0 && !isDegraded(found_[i])) start(time, found_[i]);
+  }
+  if (lit) lit_ = time;
+  if (binding_.isDue(time)) compareMotion(time);
+  publish(time);
+  return tracks_;
+}
+
+void CapTracker::clean(std::span<const detector::Detection> detections) {
+  found_.clear();
+  for (const detector::Detection& detection : detections) {
+    if (detection.quality > 0 && std::isfinite(detection.x) && std::isfinite(detection.y) &&
+        std::isfinite(detection.theta)) {
+      found_.push_back(detection);
+    }
+  }
+  cap_of_.assign(found_.size(), -1);
+}
+
+/// A cap that cannot have driven half the distance of two robots in contact is the only one that
+/// can be within its reach: another robot there would overlap it wherever in its reach it is
+/// itself.
+void CapTracker::matchSure(double time) {
+  constexpr int kSeveral = -2;
+  for (std::size_t i = 0; i < follows_.size(); ++i) {
+    Follow& follow = follows_[i];
+    const double reach = reachOf(std::max(0.0, time - follow.last));
+    if (reach > 0.95 * settings_.robot_radius) continue;
+    for (std::size_t j = 0; j < found_.size(); ++j) {
+      if (distance2(follow.pose, found_[j]) > reach * reach) continue;
+      follow.chosen = follow.chosen == -1 ? static_cast<int>(j) : kSeveral;
+      cap_of_[j] = cap_of_[j] == -1 ? static_cast<int>(i) : kSeveral;
+    }
+  }
+  // Where there are several, the picture shows what cannot be: likelihood decides.
+  for (Follow& follow : follows_) {
+    if (follow.chosen >= 0 && cap_of_[static_cast<std::size_t>(follow.chosen)] < 0) {
+      follow.chosen = -1;
+    }
+    if (follow.chosen == kSeveral) follow.chosen = -1;
+  }
+  for (std::size_t j = 0; j < found_.size(); ++j) {
+    if (cap_of_[j] < 0 ||
+        follows_[static_cast<std::size_t>(cap_of_[j])].chosen != static_cast<int>(j)) {
+      cap_of_[j] = -1;
+    }
+  }
+}
+
+/// The rest by likelihood: each track's density where a cap was found, against not being seen now,
+/// and against the cap being a new one.
+void CapTracker::matchRest(double time) {
+  std::vector<std::size_t> columns;
+  for (std::size_t j = 0; j < found_.size(); ++j) {
+    if (cap_of_[j] < 0) columns.push_back(j);
+  }
+  if (columns.empty()) return;
+  std::vector<std::size_t> rows;
+  const double usual = settings_.strangers ? usualSpeed() : 0;
+  for (std::size_t i = 0; i < follows_.size(); ++i) {
+    if (follows_[i].chosen >= 0) continue;
+    const double reach = returnOf(follows_[i], time, usual);
+    if (std::any_of(columns.begin(), columns.end(), [&](std::size_t j) {
+          return distance2(follows_[i].pose, found_[j]) <= reach * reach;
+        })) {
+      rows.push_back(i);
+    }
+  }
+  if (rows.empty()) return;
+  const double area = settings_.arena_width * settings_.arena_height * 2 * kPi;
+  const double new_density = (kNewCaps * (time - lit_) + kNewAtOnce) / area;
+  assignment_.reset(rows.size(), columns.size());
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const Follow& follow = follows_[rows[i]];
+    const Outlook outlook(follow.pose, reckon(follow, time),
+                          reachOf(std::max(0.0, time - follow.last)),
+                          kFaster * settings_.max_wheel_speed);
+    const double missed = kMissed[follow.misses == 0 ? 0 : follow.misses < kMissedLong ? 1 : 2];
+    assignment_.setAlone(i, -std::log(missed));
+    const double farthest = returnOf(follow, time, usual);
+    for (std::size_t j = 0; j < columns.size(); ++j) {
+      if (distance2(follow.pose, found_[columns[j]]) > farthest * farthest) continue;
+      const double density = outlook.logDensity(found_[columns[j]]);
+      if (density > -100) {
+        assignment_.allow(i, j, -std::log(1 - missed) - density + std::log(new_density));
+      }
+    }
+  }
+  assignment_.solve();
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    Follow& follow = follows_[rows[i]];
+    const int column = assignment_.columnOf(i);
+    if (column >= 0) {
+      follow.chosen = static_cast<int>(columns[static_cast<std::size_t>(column)]);
+      cap_of_[static_cast<std::size_t>(follow.chosen)] = static_cast<int>(rows[i]);
+    }
+    if (assignment_.margin(i) < kDoubt) doubt(follow);
+  }
+}
+
+void CapTracker::doubt(Follow& follow) {
+  if (follow.evidence.robot >= 0) ++counts_.unbound;
+  follow.evidence.forget();
+}
+
+void CapTracker::see(Follow& follow, double time, detector::Detection detection) {
+  // A degraded pose has the heading that was expected, and is no measure of speed.
+  const bool sharp = !isDegraded(detection);
+  if (sharp) correctFlip(follow, time, detection);
+  const dynamics::Pose pose = poseOf(detection);
+  const double span = time - follow.last;
+  if (span > kLost) {
+    follow.speeds = {};
+  } else if (span > 1e-3 && sharp && !isDegraded(follow.detection)) {
+    const Wheels way = wheelsBetween(follow.pose, pose, settings_.wheel_base);
+    const double most = settings_.max_wheel_speed;
+    const auto blend = [&](double old, double measured) {
+      return std::clamp(0.3 * old + 0.7 * measured / span, -most, most);
+    };
+    follow.speeds = {blend(follow.speeds.left, way.left), blend(follow.speeds.right, way.right)};
+  }
+  if (span > kLost && follow.blanks > 0) {  // where it was meanwhile tells no speed
+    follow.begun = time;
+    follow.begun_at = pose;
+  } else if (sharp && time - follow.begun >= kStride) {
+    const double way = std::hypot(pose.x - follow.begun_at.x, pose.y - follow.begun_at.y);
+    follow.shown = std::max(follow.shown, way / (time - follow.begun));
+    follow.begun = time;
+    follow.begun_at = pose;
+  }
+  follow.pose = pose;
+  follow.covariance = detection.covariance;
+  follow.detection = detection;
+  follow.last = time;
+  follow.seen = true;
+  follow.misses = 0;
+  follow.blanks = 0;
+}
+
+void CapTracker::correctFlip(Follow& follow, double time, detector::Detection& detection) {
+  const double unseen = std::max(0.0, time - follow.last);
+  double limit = turnOf(unseen);
+  double from = follow.pose.theta;
+  if (limit > 0.4 * kPi) {
+    // It may have turned round: only its own wheels can tell.
+    const Reckoning reckoning = reckon(follow, time);
+    limit = 4 * std::sqrt(reckoning.covariance[5]) + 0.1;
+    from = reckoning.pose.theta;
+    if (reckoning.known < 0.9 * unseen || limit > 0.4 * kPi) return;
+  }
+  limit += 4 * std::sqrt(detection.covariance[5] + follow.covariance[5]);
+  const double turned = std::abs(wrapped(detection.theta - from));
+  if (turned <= limit || kPi - turned > limit) {
+    if (turned <= limit) follow.votes = std::min(follow.votes + 1, kVotes);
+    return;
+  }
+  if (--follow.votes < 0) {
+    // Wrong from the beginning: from now on it is the other way round.
+    follow.votes = 1;
+    follow.speeds = {-follow.speeds.right, -follow.speeds.left};
+    follow.pose.theta = wrapped(follow.pose.theta + kPi);
+    follow.evidence.begun = false;
+    return;
+  }
+  ++counts_.flips;
+  detection.theta = wrapped(detection.theta + kPi);
+  std::swap(detection.big, detection.small);
+  detection.quality = std::min(detection.quality, kFlippedQuality);
+}
+
+void CapTracker::miss(Follow& follow, double time, bool lit) {
+  const Reckoning reckoning = reckon(follow, time);
+  detector::Detection& detection = follow.detection;
+  detection.x = reckoning.pose.x;
+  detection.y = reckoning.pose.y;
+  detection.theta = wrapped(reckoning.pose.theta);
+  detection.covariance = reckoning.covariance;
+  detection.quality = 0;
+  detection.used = 0;
+  detection.spacing = 0;
+  follow.seen = false;
+  if (lit) ++follow.misses;
+  ++follow.blanks;
+}
+
+void CapTracker::start(double time, const detector::Detection& detection) {
+  Follow follow;
+  follow.number = next_number_++;
+  follow.pose = poseOf(detection);
+  follow.covariance = detection.covariance;
+  follow.detection = detection;
+  follow.first = time;
+  follow.last = time;
+  follow.begun = time;
+  follow.begun_at = follow.pose;
+  follow.evidence.pairs.resize(binding_.robots());
+  follows_.push_back(std::move(follow));
+}
+
+void CapTracker::giveUp(double time) {
+  const auto isLost = [&](const Follow& follow) {
+    if (follow.seen) return false;
+    const double patience = std::min(kGiveUp, kBriefly + follow.last - follow.first);
+    const detector::Detection& at = follow.detection;
+    return time - follow.last > patience || at.x < -kOutside || at.y < -kOutside ||
+           at.x > settings_.arena_width + kOutside || at.y > settings_.arena_height + kOutside;
+  };
+  const auto end = std::remove_if(follows_.begin(), follows_.end(), isLost);
+  counts_.lost += follows_.end() - end;
+  follows_.erase(end, follows_.end());
+}
+
+bool CapTracker::isTouching(const Follow& follow) const {
+  const dynamics::Pose& at = follow.pose;
+  const double wall = settings_.robot_radius + kTouch;
+  if (at.x < wall || at.y < wall || at.x > settings_.arena_width - wall ||
+      at.y > settings_.arena_height - wall) {
+    return true;
+  }
+  const double near = 2 * settings_.robot_radius + kTouch;
+  return std::any_of(follows_.begin(), follows_.end(), [&](const Follow& other) {
+    const double dx = other.pose.x - at.x;
+    const double dy = other.pose.y - at.y;
+    return &other != &follow && dx * dx + dy * dy < near * near;
+  });
+}
+
+void CapTracker::compareMotion(double time) {
+  evidence_.clear();
+  for (Follow& follow : follows_) {
+    Evidence& evidence = follow.evidence;
+    evidence.placed = follow.seen && !isDegraded(follow.detection);
+    evidence.place = follow.pose;
+    const double half_base = settings_.wheel_base / 2;
+    evidence.variance = (follow.covariance[0] + follow.covariance[3]) / 2 +
+                        half_base * half_base * follow.covariance[5];
+    evidence.touching = isTouching(follow);
+    evidence_.push_back(&evidence);
+  }
+  const std::int64_t bound = binding_.bound();
+  const std::int64_t unbound = binding_.unbound();
+  binding_.step(time, evidence_);
+  counts_.bound += binding_.bound() - bound;
+  counts_.unbound += binding_.unbound() - unbound;
+}
+
+bool CapTracker::bind(std::int32_t robot_id, double x, double y, double reach) {
+  const int robot = binding_.indexOf(robot_id);
+  if (robot < 0) return false;
+  Follow* nearest = nullptr;
+  double least = reach * reach;
+  detector::Detection place;
+  place.x = x;
+  place.y = y;
+  for (Follow& follow : follows_) {
+    const double distance = distance2(follow.pose, place);
+    if (!follow.seen || isDegraded(follow.detection) || distance > least) continue;
+    least = distance;
+    nearest = &follow;
+  }
+  if (nearest == nullptr) return false;
+  if (nearest->evidence.robot == robot) return true;
+  for (Follow& follow : follows_) {
+    if (follow.evidence.robot == robot) doubt(follow);
+  }
+  if (nearest->evidence.robot >= 0) doubt(*nearest);
+  nearest->evidence.forget();
+  nearest->evidence.robot = robot;
+  nearest->evidence.proven = true;
+  ++counts_.bound;
+  for (std::size_t i = 0; i < tracks_.size() && i < follows_.size(); ++i) {
+    tracks_[i].robot_id = binding_.idOf(follows_[i].evidence.robot);
+  }
+  return true;
+}
+
+void CapTracker::publish(double time) {
+  tracks_.resize(follows_.size());
+  for (std::size_t i = 0; i < follows_.size(); ++i) {
+    const Follow& follow = follows_[i];
+    tracks_[i] = {follow.number, binding_.idOf(follow.evidence.robot), follow.detection,
+                  follow.seen, follow.seen ? 0 : time - follow.last};
+  }
+}
+
+}  // namespace lab::tracker

@@ -1,0 +1,206 @@
+#include "tracker_svc/tracking/identity_evidence.hpp"
+
+#include <cmath>
+#include <numbers>
+
+namespace lab::tracker {
+namespace {
+
+constexpr double kLikeOthers = 0.9;        // [1] a foreign cap's new speeds are such as robots have
+constexpr std::size_t kSamples = 128;      // of robots' speeds
+constexpr std::size_t kSamplesASlice = 3;  // so that they tell of some four seconds
+constexpr double kFade = 0.995;            // [1] a slice: what robots did half a minute ago fades
+constexpr double kStallBegins = -0.7;      // [ln] what touches something is held up as often as not
+constexpr double kStallAlone = -5;         // [ln] what touches nothing that is seen: hardly ever
+constexpr double kStallGoesOn = -0.02;     // [ln]
+constexpr double kOneOfThree = 1.1;        // [ln] change inside the slice, before it, after it
+constexpr double kTurnsAnew = 3;           // [ln] how unlikely a change of a foreign cap's turn is
+constexpr double kStallEnds = -0.7;        // [ln]
+constexpr double kStallEndsAlone = -2.3;   // [ln]
+const double kLogTwoPi = std::log(2 * std::numbers::pi);
+constexpr double kPushed = -9.2;   // [ln] one slice in 10000: moved by something else
+constexpr double kForget = 0.998;  // [1] a slice: what is older than a minute fades
+
+double square(double x) { return x * x; }
+
+/// Whether a way lies between none and the reported one.
+bool isSlower(double way, double reported, double tolerance) {
+  return way >= std::min(0.0, reported) - tolerance && way <= std::max(0.0, reported) + tolerance;
+}
+
+}  // namespace
+
+void Population::add(std::span<const WheelPath> paths, double duration) {
+  for (double* sum :
+       {&weight_, &left_, &right_, &left_left_, &left_right_, &right_right_, &changes_, &slices_}) {
+    *sum *= kFade;
+  }
+  int known = 0;
+  int changed = 0;
+  for (const WheelPath& path : paths) {
+    if (!path.known) continue;
+    addNormal(path, duration);
+    ++known;
+    changed += path.changed ? 1 : 0;
+  }
+  together_ = changed > 1 ? static_cast<double>(changed - 1) / known : 0;
+  for (std::size_t i = 0; i < std::min(kSamplesASlice, paths.size()); ++i) {
+    const WheelPath& path = paths[next_robot_++ % paths.size()];
+    if (!path.known) continue;
+    if (samples_.size() < kSamples) samples_.emplace_back();
+    samples_[next_sample_++ % kSamples] = {path.left / duration, path.right / duration};
+  }
+}
+
+void Population::addNormal(const WheelPath& path, double duration) {
+  const double left = path.left / duration;
+  const double right = path.right / duration;
+  weight_ += 1;
+  left_ += left;
+  right_ += right;
+  left_left_ += left * left;
+  left_right_ += left * right;
+  right_right_ += right * right;
+  slices_ += 1;
+  if (path.changed) changes_ += 1;
+}
+
+double Population::normalDensity(const Wheels& way, double variance, double duration) const {
+  if (weight_ <= 0) return 0;
+  const double left = left_ / weight_;
+  const double right = right_ / weight_;
+  const double time2 = duration * duration;
+  const double ll = std::max(0.0, left_left_ / weight_ - left * left) * time2 + variance;
+  const double rr = std::max(0.0, right_right_ / weight_ - right * right) * time2 + variance;
+  const double lr = (left_right_ / weight_ - left * right) * time2;
+  const double determinant = std::max(ll * rr - lr * lr, variance * variance);
+  const double dl = way.left - left * duration;
+  const double dr = way.right - right * duration;
+  return std::exp(-(dl * dl * rr - 2 * dl * dr * lr + dr * dr * ll) / (2 * determinant)) /
+         (2 * std::numbers::pi * std::sqrt(determinant));
+}
+
+double Population::density(const Wheels& way, double variance, double duration,
+                           double fastest) const {
+  double sampled = 0;
+  for (const Wheels& sample : samples_) {
+    const double z =
+        (square(way.left - sample.left * duration) + square(way.right - sample.right * duration)) /
+        (2 * variance);
+    if (z < 15) sampled += std::exp(-z);
+  }
+  if (!samples_.empty()) {
+    sampled /= 2 * std::numbers::pi * variance * static_cast<double>(samples_.size());
+  }
+  return kLikeOthers / 2 * (sampled + normalDensity(way, variance, duration)) +
+         (1 - kLikeOthers) / square(2 * fastest);
+}
+
+void PairEvidence::add(const SliceMotion& cap, const WheelPath& robot, double highest) {
+  Driven driven =
+      compare(cap, {robot.left, robot.right},
+              {robot.left_variance + cap.variance, robot.right_variance + cap.variance});
+  if (robot.changed) {
+    // The speeds changed somewhere in the slice, or just outside.
+    driven.value -= kOneOfThree;
+    for (const Wheels& way :
+         {Wheels{robot.first_left, robot.first_right}, Wheels{robot.last_left, robot.last_right}}) {
+      Driven steady = compare(cap, way,
+                              {WheelLog::randomVariance(way.left, cap.duration) + cap.variance,
+                               WheelLog::randomVariance(way.right, cap.duration) + cap.variance});
+      steady.value -= kOneOfThree;
+      if (steady.value > driven.value) driven = steady;
+    }
+  }
+  if (stalled_) driven.value += cap.touching ? kStallEnds : kStallEndsAlone;
+  const double variance = robot.left_variance + robot.right_variance + 2 * cap.variance;
+  const double otherwise = std::max(kPushed, heldUp(cap, robot, variance));
+
+  rest_ *= kForget;
+  left_uu_ *= kForget;
+  left_ue_ *= kForget;
+  right_uu_ *= kForget;
+  right_ue_ *= kForget;
+  stalled_ = otherwise > driven.value && otherwise > kPushed;
+  pushed_ = std::max(driven.value, otherwise) < kPushed / 2;
+  if (driven.value >= otherwise) {
+    addDriven(cap, driven);
+  } else {
+    rest_ += otherwise;
+  }
+  sum(highest);
+}
+
+PairEvidence::Driven PairEvidence::compare(const SliceMotion& cap, const Wheels& way,
+                                           const Wheels& variance) {
+  const double gain2 = square(DeadReckoner::kGainError);
+  const double error =
+      (square(cap.way.left - way.left) / (variance.left + gain2 * square(way.left)) +
+       square(cap.way.right - way.right) / (variance.right + gain2 * square(way.right))) /
+      2;
+  const double normaliser = kLogTwoPi + std::log(variance.left * variance.right) / 2;
+  return {-error - normaliser - cap.foreign, error, way, variance};
+}
+
+/// In contact: forward it goes by less than its wheels would, in ways of which nobody knows more
+/// than of a foreign cap's, and back where it reverses more often than it reports; it turns as its
+/// wheels would, or by less.
+double PairEvidence::heldUp(const SliceMotion& cap, const WheelPath& robot, double variance) const {
+  const double tolerance = 3 * std::sqrt(variance);
+  const double forward = (cap.way.left + cap.way.right) / 2;
+  const double turn = cap.way.right - cap.way.left;
+  const double full_turn = robot.right - robot.left;
+  if (std::abs(forward) > std::abs(robot.left + robot.right) / 2 + tolerance / 2) return kPushed;
+  const double before = cap.before.right - cap.before.left;
+  // That it turns as reported tells something only where it was to turn.
+  const double surprise = std::abs(full_turn) < tolerance
+                              ? 0
+                              : std::min(square(turn - before) / (2 * variance), kTurnsAnew);
+  const double turning = surprise - square(turn - full_turn) / (2 * variance);
+  const double resting = isSlower(turn, full_turn, tolerance) ? 0 : kPushed;
+  // Foreign caps get into contact as well: where the cap slowed down, this tells nothing.
+  const double begins = std::min(0.0, (cap.touching ? kStallBegins : kStallAlone) + cap.surprise);
+  return (stalled_ ? kStallGoesOn : begins) + std::max(turning, resting);
+}
+
+void PairEvidence::addDriven(const SliceMotion& cap, const Driven& driven) {
+  const double left_error = cap.way.left - driven.way.left;
+  const double right_error = cap.way.right - driven.way.right;
+  // The error without the gains' share, which the sums have.
+  rest_ +=
+      driven.value + driven.error -
+      (square(left_error) / driven.variance.left + square(right_error) / driven.variance.right) / 2;
+  left_uu_ += square(driven.way.left) / driven.variance.left;
+  left_ue_ += driven.way.left * left_error / driven.variance.left;
+  right_uu_ += square(driven.way.right) / driven.variance.right;
+  right_ue_ += driven.way.right * right_error / driven.variance.right;
+}
+
+void PairEvidence::sum(double highest) {
+  // The two gains integrated out of normal errors: what the best gains win, less what it costs to
+  // have them free.
+  const double inverse = 1 / square(DeadReckoner::kGainError);
+  value_ =
+      rest_ +
+      (square(left_ue_) / (inverse + left_uu_) + square(right_ue_) / (inverse + right_uu_)) / 2 -
+      std::log((1 + left_uu_ / inverse) * (1 + right_uu_ / inverse)) / 2;
+  const double limited = std::clamp(value_, kLowest, highest);
+  rest_ += limited - value_;
+  value_ = limited;
+}
+
+void Evidence::forget() {
+  robot = -1;
+  std::fill(pairs.begin(), pairs.end(), PairEvidence());
+  motions = {};
+  begun = false;
+  speeds = {};
+  surprise = 0;
+  candidate = -1;
+  confirmed = 0;
+  proven = false;
+  suspect = false;
+  contrary = 0;
+}
+
+}  // namespace lab::tracker
