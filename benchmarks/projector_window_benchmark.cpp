@@ -13,9 +13,9 @@
 #include <vector>
 
 #include "common/loop/asio_loop.hpp"
-#include "projector_ctl/display_sdl.hpp"
-#include "projector_ctl/frame_loop.hpp"
-#include "projector_ctl/screen_setup.hpp"
+#include "projector_ctl/display/display_sdl.hpp"
+#include "projector_ctl/display/frame_loop.hpp"
+#include "projector_ctl/display/screen_setup.hpp"
 #include "tests/projector_ctl/virtual_x.hpp"
 
 namespace lab::projector {

@@ -1,7 +1,7 @@
 // The shipped binary on a simulated chip: round trips in simulated time against what the line alone
 // takes, and how many robots one core runs in real time.
 //
-// Linked with libsimavr: GPL-3.0-or-later as a whole, see robot_emulator/LICENSE.md.
+// Linked with libsimavr: GPL-3.0-or-later as a whole, see sim_svc/emulator/LICENSE.md.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 
 #include "common/math/random.hpp"
 #include "robot/firmware/settings.hpp"
-#include "robot_emulator/chip.hpp"
+#include "sim_svc/emulator/chip.hpp"
 #include "robot/wire/config.hpp"
 #include "robot/wire/fields.hpp"
 

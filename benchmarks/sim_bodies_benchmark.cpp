@@ -10,9 +10,9 @@
 
 #include "common/serial/memory_serial.hpp"
 #include "common/loop/virtual_loop.hpp"
-#include "sim_svc/chip_robots.hpp"
-#include "sim_svc/outer_robots.hpp"
-#include "sim_svc/wire_robots.hpp"
+#include "sim_svc/bodies/chip_robots.hpp"
+#include "sim_svc/bodies/external_robots.hpp"
+#include "sim_svc/bodies/wire_robots.hpp"
 #include "tests/sim_svc/wire_host.hpp"
 #include "tests/sim_svc/world_fixture.hpp"
 

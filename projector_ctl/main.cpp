@@ -2,10 +2,10 @@
 #include <cstdio>
 #include <memory>
 
-#include "projector_ctl/adjust_service.hpp"
-#include "projector_ctl/display_sdl.hpp"
+#include "projector_ctl/calibration/adjust_service.hpp"
+#include "projector_ctl/display/display_sdl.hpp"
 #include "projector_ctl/projector_service.hpp"
-#include "projector_ctl/screen_setup.hpp"
+#include "projector_ctl/display/screen_setup.hpp"
 
 namespace {
 

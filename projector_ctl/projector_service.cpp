@@ -16,7 +16,7 @@
 #include "common/experiment/experiment_messages.hpp"
 #include "common/math/units.hpp"
 #include "light/field/raster.hpp"
-#include "projector_ctl/overlay.hpp"
+#include "projector_ctl/display/overlay.hpp"
 #include "projector_ctl/projector_messages.hpp"
 
 namespace lab::projector {

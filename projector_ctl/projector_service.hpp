@@ -10,8 +10,8 @@
 
 #include "common/experiment/light_messages.hpp"
 #include "common/service/service_main.hpp"
-#include "projector_ctl/frame_clock.hpp"
-#include "projector_ctl/frame_loop.hpp"
+#include "projector_ctl/display/frame_clock.hpp"
+#include "projector_ctl/display/frame_loop.hpp"
 #include "projector_ctl/projector_core.hpp"
 
 namespace lab::projector {

@@ -11,8 +11,8 @@
 
 #include "light/field/drive.hpp"
 #include "light/field/image.hpp"
-#include "projector_ctl/prediction.hpp"
-#include "projector_ctl/trail.hpp"
+#include "projector_ctl/scene/prediction.hpp"
+#include "projector_ctl/scene/trail.hpp"
 
 namespace lab::projector {
 

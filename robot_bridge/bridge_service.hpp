@@ -11,9 +11,9 @@
 #include <string>
 
 #include "common/service/service_main.hpp"
-#include "robot_bridge/port_keeper.hpp"
-#include "robot_bridge/robot_link.hpp"
-#include "robot_bridge/status_of.hpp"
+#include "robot_bridge/lines/port_manager.hpp"
+#include "robot_bridge/protocol/robot_link.hpp"
+#include "robot_bridge/protocol/robot_messages.hpp"
 
 namespace lab::bridge {
 

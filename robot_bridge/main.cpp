@@ -1,7 +1,7 @@
 #include <CLI/CLI.hpp>
 
 #include "robot_bridge/bridge_service.hpp"
-#include "robot_bridge/line_tools.hpp"
+#include "robot_bridge/lines/line_tools.hpp"
 
 int main(int argc, char** argv) {
   if (lab::bridge::wantsLineTool(argc, argv)) return lab::bridge::lineToolMain(argc, argv);

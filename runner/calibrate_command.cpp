@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstdio>
 
-#include "calibration/motor_report.hpp"
-#include "calibration/pattern.hpp"
+#include "robot_bridge/calibration/motor_report.hpp"
+#include "robot_bridge/calibration/drive_pattern.hpp"
 #include "common/experiment/experiment_file.hpp"
 #include "common/experiment/experiment_messages.hpp"
 #include "runner/calibration_lab.hpp"

@@ -6,7 +6,7 @@
 #include <optional>
 #include <set>
 
-#include "calibration/projector_patterns.hpp"
+#include "projector_ctl/calibration/projector_patterns.hpp"
 #include "light/photometry/tone_pictures.hpp"
 #include "common/experiment/experiment_file.hpp"
 #include "common/calibration/light_file.hpp"

@@ -5,9 +5,9 @@
 #include <fstream>
 #include <stdexcept>
 
-#include "calibration/projector_fit.hpp"
-#include "calibration/projector_patterns.hpp"
-#include "calibration/projector_report.hpp"
+#include "projector_ctl/calibration/projector_fit.hpp"
+#include "projector_ctl/calibration/projector_patterns.hpp"
+#include "projector_ctl/calibration/projector_report.hpp"
 #include "common/experiment/experiment_file.hpp"
 #include "common/calibration/projector_file.hpp"
 #include "common/math/units.hpp"

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "calibration/motor_message.hpp"
-#include "calibration/track_noise.hpp"
+#include "robot_bridge/calibration/motor_message.hpp"
+#include "robot_bridge/calibration/track_noise.hpp"
 #include "common/bus/channels.hpp"
 #include "common/experiment/experiment_messages.hpp"
 

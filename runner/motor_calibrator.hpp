@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "calibration/motor_report.hpp"
+#include "robot_bridge/calibration/motor_report.hpp"
 #include "runner/pattern_driver.hpp"
 #include "runner/pilot.hpp"
 

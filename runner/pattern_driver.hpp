@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "calibration/motors.hpp"
-#include "calibration/pattern.hpp"
-#include "calibration/speed_check.hpp"
+#include "robot_bridge/calibration/motors.hpp"
+#include "robot_bridge/calibration/drive_pattern.hpp"
+#include "robot_bridge/calibration/speed_check.hpp"
 #include "common/experiment/experiment.hpp"
 
 namespace lab::runner {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "calibration/projector_patterns.hpp"
+#include "projector_ctl/calibration/projector_patterns.hpp"
 #include "runner/pilot.hpp"
 
 namespace lab::runner {

@@ -9,12 +9,12 @@
 #include <utility>
 
 #include "common/math/random.hpp"
-#include "sim_svc/camera_painter_bending.hpp"
-#include "sim_svc/camera_painter_cells.hpp"
-#include "sim_svc/camera_painter_ground.hpp"
-#include "sim_svc/camera_painter_light.hpp"
-#include "sim_svc/camera_painter_noise.hpp"
-#include "sim_svc/camera_painter_robot.hpp"
+#include "sim_svc/camera/camera_painter_warp.hpp"
+#include "sim_svc/camera/camera_painter_cells.hpp"
+#include "sim_svc/camera/camera_painter_ground.hpp"
+#include "sim_svc/camera/camera_painter_light.hpp"
+#include "sim_svc/camera/camera_painter_noise.hpp"
+#include "sim_svc/camera/camera_painter_robot.hpp"
 
 namespace lab::sim {
 namespace {

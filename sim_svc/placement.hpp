@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "robot/dynamics/kinematics.hpp"
-#include "sim_svc/arena.hpp"
+#include "sim_svc/world/arena.hpp"
 
 namespace lab::sim {
 

@@ -9,8 +9,8 @@
 #include "common/bus/channels.hpp"
 #include "common/math/units.hpp"
 #include "light/field/layer.hpp"
-#include "sim_svc/chip_robots.hpp"
-#include "sim_svc/wire_robots.hpp"
+#include "sim_svc/bodies/chip_robots.hpp"
+#include "sim_svc/bodies/wire_robots.hpp"
 
 namespace lab::sim {
 namespace {

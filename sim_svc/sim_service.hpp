@@ -12,12 +12,12 @@
 #include "common/calibration/motor_file.hpp"
 #include "common/service/service_main.hpp"
 #include "light/field/field.hpp"
-#include "sim_svc/bus_robots.hpp"
-#include "sim_svc/ghosts.hpp"
-#include "sim_svc/outer_robots.hpp"
-#include "sim_svc/painted_camera.hpp"
-#include "sim_svc/projector_light.hpp"
-#include "sim_svc/tracker_model.hpp"
+#include "sim_svc/bodies/bus_robots.hpp"
+#include "sim_svc/bodies/kinematic_robots.hpp"
+#include "sim_svc/bodies/external_robots.hpp"
+#include "sim_svc/camera/painted_camera.hpp"
+#include "sim_svc/camera/projector_light.hpp"
+#include "sim_svc/camera/tracker_model.hpp"
 #include "sim_svc/world.hpp"
 
 namespace lab::sim {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "sim_svc/collision.hpp"
+#include "sim_svc/world/collision.hpp"
 #include "sim_svc/placement.hpp"
 
 namespace lab::sim {

@@ -9,11 +9,11 @@
 #include "common/math/random.hpp"
 #include "robot/dynamics/kinematics.hpp"
 #include "robot/dynamics/robot_core.hpp"
-#include "sim_svc/arena.hpp"
-#include "sim_svc/ir_scan.hpp"
-#include "sim_svc/neighbour_list.hpp"
-#include "sim_svc/robot_clock.hpp"
-#include "sim_svc/wheel_motor.hpp"
+#include "sim_svc/world/arena.hpp"
+#include "sim_svc/world/ir_scan.hpp"
+#include "sim_svc/world/neighbour_list.hpp"
+#include "sim_svc/world/robot_clock.hpp"
+#include "sim_svc/world/wheel_motor.hpp"
 
 namespace lab::sim {
 

@@ -27,7 +27,7 @@ enum class Waveform : std::int8_t {
 enum class Follow : std::int8_t {
   kNothing = 0,
   kRobots = 1,  ///< one copy of the layer for each robot; x, y and angle are in the robot's frame
-  kTrail = 2,   ///< what robots leave behind (projector_ctl/trail.hpp)
+  kTrail = 2,   ///< what robots leave behind (projector_ctl/scene/trail.hpp)
 };
 
 enum class WhenLost : std::int8_t {

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "projector_ctl/display.hpp"
+#include "projector_ctl/display/display.hpp"
 
 namespace lab::projector {
 

@@ -1,0 +1,52 @@
+#include "projector_ctl/display/screen_setup.hpp"
+
+#include <chrono>
+#include <thread>
+#include <utility>
+
+#include "common/experiment/experiment_file.hpp"
+#include "common/calibration/light_file.hpp"
+#include "common/calibration/projector_file.hpp"
+#include "projector_ctl/painter/calibrated_tone.hpp"
+#include "projector_ctl/display/display_sdl.hpp"
+
+namespace lab::projector {
+
+light::Field safeField(const Experiment& experiment) {
+  return {{light::Layer{.intensity = experiment.light.safe_intensity}}, {}, 1};
+}
+
+Screen::Setup screenSetup(const Experiment& experiment, const std::filesystem::path& directory,
+                          const Loop& loop, OpenDisplay open) {
+  Screen::Setup setup;
+  setup.open = std::move(open);
+  setup.place = [experiment, directory](int columns, int rows) {
+    const ProjectorInForce found = projectorInForce(experiment, directory, columns, rows);
+    const auto light = lightInForce(experiment, directory);
+    if (!light) return Screen::Placement{found.model, found.id};
+    return Screen::Placement{found.model, found.id.empty() ? light->id : found.id + " " + light->id,
+                             std::make_shared<CalibratedTone>(light->tone(), found.model)};
+  };
+  setup.safe_field = safeField(experiment);
+  setup.now = [&loop] { return loop.now(); };
+  setup.sleep_until = [&loop](std::int64_t utime) {
+    std::this_thread::sleep_for(std::chrono::microseconds(utime - loop.now()));
+  };
+  setup.overlay = experiment.projector.overlay;
+  return setup;
+}
+
+std::unique_ptr<Presenter> makePresenter(const Experiment& experiment,
+                                         const std::filesystem::path& directory,
+                                         const Loop& loop) {
+  const std::string& display = experiment.projector.display;
+  if (display == kHeadless) return nullptr;
+  try {
+    return std::make_unique<ThreadPresenter>(
+        screenSetup(experiment, directory, loop, [display] { return openSdlDisplay(display); }));
+  } catch (const DisplayError& error) {  // what the experiment asks for is not there
+    throw ExperimentError({error.what()});
+  }
+}
+
+}  // namespace lab::projector

@@ -1,0 +1,179 @@
+#include "projector_ctl/scene/trail.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+#include <utility>
+
+namespace lab::projector {
+namespace {
+
+constexpr double kLargestShare = 0.2;  // of a cell's content that goes to each neighbour at once
+constexpr double kNothing = 1e-200;    // numbers below become slow before they become 0
+
+double seconds(std::int64_t us) { return static_cast<double>(us) * 1e-6; }
+
+/// The side of the smallest cells that fit: as many columns and rows as an image may have, and no
+/// more cells than `most`.
+double cellFor(double width, double height, std::size_t most) {
+  double cell = std::max(width / light::kMostColumns, height / light::kMostRows);
+  const auto cells = [&] {
+    return std::ceil(width / cell - 1e-9) * std::ceil(height / cell - 1e-9);
+  };
+  while (cells() > static_cast<double>(most)) cell *= 1.01;
+  return cell;
+}
+
+int cellsAlong(double length, double cell) {
+  return std::max(1, static_cast<int>(std::ceil(length / cell - 1e-9)));
+}
+
+}  // namespace
+
+Trail::Trail(const Settings& settings)
+    : settings_(settings),
+      cell_(cellFor(settings.width, settings.height, settings.most_cells)),
+      columns_(cellsAlong(settings.width, cell_)),
+      rows_(cellsAlong(settings.height, cell_)),
+      cells_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_)),
+      buffer_(cells_.size()) {}
+
+double Trail::source() const {
+  return settings_.rate * std::numbers::pi * settings_.radius * settings_.radius / 3;
+}
+
+double Trail::mass() const {
+  return cell_ * cell_ * std::accumulate(cells_.begin(), cells_.end(), 0.0);
+}
+
+void Trail::spread(Cells& cells, double share) {
+  const auto width = static_cast<std::size_t>(columns_);
+  const auto height = static_cast<std::size_t>(rows_);
+  for (std::size_t row = 0; row < height; ++row) {
+    const double* here = &cells[row * width];
+    const double* below = row > 0 ? here - width : here;
+    const double* above = row + 1 < height ? here + width : here;
+    double* out = &buffer_[row * width];
+    const auto cellAt = [&](std::size_t i, std::size_t left, std::size_t right) {
+      out[i] = here[i] + share * (((here[left] - here[i]) + (here[right] - here[i])) +
+                                  ((below[i] - here[i]) + (above[i] - here[i])));
+    };
+    cellAt(0, 0, std::min<std::size_t>(1, width - 1));
+    for (std::size_t i = 1; i + 1 < width; ++i) cellAt(i, i - 1, i + 1);
+    if (width > 1) cellAt(width - 1, width - 2, width - 1);
+  }
+  cells.swap(buffer_);
+}
+
+void Trail::pass(Cells& cells, double time) {
+  const double shares = settings_.diffusion * time / (cell_ * cell_);
+  const auto steps = static_cast<int>(std::ceil(shares / kLargestShare));
+  for (int step = 0; step < steps; ++step) spread(cells, shares / steps);
+  const double kept = std::exp(-settings_.decay * time);
+  if (kept < 1) {
+    for (double& cell : cells) cell = cell > kNothing ? cell * kept : 0;
+  }
+}
+
+void Trail::advanceTo(std::int64_t utime) {
+  if (utime <= utime_) return;
+  if (!empty_) pass(cells_, seconds(utime - utime_));
+  utime_ = utime;
+  strides_ = 0;
+}
+
+void Trail::add(double x, double y, double amount) {
+  const double radius = settings_.radius;
+  const auto range = [&](double middle, int count) {
+    const int first =
+        std::clamp(static_cast<int>(std::floor((middle - radius) / cell_)), 0, count - 1);
+    const int last =
+        std::clamp(static_cast<int>(std::floor((middle + radius) / cell_)), 0, count - 1);
+    return std::pair(first, last);
+  };
+  const auto [left, right] = range(x, columns_);
+  const auto [bottom, top] = range(y, rows_);
+  weights_.clear();
+  double sum = 0;
+  for (int row = bottom; row <= top; ++row) {
+    const double dy = (row + 0.5) * cell_ - y;
+    for (int column = left; column <= right; ++column) {
+      const double dx = (column + 0.5) * cell_ - x;
+      const double rest = std::max(0.0, 1 - (dx * dx + dy * dy) / (radius * radius));
+      weights_.push_back(rest * rest);
+      sum += rest * rest;
+    }
+  }
+  const auto at = [&](int column, int row) -> double& {
+    return cells_[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) +
+                  static_cast<std::size_t>(column)];
+  };
+  const double total = amount / (cell_ * cell_);
+  if (sum <= 0) {
+    // A source that is smaller than a cell and between the middles of all.
+    const auto nearest = [&](double place, int count) {
+      return std::clamp(static_cast<int>(std::floor(place / cell_)), 0, count - 1);
+    };
+    at(nearest(x, columns_), nearest(y, rows_)) += total;
+    return;
+  }
+  std::size_t next = 0;
+  for (int row = bottom; row <= top; ++row) {
+    for (int column = left; column <= right; ++column) {
+      at(column, row) += total * weights_[next++] / sum;
+    }
+  }
+}
+
+void Trail::lay(double from_x, double from_y, std::int64_t from_utime, double to_x, double to_y,
+                std::int64_t to_utime) {
+  if (to_utime <= from_utime) return;
+  const double way = std::hypot(to_x - from_x, to_y - from_y);
+  // No beads: middles of what is laid at once are at most half a cell and a fifth of the radius
+  // apart.
+  const double stretch = std::min(0.5 * cell_, 0.2 * settings_.radius);
+  const int pieces = std::max(1, static_cast<int>(std::ceil(way / stretch)));
+  const double time = seconds(to_utime - from_utime) / pieces;
+  const double oldest = seconds(utime_ - from_utime);
+  // Of what is laid evenly over `time`, this is left at its end.
+  const double decay = settings_.decay;
+  const double left = decay > 0 ? -std::expm1(-decay * time) / decay : time;
+  for (int i = 0; i < pieces; ++i) {
+    const double share = (i + 0.5) / pieces;
+    const double age = oldest - (i + 1) * time;
+    add(from_x + share * (to_x - from_x), from_y + share * (to_y - from_y),
+        source() * left * std::exp(-decay * age));
+  }
+  empty_ = false;
+  strides_ = 0;
+}
+
+std::shared_ptr<const light::Image> Trail::picture(std::int64_t utime) {
+  const std::int64_t since = std::max<std::int64_t>(0, utime - utime_);
+  const std::int64_t strides = empty_ ? 0 : since / kStride_us;
+  if (strides < strides_) strides_ = 0;
+  if (strides > 0 && strides_ == 0) carried_ = cells_;
+  for (; strides_ < strides; ++strides_) pass(carried_, seconds(kStride_us));
+  const Cells& cells = strides > 0 ? carried_ : cells_;
+
+  const double kept = std::exp(-settings_.decay * seconds(since - strides * kStride_us));
+  light::Image image;
+  image.columns = columns_;
+  image.rows = rows_;
+  image.grey.resize(cells.size());
+  const auto width = static_cast<std::size_t>(columns_);
+  std::size_t next = 0;
+  for (std::size_t row = static_cast<std::size_t>(rows_); row-- > 0;) {
+    for (std::size_t i = 0; i < width; ++i) {
+      const double shown = std::min(1.0, kept * cells[row * width + i]);
+      image.grey[next++] = static_cast<std::uint8_t>(255 * shown + 0.5);
+    }
+  }
+  if (!picture_ || picture_->grey != image.grey) {
+    picture_ = std::make_shared<const light::Image>(std::move(image));
+  }
+  return picture_;
+}
+
+}  // namespace lab::projector

@@ -1,0 +1,92 @@
+#include "robot_bridge/protocol/calibration_writer.hpp"
+
+#include <cmath>
+
+#include "robot/dynamics/motor.hpp"
+#include "robot/wire/fields.hpp"
+
+namespace lab::bridge {
+namespace {
+
+constexpr std::array<std::uint8_t, 5> kIds = {
+    wire::kGainLeft, wire::kGainRight, wire::kDeadBandLeft, wire::kDeadBandRight, wire::kWheelBase};
+constexpr double kMillion = 1e6;
+
+/// Of a number that the robot will refuse if it makes no sense.
+std::int32_t rounded(double value) {
+  return std::abs(value) < 2e9 ? static_cast<std::int32_t>(std::lround(value)) : -1;
+}
+
+}  // namespace
+
+void CalibrationErrand::ask(std::int64_t seq, std::int64_t instance,
+                            const motor_calibration_t& wanted) {
+  const bool known = seq == seq_ && instance == instance_;
+  if (known && (step_ != kDone || fulfilled_)) return;
+  seq_ = seq;
+  instance_ = instance;
+  robot_id_ = wanted.robot_id;
+  wanted_ = {rounded(wanted.gain_left * kMillion), rounded(wanted.gain_right * kMillion),
+             rounded(wanted.dead_band_left * dynamics::kMaxDuty),
+             rounded(wanted.dead_band_right * dynamics::kMaxDuty),
+             rounded(wanted.wheel_base * kMillion)};
+  begin_ = wanted.gain_left == 0 ? kRead : 0;
+  step_ = begin_;
+  fulfilled_ = false;
+  failure_.reset();
+}
+
+void CalibrationErrand::restart() {
+  if (step_ < kDone) step_ = begin_;
+}
+
+std::optional<wire::Frame> CalibrationErrand::next() const {
+  wire::Frame frame;
+  if (step_ < kCommit) {
+    wire::SetParam message;
+    message.id = kIds[step_];
+    message.value = wanted_[step_];
+    wire::pack(message, 0, frame);
+  } else if (step_ == kCommit) {
+    wire::pack(wire::Commit(), 0, frame);
+  } else if (step_ < kDone) {
+    wire::GetParam message;
+    message.id = kIds[step_ - kRead];
+    wire::pack(message, 0, frame);
+  } else {
+    return std::nullopt;
+  }
+  return frame;
+}
+
+void CalibrationErrand::finish(const wire::Frame& command, const wire::Ack& ack) {
+  const std::optional<wire::Frame> mine = next();
+  if (!mine || mine->type != command.type || mine->payload[0] != command.payload[0]) return;
+  if (ack.status == wire::kOk) {
+    ++step_;
+    return;
+  }
+  failure_ = ack;
+  step_ = kDone;
+}
+
+void CalibrationErrand::finish(const wire::ParamValue& value) {
+  if (step_ < kRead || step_ >= kDone || kIds[step_ - kRead] != value.id) return;
+  held_[step_ - kRead] = value.value;
+  ++step_;
+  fulfilled_ = step_ == kDone;
+}
+
+std::optional<motor_calibration_t> CalibrationErrand::held() const {
+  if (!fulfilled_) return std::nullopt;
+  motor_calibration_t message{};
+  message.robot_id = robot_id_;
+  message.gain_left = held_[0] / kMillion;
+  message.gain_right = held_[1] / kMillion;
+  message.dead_band_left = static_cast<double>(held_[2]) / dynamics::kMaxDuty;
+  message.dead_band_right = static_cast<double>(held_[3]) / dynamics::kMaxDuty;
+  message.wheel_base = held_[4] / kMillion;
+  return message;
+}
+
+}  // namespace lab::bridge

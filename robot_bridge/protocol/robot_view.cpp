@@ -1,0 +1,106 @@
+#include "robot_bridge/protocol/robot_view.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace lab::bridge {
+namespace {
+
+bool inRun(const wire::Telemetry& telemetry) {
+  return telemetry.kind == dynamics::kRtp &&
+         (telemetry.flags & (dynamics::kTumbling | dynamics::kReversing)) == 0;
+}
+
+bool isTumbling(const wire::Telemetry& telemetry) {
+  return (telemetry.flags & dynamics::kTumbling) != 0;
+}
+
+}  // namespace
+
+void RobotView::reset() {
+  RobotView fresh;
+  fresh.telemetry_lost_ = telemetry_lost_;
+  fresh.steps_lost_ = steps_lost_;
+  fresh.frames_bad_before_ = framesBad();
+  fresh.steps_ = std::move(steps_);
+  *this = std::move(fresh);
+}
+
+void RobotView::take(const wire::Telemetry& telemetry, std::uint8_t seq) {
+  if (last_) {
+    const auto gap = static_cast<std::uint8_t>(seq - telemetry_seq_ - 1);
+    if (gap < 128) telemetry_lost_ += gap;  // else it came twice or late
+    countRunTime(telemetry);
+    if (isTumbling(telemetry) && !isTumbling(*last_)) ++tumbles_seen_;
+  }
+  telemetry_seq_ = seq;
+  last_ = telemetry;
+  if (!fits(telemetry)) return;
+  program_epoch_.take(telemetry.program_epoch);
+  Picture picture;
+  picture.telemetry = telemetry;
+  picture.state = *state_;
+  picture.program_epoch = program_epoch_.value();
+  picture.reversal_count = reversal_count_.value();
+  picture.tumble_count = tumble_count_.value() + tumbles_seen_;
+  picture.saturation_count = saturation_count_.value();
+  picture.run_time_ms = run_time_ms_;
+  if (picture_) {  // both are better known later, and neither ever falls
+    picture.tumble_count = std::max(picture.tumble_count, picture_->tumble_count);
+    picture.run_time_ms = std::max(picture.run_time_ms, picture_->run_time_ms);
+  }
+  picture.battery = battery_;
+  picture_ = picture;
+  news_ = true;
+}
+
+bool RobotView::fits(const wire::Telemetry& telemetry) const {
+  if (!state_ || state_->program_epoch != telemetry.program_epoch) return false;
+  if (state_->reversal_count == 0) return (telemetry.flags & dynamics::kReversing) == 0;
+  const std::int32_t lasted = msBetween(state_->reversal_start_ms, state_->reversal_end_ms);
+  if (lasted == 0) return true;
+  return (lasted < 0) == ((telemetry.flags & dynamics::kReversing) != 0);
+}
+
+// COUNTERS say it once a second; in between each stretch of telemetry counts as its ends say.
+void RobotView::countRunTime(const wire::Telemetry& telemetry) {
+  const double passed = std::max(0, msBetween(last_->t_ms, telemetry.t_ms));
+  run_time_ms_ += passed * ((inRun(*last_) ? 0.5 : 0) + (inRun(telemetry) ? 0.5 : 0));
+}
+
+void RobotView::take(const wire::State& state) {
+  state_ = state;
+  program_epoch_.take(state.program_epoch);
+  reversal_count_.take(state.reversal_count);
+  tumble_count_.take(state.tumble_count);
+  tumbles_seen_ = 0;
+}
+
+void RobotView::take(const wire::Counters& counters) {
+  saturation_count_.take(counters.saturation_count);
+  frames_bad_.take(counters.frames_bad);
+  battery_ = counters.battery_mv / 1000.0;
+  // The next telemetry adds what has passed since the last one, so what counts is the time then.
+  run_time_ms_ = counters.run_time_ms;
+  if (last_ && inRun(*last_)) {
+    run_time_ms_ -= std::clamp(msBetween(last_->t_ms, counters.t_ms), 0, 1000);
+    run_time_ms_ = std::max(0.0, run_time_ms_);
+  }
+}
+
+void RobotView::take(const wire::Step& step) {
+  if (draw_count_) {
+    const std::uint32_t gap = step.draw_count - *draw_count_ - 1;
+    if (gap < (1U << 31U)) steps_lost_ += gap;
+  }
+  draw_count_ = step.draw_count;
+  const std::uint32_t epoch = program_epoch_.value();  // a step may come before or after its STATE
+  const auto ahead = static_cast<std::int16_t>(step.program_epoch - epoch);
+  steps_.push_back({step, epoch + static_cast<std::uint32_t>(ahead)});
+}
+
+bool RobotView::takeNews() { return std::exchange(news_, false); }
+
+std::vector<RobotView::LongStep> RobotView::takeSteps() { return std::exchange(steps_, {}); }
+
+}  // namespace lab::bridge

@@ -1,0 +1,97 @@
+/// What one robot has said since it was switched on.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "robot_bridge/protocol/clock_estimate.hpp"
+#include "robot/wire/messages.hpp"
+
+namespace lab::bridge {
+
+/// b - a on a robot's clock, which wraps around [ms].
+[[nodiscard]] constexpr std::int32_t msBetween(std::uint32_t a, std::uint32_t b) {
+  return static_cast<std::int32_t>(b - a);
+}
+
+/// A count of which the robot says the low 16 bits.
+class LongCount {
+ public:
+  void take(std::uint16_t low) { value_ += static_cast<std::uint16_t>(low - value_); }
+  [[nodiscard]] std::uint32_t value() const { return value_; }
+
+ private:
+  std::uint32_t value_ = 0;
+};
+
+/// One picture of the robot: a TELEMETRY together with the STATE that belongs to it.
+struct Picture {
+  wire::Telemetry telemetry;
+  wire::State state;
+  std::uint32_t program_epoch = 0;
+  std::uint32_t reversal_count = 0;
+  std::uint32_t tumble_count = 0;
+  std::uint32_t saturation_count = 0;
+  double run_time_ms = 0;  ///< on the robot's clock
+  double battery = 0;      ///< [V]
+};
+
+/// Puts the robot's messages together. A TELEMETRY that does not fit the last STATE, because one of
+/// the two was lost, makes no picture: the next STATE comes within 250 ms.
+class RobotView {
+ public:
+  /// The robot has restarted, or it is another one.
+  void reset();
+
+  void take(const wire::Telemetry& telemetry, std::uint8_t seq);
+  void take(const wire::State& state);
+  void take(const wire::Counters& counters);
+  void take(const wire::Step& step);
+
+  /// The last picture.
+  [[nodiscard]] const std::optional<Picture>& picture() const { return picture_; }
+
+  /// Whether there is a picture that this has not said before.
+  [[nodiscard]] bool takeNews();
+
+  /// A step and its epoch in full.
+  struct LongStep {
+    wire::Step step;
+    std::uint32_t program_epoch;
+  };
+  /// The steps since the last call.
+  [[nodiscard]] std::vector<LongStep> takeSteps();
+
+  /// Messages that the robot sent and that did not come.
+  [[nodiscard]] std::int64_t telemetryLost() const { return telemetry_lost_; }
+  [[nodiscard]] std::int64_t stepsLost() const { return steps_lost_; }
+  /// Frames that came to the robot damaged, over all its restarts.
+  [[nodiscard]] std::uint32_t framesBad() const { return frames_bad_before_ + frames_bad_.value(); }
+
+ private:
+  [[nodiscard]] bool fits(const wire::Telemetry& telemetry) const;
+  void countRunTime(const wire::Telemetry& telemetry);
+
+  std::optional<wire::Telemetry> last_;
+  std::optional<wire::State> state_;
+  std::optional<Picture> picture_;
+  bool news_ = false;
+  std::vector<LongStep> steps_;
+  std::uint8_t telemetry_seq_ = 0;
+  std::optional<std::uint32_t> draw_count_;
+
+  LongCount program_epoch_;
+  LongCount reversal_count_;
+  LongCount tumble_count_;
+  LongCount saturation_count_;
+  LongCount frames_bad_;
+  std::uint32_t tumbles_seen_ = 0;  ///< in telemetry, since the last STATE
+  double run_time_ms_ = 0;
+  double battery_ = 0;
+  std::int64_t telemetry_lost_ = 0;
+  std::int64_t steps_lost_ = 0;
+  std::uint32_t frames_bad_before_ = 0;
+};
+
+}  // namespace lab::bridge

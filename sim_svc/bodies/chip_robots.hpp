@@ -1,0 +1,82 @@
+/// Robots whose program is the firmware itself, on simulated chips in a process of their own.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "sim_svc/bodies/chip_link.hpp"
+#include "sim_svc/bodies/body_driver.hpp"
+#include "sim_svc/bodies/emulator_process.hpp"
+
+namespace lab::sim {
+
+/// One robot on a chip as it is built.
+struct ChipRobotSetup {
+  std::size_t body = 0;              ///< The world's robot that it drives.
+  std::vector<std::uint8_t> eeprom;  ///< From address 0; the rest is blank.
+};
+
+/// The chips of robot_emulator in lockstep with the world: they run exactly as far as advance()
+/// says, and nobody moves meanwhile.
+///
+/// When the emulator ends, hangs or answers nonsense, the robots stand, `report` is told once, and a
+/// second later (of the world) the chips are switched on anew, with their EEPROM as at the
+/// beginning. After three failures in a row they stay off.
+class ChipRobots final : public BodyDriver {
+ public:
+  using Report = std::function<void(const std::string&)>;
+
+  static constexpr int kPatience_ms = 2000;        ///< Real time, for one step.
+  static constexpr int kStartPatience_ms = 10000;  ///< Real time, to load the firmware.
+  static constexpr std::int64_t kOff_us = 1'000'000;
+  static constexpr int kMostFailures = 3;
+  /// So long without a failure, and the earlier ones are forgotten.
+  static constexpr std::int64_t kForgiven_us = 30'000'000;
+
+  /// @param programs folder with robot_emulator and robot_firmware.elf
+  /// @throws std::runtime_error: one line, what is missing or why the emulator does not start
+  ChipRobots(const World& world, std::vector<ChipRobotSetup> setups,
+             const std::filesystem::path& programs, Report report);
+
+  [[nodiscard]] std::size_t size() const override { return chips_.size(); }
+  [[nodiscard]] std::size_t body(std::size_t k) const override { return chips_[k].setup.body; }
+  void receive(std::size_t k, std::span<const std::uint8_t> bytes) override;
+  void advance(World& world, std::int64_t until_us) override;
+  [[nodiscard]] std::span<const std::uint8_t> sent(std::size_t k) const override {
+    return chips_[k].sent;
+  }
+  [[nodiscard]] std::int8_t kind(std::size_t) const override { return kUnknown; }
+
+  [[nodiscard]] const EmulatorProcess* emulator() const { return emulator_.get(); }
+
+ private:
+  struct Chip {
+    ChipRobotSetup setup;
+    std::int32_t id = 0;
+    double clock_rate = 1;
+    std::int64_t boot_us = 0;
+    std::vector<std::uint8_t> received;
+    std::vector<std::uint8_t> sent;
+    bool crashed = false;
+  };
+
+  void start(std::int64_t now_us);
+  void step(World& world, std::int64_t until_us);
+  void takeAnswer(World& world, std::int64_t until_us, std::span<const std::uint8_t> answer);
+  void fail(World& world, const std::string& why);
+
+  std::filesystem::path program_;
+  Report report_;
+  std::vector<Chip> chips_;
+  std::unique_ptr<EmulatorProcess> emulator_;
+  std::vector<std::uint8_t> packet_;
+  std::int64_t restart_us_ = 0;
+  std::int64_t failed_us_ = 0;
+  int failures_ = 0;
+};
+
+}  // namespace lab::sim

@@ -1,0 +1,66 @@
+/// The robots that sim_svc does not move but that its robots meet: real ones, as a camera sees them,
+/// and recorded ones.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <lab/robot_state_t.hpp>
+#include <lab/sim_truth_t.hpp>
+#include <lab/tracked_frame_t.hpp>
+#include <map>
+#include <vector>
+
+#include "common/experiment/experiment.hpp"
+#include "sim_svc/camera_painter.hpp"
+#include "sim_svc/bodies/replay_robot.hpp"
+#include "sim_svc/camera/tracker_model.hpp"
+#include "sim_svc/world.hpp"
+
+namespace lab::sim {
+
+/// Moves the world's ghosts.
+class Ghosts {
+ public:
+  /// A real robot that no frame has shown for this long has been taken away.
+  static constexpr std::int64_t kLost_us = 2'000'000;
+
+  /// @param directory of the experiment file: recordings are named from there
+  /// @param start_utime when recordings begin to play
+  /// @throws std::runtime_error: see loadRecording()
+  Ghosts(World& world, const Experiment& experiment, const std::filesystem::path& directory,
+         std::int64_t start_utime);
+
+  [[nodiscard]] bool anyReal() const { return !real_.empty(); }
+  [[nodiscard]] bool anyReplayed() const { return !replayed_.empty(); }
+
+  /// Moves the real robots among those of a camera frame.
+  void see(const tracked_frame_t& frame, std::int64_t now);
+
+  /// Moves the recorded robots to where they are now, and takes out who is gone.
+  void follow(std::int64_t now);
+
+  /// Adds what is to be said of the recorded robots at a time.
+  void addTracked(std::int64_t exposure_utime, TrackerModel& tracker) const;
+  void addStates(std::int64_t utime, std::vector<robot_state_t>& states) const;
+  void addPainted(std::int64_t exposure_utime, double exposure,
+                  std::vector<PaintedRobot>& robots) const;
+  void addTruth(std::int64_t utime, std::vector<true_pose_t>& robots) const;
+
+ private:
+  struct Real {
+    std::size_t ghost = 0;
+    std::int64_t seen_utime = 0;
+    bool there = false;
+  };
+  struct Replayed {
+    std::size_t ghost = 0;
+    ReplayRobot robot;
+    bool there = false;
+  };
+
+  World& world_;
+  std::map<std::int32_t, Real> real_;
+  std::vector<Replayed> replayed_;
+};
+
+}  // namespace lab::sim

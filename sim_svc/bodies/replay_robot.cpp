@@ -1,0 +1,178 @@
+#include "sim_svc/bodies/replay_robot.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <lab/experiment_event_t.hpp>
+#include <lab/robot_status_t.hpp>
+#include <lab/tracked_frame_t.hpp>
+#include <numbers>
+#include <set>
+#include <stdexcept>
+
+#include "common/bus/channels.hpp"
+#include "common/bus/codec.hpp"
+#include "common/bus/log_file.hpp"
+#include "common/math/units.hpp"
+
+namespace lab::sim {
+namespace {
+
+constexpr const char* kLogOfARun = "log.lcmlog";
+/// Two frames further apart than this many periods have a drop-out between them.
+constexpr double kDropOut = 1.5;
+
+/// Everything that a log says of one robot.
+class Collector {
+ public:
+  explicit Collector(std::int32_t robot_id) : robot_id_(robot_id) {}
+
+  void take(const Packet& packet) {
+    if (packet.channel == channels::kTrackedFrame) {
+      takeFrame(packet);
+    } else if (packet.channel == channels::kRobotStatus) {
+      takeStatus(packet);
+    } else if (packet.channel == channels::kExperimentEvent) {
+      experiment_event_t event{};
+      const bool first_step = decode(packet.data, event) &&
+                              event.kind == experiment_event_t::STEP && event.step == 0;
+      if (first_step) script_start_ = event.commanded_utime;
+    }
+  }
+
+  Recording recording;
+  std::set<std::int32_t> ids;
+
+  /// When the script started; without one, the first frame.
+  [[nodiscard]] std::int64_t scriptStart() const {
+    return script_start_ != 0 ? script_start_ : recording.frames.front().utime;
+  }
+
+ private:
+  void takeFrame(const Packet& packet) {
+    tracked_frame_t frame{};
+    if (!decode(packet.data, frame)) return;
+    for (const tracked_pose_t& pose : frame.robots) {
+      ids.insert(pose.robot_id);
+      if (pose.robot_id != robot_id_) continue;
+      recording.frames.push_back({frame.utime, pose});
+      recording.frame_period = frame.frame_period;
+    }
+  }
+
+  void takeStatus(const Packet& packet) {
+    robot_status_t status{};
+    if (!decode(packet.data, status)) return;
+    for (robot_state_t& state : status.robots) {
+      if (state.robot_id == robot_id_) recording.states.push_back(std::move(state));
+    }
+  }
+
+  std::int32_t robot_id_;
+  std::int64_t script_start_ = 0;
+};
+
+/// Puts items in order of time, keeps one of each time, and drops those before `begin`.
+template <class Item>
+void order(std::vector<Item>& items, std::int64_t begin) {
+  const auto earlier = [](const Item& a, const Item& b) { return a.utime < b.utime; };
+  std::stable_sort(items.begin(), items.end(), earlier);
+  const auto same = [](const Item& a, const Item& b) { return a.utime == b.utime; };
+  items.erase(std::unique(items.begin(), items.end(), same), items.end());
+  std::erase_if(items, [begin](const Item& item) { return item.utime < begin; });
+}
+
+/// The last item at or before a time.
+template <class Item>
+const Item* lastBefore(const std::vector<Item>& items, std::int64_t utime) {
+  const auto after =
+      std::upper_bound(items.begin(), items.end(), utime,
+                       [](std::int64_t time, const Item& item) { return time < item.utime; });
+  return after == items.begin() ? nullptr : &*(after - 1);
+}
+
+}  // namespace
+
+Recording loadRecording(const std::filesystem::path& path, std::int32_t robot_id, double from) {
+  namespace fs = std::filesystem;
+  const fs::path log = fs::is_directory(path) ? path / kLogOfARun : path;
+  if (!fs::is_regular_file(log)) {
+    throw std::runtime_error(log.string() + ": there is no log; give a log or the folder of a run");
+  }
+  Collector collector(robot_id);
+  readLog(logSeries(log), [&collector](const Packet& packet) { collector.take(packet); });
+  Recording& recording = collector.recording;
+  if (recording.frames.empty()) {
+    throw std::runtime_error(fmt::format("{}: no camera frame has robot {}; it has {}",
+                                         log.string(), robot_id,
+                                         collector.ids.empty()
+                                             ? "no robots"
+                                             : fmt::format("{}", fmt::join(collector.ids, ", "))));
+  }
+  order(recording.frames, 0);
+  const std::int64_t script_start = collector.scriptStart();
+  const double length = units::seconds(recording.frames.back().utime - script_start);
+  const std::int64_t begin = script_start + units::microseconds(from);
+  order(recording.frames, begin);
+  order(recording.states, begin);
+  if (recording.frames.size() < 2) {
+    throw std::runtime_error(fmt::format(
+        "{}: robot {} was last seen {:.1f} s after the start, so nothing is left from {:.1f} s on; "
+        "give a smaller from_s",
+        log.string(), robot_id, length, from));
+  }
+  return std::move(recording);
+}
+
+ReplayRobot::ReplayRobot(Recording recording, std::int32_t id, std::int64_t start_utime)
+    : recording_(std::move(recording)),
+      id_(id),
+      shift_us_(start_utime - recording_.frames.front().utime),
+      end_utime_(recording_.frames.back().utime + shift_us_) {}
+
+tracked_pose_t ReplayRobot::named(tracked_pose_t pose) const {
+  pose.robot_id = id_;
+  return pose;
+}
+
+std::optional<tracked_pose_t> ReplayRobot::lastPose(std::int64_t utime) const {
+  const Recording::Frame* last = lastBefore(recording_.frames, utime - shift_us_);
+  if (last == nullptr || isOver(utime)) return std::nullopt;
+  return named(last->pose);
+}
+
+std::optional<tracked_pose_t> ReplayRobot::trackedPose(std::int64_t utime) const {
+  const std::int64_t recorded = utime - shift_us_;
+  const Recording::Frame* last = lastBefore(recording_.frames, recorded);
+  if (last == nullptr || isOver(utime)) return std::nullopt;
+  if (last->utime == recorded) return named(last->pose);
+  const Recording::Frame& next = *(last + 1);  // there is one: it is not over
+  const double gap = units::seconds(next.utime - last->utime);
+  if (gap > kDropOut * recording_.frame_period) return std::nullopt;
+  const double share = units::seconds(recorded - last->utime) / gap;
+  constexpr double kTurn = 2 * std::numbers::pi;
+  tracked_pose_t pose = last->pose;
+  pose.x += share * (next.pose.x - pose.x);
+  pose.y += share * (next.pose.y - pose.y);
+  const double turned = std::remainder(next.pose.theta - pose.theta, kTurn);
+  pose.theta = std::remainder(pose.theta + share * turned, kTurn);
+  return named(pose);
+}
+
+std::optional<robot_state_t> ReplayRobot::state(std::int64_t utime) const {
+  const robot_state_t* last = lastBefore(recording_.states, utime - shift_us_);
+  if (last == nullptr || isOver(utime)) return std::nullopt;
+  robot_state_t state = *last;
+  state.robot_id = id_;
+  state.origin = robot_state_t::REPLAY;
+  for (std::int64_t* time : {&state.utime, &state.program_start_utime, &state.reversal_start_utime,
+                             &state.reversal_end_utime}) {
+    if (*time != 0) *time += shift_us_;
+  }
+  state.command_seq = 0;
+  state.command_instance = 0;
+  state.stop_seq = 0;
+  return state;
+}
+
+}  // namespace lab::sim

@@ -1,0 +1,106 @@
+/// Robots on the wire without a chip: the program of the firmware, compiled for the host.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "robot/firmware/device.hpp"
+#include "robot/firmware/settings.hpp"
+#include "sim_svc/bodies/body_driver.hpp"
+#include "sim_svc/world/robot_clock.hpp"
+
+namespace lab::sim {
+
+/// One robot on the wire as it is built.
+struct WireSetup {
+  std::size_t body = 0;  ///< The world's robot that it drives.
+  int baud = 38400;
+  firmware::Settings settings;  ///< What its EEPROM holds, the uid among it.
+};
+
+/// The electronics around a firmware::Device: a clock of its own that starts with the robot, a
+/// serial line with the speed and the send buffer of the real one, an EEPROM that keeps what is
+/// written while the robot is reset.
+///
+/// What is simpler than on the chip (docs/bodies.md): a scan of the sensors is taken at one instant,
+/// an EEPROM write takes no time, no byte from the line is ever overrun, and the program itself
+/// takes no time.
+class WireRobot final : private firmware::Board {
+ public:
+  /// What the firmware's send buffer holds, bytes (robot/firmware/avr/uart.cpp).
+  static constexpr std::size_t kSendBuffer = 127;
+  /// What waits on the host's side of the line at most; more is lost.
+  static constexpr std::size_t kLineBuffer = 4096;
+
+  /// @param boot_us when it is switched on, world time
+  /// @param clock_rate of its oscillator
+  WireRobot(const WireSetup& setup, std::int64_t boot_us, double clock_rate);
+
+  [[nodiscard]] std::size_t body() const { return setup_.body; }
+  void receive(std::int64_t now_us, std::span<const std::uint8_t> bytes);
+  void advance(World& world, std::int64_t until_us);
+  [[nodiscard]] std::span<const std::uint8_t> sent() const { return sent_; }
+  [[nodiscard]] const firmware::Device& device() const { return *device_; }
+
+  /// Presses the reset button at a world time that advance() has reached.
+  void reset(std::int64_t now_us);
+
+ private:
+  void setMotors(std::int16_t left, std::int16_t right) override;
+  bool send(const std::uint8_t* bytes, std::uint8_t size) override;
+  [[nodiscard]] bool lineIdle() const override { return waiting_.empty(); }
+  [[nodiscard]] std::uint8_t readStore(std::uint16_t address) const override;
+  void writeStore(std::uint16_t address, std::uint8_t byte) override;
+  [[nodiscard]] std::uint16_t stackLeft() const override;
+
+  void switchOn(std::int64_t at_us, std::uint8_t cause);
+  void takeByte();
+  void takeTick(World& world);
+  void sendUntil(double time_us);
+
+  WireSetup setup_;
+  double rate_;
+  double byte_us_;  ///< The line's time for one byte.
+  RobotClock clock_;
+  std::uint8_t reset_cause_ = 0;
+  std::optional<firmware::Device> device_;
+  std::vector<std::uint8_t> store_;
+  std::int64_t next_ms_ = 0;  ///< Of the robot's clock; 0: not yet booted.
+  double now_us_ = 0;         ///< World time.
+  std::deque<std::uint8_t> incoming_;
+  double received_us_ = 0;  ///< When the byte in front has come in, world time.
+  std::deque<std::uint8_t> waiting_;
+  double line_free_us_ = 0;  ///< When the line can begin with the next byte, world time.
+  std::optional<std::uint8_t> under_way_;  ///< Has come in at line_free_us_.
+  std::vector<std::uint8_t> sent_;
+  std::int16_t left_ = 0;
+  std::int16_t right_ = 0;
+  std::vector<MotorChange> changes_;
+};
+
+/// All of them: cheap, hundreds to a core.
+class WireRobots final : public BodyDriver {
+ public:
+  WireRobots(const World& world, const std::vector<WireSetup>& setups);
+
+  [[nodiscard]] std::size_t size() const override { return robots_.size(); }
+  [[nodiscard]] std::size_t body(std::size_t k) const override { return robots_[k]->body(); }
+  void receive(std::size_t k, std::span<const std::uint8_t> bytes) override {
+    robots_[k]->receive(time_us_, bytes);
+  }
+  void advance(World& world, std::int64_t until_us) override;
+  [[nodiscard]] std::span<const std::uint8_t> sent(std::size_t k) const override {
+    return robots_[k]->sent();
+  }
+  [[nodiscard]] std::int8_t kind(std::size_t k) const override;
+  [[nodiscard]] WireRobot& robot(std::size_t k) { return *robots_[k]; }
+
+ private:
+  std::vector<std::unique_ptr<WireRobot>> robots_;
+  std::int64_t time_us_ = 0;
+};
+
+}  // namespace lab::sim

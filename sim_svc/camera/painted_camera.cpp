@@ -1,0 +1,74 @@
+#include "sim_svc/camera/painted_camera.hpp"
+
+#include <utility>
+
+#include "common/math/units.hpp"
+#include "light/optics/simulated_camera.hpp"
+
+namespace lab::sim {
+namespace {
+
+constexpr double kBehindTheWall = 0.28;    // [m] from the far wall to the projector
+constexpr double kProjectorHeight = 2.10;  // [m]
+
+CameraFormat formatOf(const Camera& camera) {
+  CameraFormat format;
+  format.width = camera.width;
+  format.height = camera.height;
+  format.fps = camera.fps;
+  format.exposure = camera.exposure;
+  format.gain = camera.gain;
+  return format;
+}
+
+}  // namespace
+
+PainterSettings painterSettings(const Experiment& experiment, const optics::Bending& bending,
+                                const optics::ProjectorTones& tones) {
+  PainterSettings settings;
+  settings.camera = optics::simulatedCamera(experiment.camera.width, experiment.camera.height,
+                                            experiment.arena_width, experiment.arena_height);
+  settings.cap.robot_radius = experiment.hardware.diameter / 2;
+  settings.arena_width = experiment.arena_width;
+  settings.arena_height = experiment.arena_height;
+  settings.projector = {experiment.arena_width / 2, experiment.arena_height + kBehindTheWall,
+                        kProjectorHeight};
+  settings.bending = bending;
+  settings.tones = tones;
+  settings.sheet = experiment.projector.sheet;
+  settings.ambient = experiment.camera.ambient;
+  settings.exposure = experiment.camera.exposure;
+  settings.gain = experiment.camera.gain;
+  settings.seed = experiment.seed;
+  return settings;
+}
+
+PaintedCamera::PaintedCamera(const Experiment& experiment, Cameras& cameras, Loop& loop,
+                             const optics::Bending& bending, const optics::ProjectorTones& tones)
+    : loop_(loop),
+      delay_us_(units::microseconds(experiment.camera.delay)),
+      sink_(cameras.offer(formatOf(experiment.camera))),
+      painter_(painterSettings(experiment, bending, tones)) {}
+
+void PaintedCamera::show(light::Field field) {
+  light_ = std::make_shared<const light::Field>(std::move(field));
+}
+
+void PaintedCamera::take(std::int64_t number, std::int64_t exposure_utime,
+                         std::vector<PaintedRobot> robots) {
+  if (!sink_->isWatched()) return;
+  loop_.at(
+      exposure_utime + delay_us_,
+      [this, scene = Scene{number, exposure_utime, light_, std::move(robots)}] { develop(scene); });
+}
+
+void PaintedCamera::develop(const Scene& scene) {
+  // A picture is a function of its scene alone: what was not painted changes no later one.
+  if (!sink_->isWatched()) return;
+  if (scene.light != painted_light_) painter_.setLight(*scene.light);
+  painted_light_ = scene.light;
+  painter_.paint(scene.robots, scene.number, sink_->canvas());
+  sink_->show(scene.number, scene.exposure_utime);
+}
+
+}  // namespace lab::sim

@@ -1,0 +1,28 @@
+#include "sim_svc/camera/projector_light.hpp"
+
+#include "common/calibration/light_file.hpp"
+#include "common/calibration/projector_file.hpp"
+
+namespace lab::sim {
+
+optics::Bending bendingOf(const Experiment& experiment, const std::filesystem::path& directory) {
+  const Projector& projector = experiment.projector;
+  if (projector.display != kHeadless) return {};
+  const optics::ProjectorModel real = optics::simulatedProjector(
+      experiment.arena_width, experiment.arena_height, projector.width, projector.height,
+      {projector.keystone, projector.barrel, projector.offset_x, projector.offset_y});
+  return {projectorInForce(experiment, directory, projector.width, projector.height).model, real};
+}
+
+optics::ProjectorTones tonesOf(const Experiment& experiment, const std::filesystem::path& directory) {
+  const Projector& projector = experiment.projector;
+  if (projector.display != kHeadless) return {};
+  const std::optional<LightCalibration> calibration = lightInForce(experiment, directory);
+  // The light of a corner is less by `vignetting` than that of the middle.
+  const double side = -projector.vignetting / 2;
+  return {
+      calibration ? calibration->tone() : optics::ProjectorTone(),
+      {projector.gamma, {0, 0, side, 0, side}, experiment.arena_width, experiment.arena_height}};
+}
+
+}  // namespace lab::sim

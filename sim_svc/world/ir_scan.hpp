@@ -1,0 +1,50 @@
+/// The six infrared sensors of a simulated robot.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "sim_svc/world/arena.hpp"
+
+namespace lab::sim {
+
+/// One scan: along each of the six directions (counter-clockwise from the heading, in steps of 60
+/// degrees) the distance from the rim to the nearest thing, at most the range.
+class IrScan {
+ public:
+  static constexpr std::size_t kDirections = 6;
+
+  /// @param centre,heading of the robot; heading is a unit vector
+  /// @param radius of the robot and of every other robot, m
+  /// @param range of the sensors from the rim, m
+  IrScan(Vec centre, Vec heading, double radius, double range);
+
+  /// Sees the walls of the arena.
+  void addWalls(const Arena& arena);
+
+  /// Sees another robot whose centre is at `to_other` from the scanning one's.
+  void addDisk(Vec to_other);
+
+  /// Whether anything is in range of any sensor.
+  [[nodiscard]] bool seesAnything() const { return seen_; }
+
+  /// Readings in counts: 1023 at the rim, falling linearly to 0 at the range, rounded to nearest.
+  [[nodiscard]] std::array<std::uint16_t, kDirections> counts() const;
+
+ private:
+  void see(std::size_t direction, double distance) {
+    if (distance < distance_[direction]) {
+      distance_[direction] = distance;
+      seen_ = true;
+    }
+  }
+
+  Vec centre_;
+  double radius_;
+  double range_;
+  std::array<Vec, kDirections / 2> axes_;  ///< Directions 0 to 2; 3 to 5 are their opposites.
+  std::array<double, kDirections> distance_;
+  bool seen_ = false;
+};
+
+}  // namespace lab::sim

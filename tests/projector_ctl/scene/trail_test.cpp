@@ -1,0 +1,215 @@
+#include "projector_ctl/scene/trail.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+
+namespace lab::projector::trail_test {
+namespace {
+
+constexpr std::int64_t kStart = 1'000'000'000'000;  // [us]
+
+std::int64_t at(double seconds) {
+  return kStart + static_cast<std::int64_t>(std::llround(seconds * 1e6));
+}
+
+Trail::Settings settings() {
+  return {.width = 1.2, .height = 0.9, .radius = 0.03, .rate = 2, .decay = 0.1, .diffusion = 1e-4};
+}
+
+TEST(Trail, HasSquareCellsThatCoverTheArena) {
+  const Trail lab_arena(settings());
+  EXPECT_EQ(lab_arena.columns(), 160);
+  EXPECT_EQ(lab_arena.rows(), 120);
+  EXPECT_DOUBLE_EQ(lab_arena.cell(), 0.0075);
+  Trail::Settings narrow = settings();
+  narrow.width = 0.5;
+  narrow.height = 2;
+  const Trail narrow_arena(narrow);
+  EXPECT_EQ(narrow_arena.rows(), 120);
+  EXPECT_GE(narrow_arena.columns() * narrow_arena.cell(), 0.5 - 1e-12);
+  Trail::Settings shared = settings();
+  shared.most_cells = 9600;
+  const Trail half(shared);
+  EXPECT_LE(half.columns() * half.rows(), 9600);
+  EXPECT_GT(half.columns() * half.rows(), 9300);
+}
+
+/// One robot on a billiard path that stands in a corner for a while.
+struct Walker {
+  double x, y, vx, vy;
+  void move(double time) {
+    x += vx * time;
+    y += vy * time;
+    if (x < 0.0375 || x > 1.2 - 0.0375) vx = -vx, x = std::clamp(x, 0.0375, 1.2 - 0.0375);
+    if (y < 0.0375 || y > 0.9 - 0.0375) vy = -vy, y = std::clamp(y, 0.0375, 0.9 - 0.0375);
+  }
+};
+
+TEST(Trail, KeepsItsMassBalanceForMinutes) {
+  // M' = n source - decay M while n robots are seen, frame gaps of many lengths among them.
+  for (const double decay : {0.0, 0.1, 3.0}) {
+    Trail::Settings wanted = settings();
+    wanted.decay = decay;
+    wanted.radius = 0.05;  // wider than what a robot keeps from the wall
+    wanted.most_cells = 4000;
+    Trail dut(wanted);
+    std::mt19937_64 random(3);
+    std::uniform_int_distribution<int> frames_lost(0, 20);
+    std::vector<Walker> robots{
+        {0.2, 0.2, 0.1, 0.07}, {0.0375, 0.0375, 0, 0}, {0.9, 0.5, -0.2, 0.15}};
+    double mass = 0;
+    double worst = 0;
+    int frames = 0;
+    std::int64_t before = at(0);
+    dut.advanceTo(before);
+    while (before < at(180)) {
+      const std::int64_t now = before + 16'667 * std::max(1, frames_lost(random) - 14);
+      const double time = static_cast<double>(now - before) * 1e-6;
+      dut.advanceTo(now);
+      for (Walker& robot : robots) {
+        const Walker from = robot;
+        robot.move(time);
+        dut.lay(from.x, from.y, before, robot.x, robot.y, now);
+      }
+      const double added = 3 * dut.source();
+      const double kept = std::exp(-decay * time);
+      mass = mass * kept + added * (decay > 0 ? (1 - kept) / decay : time);
+      if (++frames % 20 == 0) worst = std::max(worst, std::abs(dut.mass() / mass - 1));
+      before = now;
+    }
+    EXPECT_GT(frames, 5000);
+    EXPECT_LT(worst, 1e-6) << "decay " << decay;
+    EXPECT_GT(dut.mass(), 0.01 * dut.source());
+  }
+}
+
+TEST(Trail, LaysWhatIsLeftOfALateFrame) {
+  Trail late(settings());
+  late.advanceTo(at(1));
+  late.lay(0.5, 0.5, at(0), 0.5, 0.5, at(0.2));
+  const double left = (1 - std::exp(-0.02)) / 0.1 * std::exp(-0.08);
+  EXPECT_NEAR(late.mass(), late.source() * left, 1e-12);
+}
+
+TEST(Trail, ReachesRateTimesTimeUnderARobotThatStands) {
+  Trail::Settings wanted = settings();
+  wanted.diffusion = 0;
+  Trail dut(wanted);
+  const double middle = 80.5 * dut.cell();
+  dut.advanceTo(at(2));
+  dut.lay(middle, middle, at(0), middle, middle, at(2));
+  const double expected = 2 * (1 - std::exp(-0.2)) / 0.1;
+  EXPECT_NEAR(dut.at(80, 80), expected, 0.02 * expected);  // cells are a quarter of the radius
+}
+
+TEST(Trail, HasNoBeadsBehindAFastRobotAtASlowCamera) {
+  Trail::Settings wanted = settings();
+  wanted.diffusion = 0;
+  wanted.decay = 0;
+  Trail dut(wanted);
+  for (int i = 0; i < 30; ++i) {
+    dut.advanceTo(at(0.1 * (i + 1)));
+    dut.lay(0.1 + 0.027 * i, 0.45, at(0.1 * i), 0.1 + 0.027 * (i + 1), 0.45, at(0.1 * (i + 1)));
+  }
+  double least = 1e9;
+  double most = 0;
+  for (int column = 30; column < 100; ++column) {
+    least = std::min(least, dut.at(column, 60));
+    most = std::max(most, dut.at(column, 60));
+  }
+  EXPECT_GT(least, 0);
+  EXPECT_LT(most / least, 1.02);
+}
+
+TEST(Trail, SpreadsAsTheHeatEquationSays) {
+  Trail::Settings wanted = settings();
+  wanted.decay = 0;
+  Trail dut(wanted);
+  dut.advanceTo(at(1));
+  dut.lay(0.6, 0.45, at(0), 0.6, 0.45, at(1));
+  const auto second_moment = [&] {
+    double sum = 0;
+    double square = 0;
+    for (int row = 0; row < dut.rows(); ++row) {
+      for (int column = 0; column < dut.columns(); ++column) {
+        const double x = (column + 0.5) * dut.cell() - 0.6;
+        sum += dut.at(column, row);
+        square += dut.at(column, row) * x * x;
+      }
+    }
+    return square / sum;
+  };
+  const double before = second_moment();
+  dut.advanceTo(at(11));
+  // The scheme's second moment grows exactly as that of the law, as long as no wall is reached.
+  EXPECT_NEAR(second_moment() - before, 2 * 1e-4 * 10, 1e-9);
+}
+
+TEST(Trail, IsEvenInTheEndBetweenItsWalls) {
+  Trail::Settings wanted = settings();
+  wanted.decay = 0;
+  wanted.diffusion = 0.01;
+  wanted.most_cells = 300;
+  Trail dut(wanted);
+  dut.advanceTo(at(1));
+  dut.lay(0.1, 0.1, at(0), 0.1, 0.1, at(1));
+  const double mass = dut.mass();
+  const double even = mass / (dut.columns() * dut.rows() * dut.cell() * dut.cell());
+  dut.advanceTo(at(200));
+  EXPECT_NEAR(dut.mass(), mass, 1e-12);
+  EXPECT_NEAR(dut.at(0, 0), even, 1e-4 * mass);
+  EXPECT_NEAR(dut.at(dut.columns() - 1, dut.rows() - 1), even, 1e-4 * mass);
+}
+
+TEST(Trail, PicturesDependOnWhatWasLaidAndNotOnWhoLooked) {
+  Trail watched(settings());
+  Trail alone(settings());
+  for (int i = 0; i < 300; ++i) {
+    const std::int64_t from = at(i / 60.0);
+    const std::int64_t to = at((i + 1) / 60.0);
+    const double x = 0.2 + 0.002 * i;
+    for (Trail* trail : {&watched, &alone}) {
+      trail->advanceTo(to);
+      trail->lay(x, 0.3, from, x + 0.002, 0.3, to);
+    }
+    if (i % 3 == 0) watched.picture(to + 60'000);
+    if (i % 50 == 0) watched.picture(to + 3'000'000);
+  }
+  for (const double later : {0.05, 2.2, 0.4}) {
+    EXPECT_EQ(watched.picture(at(5 + later))->grey, alone.picture(at(5 + later))->grey) << later;
+  }
+}
+
+TEST(Trail, FadesInItsPictureWhileNoFrameComes) {
+  Trail::Settings wanted = settings();
+  wanted.diffusion = 0;
+  Trail dut(wanted);
+  const double middle = 80.5 * dut.cell();
+  dut.advanceTo(at(0.3));
+  dut.lay(middle, middle, at(0), middle, middle, at(0.3));
+  const auto byte = [&](double time) {
+    return dut.picture(at(time))->grey[static_cast<std::size_t>((119 - 80) * 160 + 80)];
+  };
+  const double m = dut.at(80, 80);
+  ASSERT_LT(m, 1);
+  EXPECT_EQ(byte(0.3), std::lround(255 * m));
+  EXPECT_EQ(byte(5.3), std::lround(255 * m * std::exp(-0.5)));
+  EXPECT_EQ(byte(2.3), std::lround(255 * m * std::exp(-0.2)));
+}
+
+TEST(Trail, ShowsNothingAboveWhite) {
+  Trail dut(settings());
+  dut.advanceTo(at(10));
+  dut.lay(0.6, 0.45, at(0), 0.6, 0.45, at(10));
+  EXPECT_GT(dut.at(80, 60), 2);
+  const auto picture = dut.picture(at(10));
+  EXPECT_EQ(*std::ranges::max_element(picture->grey), 255);
+  EXPECT_EQ(dut.picture(at(10)), picture) << "the same pointer while the bytes are the same";
+}
+
+}  // namespace
+}  // namespace lab::projector::trail_test

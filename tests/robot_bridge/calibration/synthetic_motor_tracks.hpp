@@ -1,0 +1,81 @@
+/// Tracks of a robot with known motors, as a noisy tracker sees them.
+#pragma once
+
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "robot_bridge/calibration/motor_fit.hpp"
+#include "robot_bridge/calibration/drive_pattern.hpp"
+#include "robot_bridge/calibration/speed_check.hpp"
+#include "common/math/random.hpp"
+#include "robot/dynamics/kinematics.hpp"
+
+namespace lab::calibration {
+
+inline constexpr double kMax = 0.27;  // m/s
+
+struct Camera {
+  double fps = 50;
+  TrackNoise noise{3e-4, 0.0105};
+};
+
+class SyntheticRobot {
+ public:
+  SyntheticRobot(const Motors& motors, const Camera& camera, std::uint64_t seed)
+      : motors_(motors), camera_(camera), random_(seed) {
+    pose_.theta = 2 * std::numbers::pi * random_.uniform();
+  }
+
+  /// How far the tracked point lies to the left of the wheels' middle, m.
+  void setLateral(double lateral) { lateral_ = lateral; }
+
+  Segment drive(const PatternStep& step, const Motors& believed) {
+    Segment segment;
+    segment.duty_left = dutyFor(believed.left, step.left, kMax, true);
+    segment.duty_right = dutyFor(believed.right, step.right, kMax, true);
+    segment.frames = static_cast<int>(std::lround(step.duration * camera_.fps));
+    const double left = wheelSpeed(motors_.left, segment.duty_left, kMax);
+    const double right = wheelSpeed(motors_.right, segment.duty_right, kMax);
+    const dynamics::Arc settle = dynamics::makeArc(left, right, motors_.wheel_base, kSettleTime);
+    const dynamics::Arc frame =
+        dynamics::makeArc(left, right, motors_.wheel_base, 1 / camera_.fps);
+    pose_ = dynamics::apply(settle, pose_);
+    for (int i = 0; i < segment.frames; ++i) {
+      pose_ = dynamics::apply(frame, pose_);
+      segment.track.push_back(seen(i / camera_.fps));
+    }
+    return segment;
+  }
+
+  std::vector<Segment> drive(const Pattern& pattern, const Motors& believed) {
+    std::vector<Segment> segments;
+    for (const PatternStep& step : pattern) segments.push_back(drive(step, believed));
+    return segments;
+  }
+
+  std::vector<CheckedSegment> check(const Motors& believed) {
+    std::vector<CheckedSegment> segments;
+    for (const PatternStep& step : checkPattern(kMax)) {
+      segments.push_back({step.left, step.right, drive(step, believed)});
+    }
+    return segments;
+  }
+
+ private:
+  TrackPoint seen(double time) {
+    return {time,
+            pose_.x - lateral_ * std::sin(pose_.theta) + camera_.noise.position * random_.normal(),
+            pose_.y + lateral_ * std::cos(pose_.theta) + camera_.noise.position * random_.normal(),
+            std::remainder(pose_.theta + camera_.noise.heading * random_.normal(),
+                           2 * std::numbers::pi)};
+  }
+
+  Motors motors_;
+  Camera camera_;
+  Random random_;
+  dynamics::Pose pose_;
+  double lateral_ = 0;
+};
+
+}  // namespace lab::calibration

@@ -1,0 +1,100 @@
+// What the shipped binary leaves of the chip's time and memory, measured instruction by
+// instruction.
+#include <iostream>
+
+#include "tests/sim_svc/emulator/robot_on_chip.hpp"
+
+namespace lab::emulator {
+namespace {
+
+constexpr double kLongestInterruptsOffUs = 40;  // two bytes at 500000 baud
+constexpr int kLeastHeadRoom = 32;              // bytes below the deepest stack that was seen
+constexpr double kHighestLoad = 0.5;
+
+/// Everything at once: short draws with STEP, 50 Hz telemetry, changing light and walls, and a host
+/// that sends all kinds of messages, with an order five times a second.
+void exercise(RobotOnChip& robot, int seconds) {
+  dynamics::CoreSettings settings = fourPrograms();
+  for (unsigned slot = 0; slot < 3; ++slot) settings.programs[slot].hold_ms = 30;
+  settings.programs[3].mean_run_us = 60000;
+  settings.reversal.enabled = true;
+  settings.reversal.distance_um = 5000;
+  robot.start();
+  Random random(17);
+  for (int i = 0; i < seconds * 5; ++i) {
+    if (i % 25 == 0) {
+      robot.configure(settings);
+      robot.command(wire::SetParam{wire::kTelemetryPeriod, 20});
+      robot.command(wire::SetParam{wire::kStepLog, 1});
+      robot.command(wire::SetParam{wire::kGainLeft, 1000000 + i});
+      robot.command(robot.order(wire::Order::kStand));
+      robot.command(wire::Commit{}, 2000);
+      robot.command(wire::SetSeed{1, static_cast<std::uint32_t>(i)});
+      robot.send(wire::GetInfo{});
+      robot.send(wire::GetParam{wire::kUid});
+    }
+    robot.send(robot.order(wire::Order::kTable, 1000));
+    robot.send(wire::Ping{1, 2});
+    if (i % 40 == 39) robot.command(wire::Stop{1, wire::Stop::kStop});
+    if (i % 40 == 1) robot.command(wire::Stop{2, wire::Stop::kRelease});
+    robot.light(static_cast<std::uint16_t>(random.next() % 1024));
+    robot.ir(static_cast<unsigned>(random.next() % 6),
+             static_cast<std::uint16_t>(random.next() % 1024));
+    robot.run(200);
+  }
+}
+
+TEST(ChipLimits, InterruptsStackAndLoadUnderEverythingAtOnce) {
+  ChipSettings settings;
+  settings.profile = true;
+  RobotOnChip robot(settings);
+  exercise(robot, 20);
+  const ChipCounts& counts = robot.chip().counts();
+  const double off_us = static_cast<double>(counts.longest_interrupts_off) / (kChipHz / 1e6);
+  const double load =
+      1 - static_cast<double>(counts.cycles_asleep) / static_cast<double>(counts.cycles_run);
+  std::cout << "interrupts off: at most " << off_us
+            << " us; stack: " << robot.chip().stackHeadRoom() << " bytes never used; load "
+            << 100 * load << " %\n";
+  EXPECT_GT(off_us, 1);
+  EXPECT_LE(off_us, kLongestInterruptsOffUs);
+  EXPECT_GE(robot.chip().stackHeadRoom(), kLeastHeadRoom);
+  EXPECT_GT(load, 0.01);
+  EXPECT_LE(load, kHighestLoad);
+
+  // The robot's own measure, by paint, is the same but for paint that was overwritten by its like.
+  const auto reported = robot.last<wire::Counters>();
+  ASSERT_TRUE(reported.has_value());
+  EXPECT_NEAR(reported->stack_left * 8, robot.chip().stackHeadRoom(), 24);
+  EXPECT_EQ(reported->bytes_overrun, 0);
+  EXPECT_EQ(counts.bytes_overrun, 0U);
+}
+
+TEST(ChipLimits, AFullLineInBothDirectionsLosesNothing) {
+  RobotOnChip robot;
+  robot.start();
+  robot.command(wire::SetParam{wire::kTelemetryPeriod, 10});
+  robot.forget();
+  int sent = 0;
+  while (robot.now() < 10000) {
+    while (static_cast<double>(robot.chip().receivingUntil()) < (robot.now() + 5) * kCyclesPerMs) {
+      robot.send(wire::SetSeed{7, static_cast<std::uint32_t>(sent)});
+      ++sent;
+    }
+    robot.run(4);
+  }
+  robot.run(2500);  // the next COUNTERS
+  const auto acks = robot.all<wire::Ack>();
+  EXPECT_GT(sent, 1800);
+  EXPECT_EQ(robot.chip().counts().bytes_overrun, 0U);
+  const auto counters = robot.last<wire::Counters>();
+  ASSERT_TRUE(counters.has_value());
+  EXPECT_EQ(counters->bytes_overrun, 0);
+  EXPECT_EQ(counters->frames_bad, 0);
+  // An answer finds no room when the line back is full; the frames came in all the same.
+  EXPECT_EQ(counters->frames_received, sent + 2);  // and those of start() and above
+  EXPECT_GT(acks.size(), 100U);
+}
+
+}  // namespace
+}  // namespace lab::emulator

@@ -1,0 +1,152 @@
+/// The record of draws of the AVR binary beside that of the same sources on the host.
+#pragma once
+
+#include <vector>
+
+#include "robot/firmware/device.hpp"
+#include "tests/sim_svc/emulator/robot_on_chip.hpp"
+
+namespace lab::emulator {
+
+/// The program of a robot on the host, behind a line that has room for everything.
+class HostRobot final : public firmware::Board {
+ public:
+  HostRobot() : device_(*this, firmware::BootFacts{}) {
+    const auto image = storeWithUid(kTestUid);
+    std::copy(image.begin(), image.end(), store_.begin());
+    device_.boot(0);
+  }
+
+  void setMotors(std::int16_t, std::int16_t) override {}
+  bool send(const std::uint8_t* bytes, std::uint8_t size) override {
+    wire::Step step;
+    for (std::uint8_t i = 0; i < size; ++i) {
+      if (decoder_.push(bytes[i]) && wire::unpack(decoder_.frame(), step)) steps_.push_back(step);
+    }
+    return true;
+  }
+  bool lineIdle() const override { return true; }
+  std::uint8_t readStore(std::uint16_t address) const override { return store_.at(address); }
+  void writeStore(std::uint16_t address, std::uint8_t byte) override { store_.at(address) = byte; }
+  std::uint16_t stackLeft() const override { return 100; }
+
+  /// One millisecond.
+  void tick(const dynamics::Sensors& sensors) {
+    ++now_;
+    if (device_.scanDue(now_)) device_.sense(now_, sensors);
+    device_.tick(now_);
+  }
+
+  template <class Message>
+  void receive(const Message& message) {
+    wire::Frame frame;
+    wire::pack(message, ++seq_, frame);
+    std::uint8_t bytes[wire::kMaxFrame];
+    const std::uint8_t size = wire::encode(frame, bytes);
+    for (std::uint8_t i = 0; i < size; ++i) device_.receive(now_, 0, bytes[i]);
+  }
+
+  std::vector<wire::Step>& steps() { return steps_; }
+
+ private:
+  firmware::Device device_;
+  std::array<std::uint8_t, 1024> store_{};
+  wire::Decoder decoder_;
+  std::vector<wire::Step> steps_;
+  std::uint32_t now_ = 0;
+  std::uint8_t seq_ = 0;
+};
+
+/// Programs as fast as the line can record them: a STEP takes 11 ms at 38400 baud. The short tumble
+/// would turn too fast; its amplitude only scales the speeds.
+inline dynamics::CoreSettings fastPrograms() {
+  dynamics::CoreSettings settings = fourPrograms();
+  for (unsigned slot = 0; slot < 3; ++slot) settings.programs[slot].hold_ms = 20;
+  settings.programs[3].mean_run_us = 30000;
+  settings.programs[3].tumble_ms = 20;
+  return settings;
+}
+
+/// What both are told before the draws begin.
+template <class Robot>
+void tellBoth(Robot&& tell, const dynamics::CoreSettings& settings, std::uint32_t seed) {
+  tell(wire::SetParam{wire::kTelemetryPeriod, 0});
+  for (std::uint8_t slot = 0; slot < dynamics::kSlots; ++slot) {
+    tell(wire::programMessage(settings, slot));
+  }
+  tell(wire::lightMessage(settings));
+  tell(wire::motionMessage(settings));
+  tell(wire::Apply{wire::configCrc(settings)});
+  tell(wire::SetSeed{0xC0FFEE, seed});
+  wire::Order order;
+  order.id = 1;
+  order.mode = wire::Order::kTable;
+  order.config = wire::configCrc(settings);
+  order.lease_ms = kLongLease;
+  tell(order);
+}
+
+/// The STEPs with a slot of the light, times counted from the first of them.
+inline std::vector<wire::Step> fromTheFirst(const std::vector<wire::Step>& steps) {
+  std::vector<wire::Step> counted;
+  for (wire::Step step : steps) {
+    if (step.slot == dynamics::kNoSlot) continue;
+    counted.push_back(step);
+  }
+  const std::uint32_t begin = counted.empty() ? 0 : counted.front().t_ms;
+  for (wire::Step& step : counted) step.t_ms -= begin;
+  return counted;
+}
+
+inline std::vector<wire::Step> stepsOfChip(unsigned slot, std::uint32_t seed, std::size_t count) {
+  RobotOnChip robot;
+  robot.light(lightOfSlot(slot));
+  robot.chip().switchOn();
+  robot.run(100);
+  tellBoth([&](const auto& message) { robot.command(message); }, fastPrograms(), seed);
+  std::vector<wire::Step> steps;
+  while (steps.size() < count + 1) {
+    robot.run(1000, 100);
+    const auto heard = robot.all<wire::Step>();
+    if (heard.empty()) {
+      ADD_FAILURE() << "no STEP for a second after " << steps.size();
+      break;
+    }
+    for (const auto& step : heard) steps.push_back(step.message);
+    robot.forget();
+  }
+  return fromTheFirst(steps);
+}
+
+inline std::vector<wire::Step> stepsOfHost(unsigned slot, std::uint32_t seed, std::size_t count) {
+  HostRobot robot;
+  dynamics::Sensors sensors;
+  sensors.light_front = sensors.light_back = lightOfSlot(slot);
+  robot.tick(sensors);
+  tellBoth([&](const auto& message) { robot.receive(message); }, fastPrograms(), seed);
+  for (std::uint64_t ms = 0; robot.steps().size() < count + 1 && ms < 1000 * count; ++ms) {
+    robot.tick(sensors);
+  }
+  return fromTheFirst(robot.steps());
+}
+
+/// Bit by bit: what is on the wire.
+inline void expectTheSameSteps(unsigned slot, std::uint32_t seed, std::size_t count) {
+  const auto chip = stepsOfChip(slot, seed, count);
+  const auto host = stepsOfHost(slot, seed, count);
+  ASSERT_GE(chip.size(), count);
+  ASSERT_GE(host.size(), count);
+  for (std::size_t i = 0; i < count; ++i) {
+    wire::Frame a;
+    wire::Frame b;
+    wire::pack(chip[i], 0, a);
+    wire::pack(host[i], 0, b);
+    ASSERT_EQ(std::vector<std::uint8_t>(a.payload, a.payload + a.size),
+              std::vector<std::uint8_t>(b.payload, b.payload + b.size))
+        << "slot " << slot << " draw " << i << ": chip " << chip[i].draw_count << " at "
+        << chip[i].t_ms << " ms, host " << host[i].draw_count << " at " << host[i].t_ms << " ms";
+  }
+  EXPECT_EQ(chip[count - 1].draw_count - chip[0].draw_count, count - 1);
+}
+
+}  // namespace lab::emulator
