@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "analyzer/analysis.hpp"
-#include "analyzer/program_book.hpp"
+#include "analyzer/service/analysis.hpp"
+#include "analyzer/service/program_keys.hpp"
 #include "common/experiment/experiment.hpp"
 
 namespace lab::analysis {

@@ -2,7 +2,7 @@
 
 #include <memory>
 
-#include "analyzer/analysis_message.hpp"
+#include "analyzer/service/analysis_message.hpp"
 #include "common/bus/channels.hpp"
 #include "common/experiment/experiment_messages.hpp"
 #include "common/math/units.hpp"

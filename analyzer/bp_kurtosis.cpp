@@ -4,8 +4,8 @@
 #include <cmath>
 #include <vector>
 
-#include "analyzer/geometric_sums.hpp"
-#include "analyzer/numerics.hpp"
+#include "analyzer/laws/geometric_sums.hpp"
+#include "analyzer/laws/numerics.hpp"
 
 namespace lab::analysis {
 namespace {

@@ -4,8 +4,8 @@
 #include <memory>
 #include <numbers>
 
-#include "analyzer/held_noise.hpp"
-#include "analyzer/rtp_law.hpp"
+#include "analyzer/laws/held_noise.hpp"
+#include "analyzer/laws/rtp_law.hpp"
 
 namespace lab::analysis {
 

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <vector>
 
-#include "analyzer/chebyshev.hpp"
+#include "analyzer/laws/chebyshev.hpp"
 
 namespace lab::analysis {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "analyzer/geometric_sums.hpp"
+#include "analyzer/laws/geometric_sums.hpp"
 
 namespace lab::analysis {
 

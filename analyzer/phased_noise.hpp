@@ -1,6 +1,6 @@
 #pragma once
 
-#include "analyzer/held_noise.hpp"
+#include "analyzer/laws/held_noise.hpp"
 
 namespace lab::analysis {
 

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "analyzer/analysis_feed.hpp"
-#include "analyzer/lags.hpp"
-#include "analyzer/msd_accumulator.hpp"
+#include "analyzer/curves/lags.hpp"
+#include "analyzer/curves/msd_accumulator.hpp"
 
 namespace lab::analysis {
 namespace {

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "analyzer/law_fit.hpp"
+#include "analyzer/fits/law_fit.hpp"
 
 namespace lab::analysis {
 namespace {

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "common/math/units.hpp"
-#include "report/light_bands.hpp"
+#include "analyzer/report/sections/light_bands.hpp"
 
 namespace lab::runner {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "common/bus/bus_error.hpp"
 #include "common/experiment/experiment_file.hpp"
-#include "report/report_error.hpp"
+#include "analyzer/report_error.hpp"
 #include "runner/command_line.hpp"
 #include "runner/exit_code.hpp"
 

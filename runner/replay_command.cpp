@@ -13,7 +13,7 @@
 #include "common/experiment/service_placement.hpp"
 #include "common/bus/lcm_bus.hpp"
 #include "common/service/node.hpp"
-#include "report/log_source.hpp"
+#include "analyzer/log_source.hpp"
 #include "runner/commands.hpp"
 #include "runner/dashboard_process.hpp"
 #include "runner/lab_registry.hpp"

@@ -11,7 +11,7 @@
 #include <thread>
 
 #include "common/experiment/experiment_file.hpp"
-#include "report/reproduction_page.hpp"
+#include "analyzer/reproduction_page.hpp"
 #include "runner/commands.hpp"
 #include "runner/disk_need.hpp"
 #include "runner/machine.hpp"

@@ -11,7 +11,7 @@
 #include "common/calibration/light_file.hpp"
 #include "common/calibration/projector_file.hpp"
 #include "common/math/units.hpp"
-#include "report/analyze_run.hpp"
+#include "analyzer/analyze_run.hpp"
 #include "runner/commands.hpp"
 #include "runner/dashboard_process.hpp"
 #include "runner/launch.hpp"

@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "tests/analyzer/window_moments.hpp"
+#include "tests/analyzer/laws/window_moments.hpp"
 
 namespace lab::analysis {
 namespace {

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <random>
 
-#include "tests/analyzer/programs.hpp"
-#include "tests/analyzer/window_moments.hpp"
+#include "tests/analyzer/paper_programs.hpp"
+#include "tests/analyzer/laws/window_moments.hpp"
 
 namespace lab::analysis {
 namespace {

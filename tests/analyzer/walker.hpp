@@ -8,7 +8,7 @@
 #include <random>
 
 #include "analyzer/laws.hpp"
-#include "analyzer/track_stitcher.hpp"
+#include "analyzer/tracks/track_stitcher.hpp"
 
 namespace lab::analysis {
 

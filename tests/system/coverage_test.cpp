@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "analyzer/analysis.hpp"
+#include "analyzer/service/analysis.hpp"
 #include "tests/sim_svc/world_fixture.hpp"
 #include "tests/system/reference_set.hpp"
 #include "tests/system/simulated_film.hpp"

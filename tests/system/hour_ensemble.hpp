@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
-#include "analyzer/estimates.hpp"
-#include "analyzer/msd_accumulator.hpp"
-#include "analyzer/statistics.hpp"
-#include "analyzer/track_stitcher.hpp"
+#include "analyzer/curves/estimates.hpp"
+#include "analyzer/curves/msd_accumulator.hpp"
+#include "analyzer/curves/statistics.hpp"
+#include "analyzer/tracks/track_stitcher.hpp"
 #include "tests/sim_svc/world_fixture.hpp"
 #include "tests/system/reference_set.hpp"
 #include "tests/system/simulated_film.hpp"

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <numbers>
 
-#include "analyzer/track_stitcher.hpp"
+#include "analyzer/tracks/track_stitcher.hpp"
 #include "common/math/random.hpp"
 #include "robot/dynamics/robot_core.hpp"
 #include "sim_svc/world.hpp"

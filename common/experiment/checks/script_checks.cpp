@@ -54,7 +54,7 @@ bool checkOpenSteps(const ExperimentForm& form, Problems& problems) {
   return fine;
 }
 
-/// What the analyzer measures of robots that run such a program (analyzer/estimates.cpp).
+/// What the analyzer measures of robots that run such a program (analyzer/curves/estimates.cpp).
 std::vector<std::string_view> estimatesOf(Model model) {
   switch (model) {
     case Model::kAbp:

@@ -1,0 +1,131 @@
+#include "analyzer/analyze_run.hpp"
+
+#include <fmt/format.h>
+
+#include <cstdlib>
+#include <fstream>
+
+#include "analyzer/report/figures/figures.hpp"
+#include "analyzer/report/summary/findings.hpp"
+#include "analyzer/report/html/report_page.hpp"
+#include "common/text/format.hpp"
+#include "analyzer/report_error.hpp"
+#include "analyzer/report/record/run_record.hpp"
+#include "analyzer/report/sections/segments.hpp"
+#include "analyzer/report/summary/summary.hpp"
+#include "analyzer/report/summary/trajectories.hpp"
+
+namespace lab::report {
+namespace fs = std::filesystem;
+namespace {
+
+/// A folder for what is not finished, beside the finished so that files can be moved over.
+class Scratch {
+ public:
+  explicit Scratch(const fs::path& out) {
+    std::error_code error;
+    fs::create_directories(out, error);
+    std::string name = (out / ".report-XXXXXX").string();
+    if (error || mkdtemp(name.data()) == nullptr) {
+      throw ReportError(fmt::format(
+          "{}: cannot write here; choose another folder with --out or change its permissions",
+          out.string()));
+    }
+    path_ = name;
+  }
+  ~Scratch() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  Scratch(const Scratch&) = delete;
+  Scratch& operator=(const Scratch&) = delete;
+
+  void write(const std::string& name, const std::string& text) const {
+    std::ofstream file(path_ / name, std::ios::binary);
+    file.write(text.data(), static_cast<std::streamsize>(text.size()));
+    file.flush();
+    if (!file) {
+      throw ReportError(fmt::format("cannot write {}: is the disk full?", name));
+    }
+  }
+
+  [[nodiscard]] const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+/// Says what is there in place of the frames.
+std::string withoutFrames(const fs::path& log, const RunRecord& record) {
+  std::string found;
+  for (const StreamLoss& stream : record.log.streams) {
+    found += fmt::format("{}{} {} from {}", found.empty() ? "" : ", ", stream.received,
+                         stream.channel, stream.sender);
+  }
+  return fmt::format("{}: no TRACKED_FRAME in this log, so there is no motion to analyze; found {}",
+                     log.string(), found.empty() ? "nothing of the lab" : found);
+}
+
+fs::path outputFolder(const fs::path& run_or_log, const fs::path& wanted) {
+  if (!wanted.empty()) return wanted;
+  if (fs::is_directory(run_or_log)) return run_or_log;
+  return run_or_log.has_parent_path() ? run_or_log.parent_path() : fs::path(".");
+}
+
+/// Writes everything that a record gives, each file whole or not at all.
+AnalyzedRun writeResults(const RunRecord& record, const fs::path& out, bool with_figures) {
+  const Scratch scratch(out);
+  std::vector<Figure> figures;
+  if (with_figures) figures = drawFigures(record, scratch.path());
+
+  const fs::path for_paper = "figures";
+  std::vector<std::string> names{"summary.json", "trajectories.csv", "segments.csv"};
+  scratch.write("summary.json", summaryJson(record));
+  scratch.write("trajectories.csv", trajectoriesCsv(record));
+  scratch.write("segments.csv", segmentsCsv(record));
+  for (const Figure& figure : figures) {
+    if (figure.svg.empty()) continue;
+    names.push_back(figure.name + ".svg");
+    scratch.write(names.back(), figure.svg);
+    fs::create_directories(scratch.path() / for_paper);
+    fs::create_directories(out / for_paper);
+    names.push_back(for_paper / (figure.name + ".pdf"));
+    scratch.write(names.back(), figure.pdf);
+    if (figure.csv.empty()) continue;
+    names.push_back(for_paper / (figure.name + ".csv"));
+    scratch.write(names.back(), figure.csv);
+  }
+  names.emplace_back("report.html");
+  scratch.write("report.html", reportHtml(record, figures));
+
+  AnalyzedRun analyzed;
+  for (const std::string& name : names) {
+    fs::rename(scratch.path() / name, out / name);
+    analyzed.files.push_back(out / name);
+  }
+  analyzed.report = out / "report.html";
+  analyzed.headline = headlines(record);
+  return analyzed;
+}
+
+}  // namespace
+
+AnalyzedRun analyzeRun(const fs::path& run_or_log, const fs::path& out_directory,
+                       const AnalyzeOptions& options) {
+  const std::vector<fs::path> files = logFiles(run_or_log);
+  const RunRecord record = readRun(files, {options.depth, options.stitch});
+  if (record.log.frames == 0 && options.needs_frames) {
+    throw ReportError(withoutFrames(files.front(), record));
+  }
+  return writeResults(record, outputFolder(run_or_log, out_directory), options.figures);
+}
+
+AnalyzedRun analyzePoses(const fs::path& file, const fs::path& out_directory,
+                         const PoseFileOptions& poses, const PoseProgram& program,
+                         const AnalyzeOptions& options) {
+  const PoseFile film = readPoses(file, poses);
+  return writeResults(poseRun(film, file.stem().string(), program, {options.depth, options.stitch}), out_directory,
+                      options.figures);
+}
+
+}  // namespace lab::report

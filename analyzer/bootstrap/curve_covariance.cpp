@@ -1,0 +1,140 @@
+#include "analyzer/bootstrap/curve_covariance.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "analyzer/curves/window_choice.hpp"
+
+namespace lab::analysis {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+double columnError(const SimulatedCurves& curves, std::size_t column) {
+  double sum = 0;
+  double sum2 = 0;
+  for (int film = 0; film < curves.films; ++film) {
+    const double deviation = curves.value(film, column) / curves.law[column] - 1;
+    sum += deviation;
+    sum2 += deviation * deviation;
+  }
+  const double n = curves.films;
+  return std::sqrt((sum2 - sum * sum / n) / (n - 1));
+}
+
+bool joined(const std::vector<int>& stretches, std::size_t start, std::size_t end) {
+  return stretches.empty() || (stretches[start] >= 0 && stretches[start] == stretches[end]);
+}
+
+}  // namespace
+
+std::vector<double> filmCurves(const FilmPoses& poses, const std::vector<int>& lags) {
+  return filmCurves(poses, lags, lags, 1, {});
+}
+
+std::vector<double> filmCurves(const FilmPoses& poses, const std::vector<int>& lags,
+                               const std::vector<int>& measured, double every,
+                               const FilmStretches& stretches) {
+  const std::size_t n = lags.size();
+  const std::size_t frames = poses.x.size();
+  const int coarser = static_cast<int>(std::lround(std::log2(every)));
+  std::vector<double> curves(2 * n, kNan);
+  for (std::size_t i = 0; i < n; ++i) {
+    const auto lag = static_cast<std::size_t>(lags[i]);
+    double r2 = 0;
+    double a2 = 0;
+    std::size_t windows = 0;
+    std::size_t angular_windows = 0;
+    const auto add = [&](std::size_t start) {
+      const std::size_t end = start + lag;
+      if (!joined(stretches.of_places, start, end)) return;
+      const double dx = poses.x[end] - poses.x[start];
+      const double dy = poses.y[end] - poses.y[start];
+      r2 += dx * dx + dy * dy;
+      ++windows;
+      if (!joined(stretches.of_headings, start, end)) return;
+      const double turn = poses.theta[end] - poses.theta[start];
+      a2 += turn * turn;
+      ++angular_windows;
+    };
+    if (measured[i] < kDenseLags) {
+      const int step = std::max(0, static_cast<int>(stepOf(measured[i])) - coarser);
+      for (std::size_t end = lag; end < frames; ++end) {
+        if (mostStepAt(end) >= static_cast<std::size_t>(step)) add(end - lag);
+      }
+    } else {
+      const double stride = std::max(1.0, strideOf(octaveOf(measured[i])) / every);
+      for (double start = 0; start + static_cast<double>(lag) < static_cast<double>(frames);
+           start += stride) {
+        add(static_cast<std::size_t>(start));
+      }
+    }
+    if (windows > 0) curves[i] = r2 / static_cast<double>(windows);
+    if (angular_windows > 0) curves[n + i] = a2 / static_cast<double>(angular_windows);
+  }
+  return curves;
+}
+
+SimulatedCurves simulateCurves(const BootstrapPlan& plan) {
+  SimulatedCurves result;
+  result.duration = plan.duration * (1 - plan.gaps.unseen);
+  result.cut = plan.gaps.cut;
+  // The films' period is a bit longer than whole frames, so that it locks to nothing.
+  const double every = std::max(1.0, std::round(plan.period / plan.frame_period));
+  std::vector<int> frames;
+  std::vector<int> measured;
+  for (const double lag : plan.lags) {
+    frames.push_back(std::max(1, static_cast<int>(std::lround(lag / plan.period))));
+    measured.push_back(std::max(1, static_cast<int>(std::lround(lag / plan.frame_period))));
+    result.lags.push_back(frames.back() * plan.period);
+  }
+  const ExactLaw exact(plan.law);
+  for (const double lag : result.lags) {
+    result.law.push_back(exact.msd(lag) + 4 * plan.sigma * plan.sigma);
+  }
+  for (const double lag : result.lags) {
+    result.law.push_back(exact.angularMsd(lag) + 2 * plan.sigma_theta * plan.sigma_theta);
+  }
+  const FilmPlan film{plan.law, plan.duration, plan.period, plan.sigma, plan.sigma_theta, 0};
+  FilmPoses poses;
+  FilmStretches stretches;
+  for (int i = 0; i < plan.films; ++i) {
+    const std::uint64_t seed = plan.seed + static_cast<std::uint64_t>(i);
+    simulateFilm(film, seed, poses);
+    if (plan.gaps.lost > 0 || plan.gaps.cut) {
+      stretches = drawStretches(plan.gaps, plan.frame_period, plan.period, poses.x.size(), ~seed);
+    }
+    const std::vector<double> curves = filmCurves(poses, frames, measured, every, stretches);
+    // Without a window of some lag it says nothing of how the lags err together.
+    if (std::any_of(curves.begin(), curves.end(), [](double v) { return std::isnan(v); })) continue;
+    ++result.films;
+    result.values.insert(result.values.end(), curves.begin(), curves.end());
+  }
+  return result;
+}
+
+double errorScale(const SimulatedCurves& films, double observed, double segments, double tau) {
+  // A share of the film at the least, so that lags near a whole segment keep a finite error: half
+  // of one segment; of many, some of which are longer than the mean, less.
+  const double least = (segments > 1 ? 0.1 : 0.5) * observed;
+  const double covered = films.cut ? observed : std::max(observed - segments * tau, least);
+  return std::sqrt(std::max(films.duration - tau, 0.5 * films.duration) / covered);
+}
+
+double relativeError(const SimulatedCurves& curves, bool angular, double tau, double observed,
+                     double segments) {
+  const std::size_t n = curves.lags.size();
+  if (n < 2 || tau < curves.lags.front() || tau > curves.lags.back()) return kNan;
+  const auto above = std::upper_bound(curves.lags.begin(), curves.lags.end() - 1, tau);
+  const auto high = static_cast<std::size_t>(above - curves.lags.begin());
+  const std::size_t low = high - 1;
+  const double share =
+      std::log(tau / curves.lags[low]) / std::log(curves.lags[high] / curves.lags[low]);
+  const std::size_t column = angular ? n : 0;
+  const double error = std::exp((1 - share) * std::log(columnError(curves, column + low)) +
+                                share * std::log(columnError(curves, column + high)));
+  return error * errorScale(curves, observed, segments, tau);
+}
+
+}  // namespace lab::analysis

@@ -1,0 +1,123 @@
+#include "analyzer/curves/block_sums.hpp"
+
+namespace lab::analysis {
+
+LagSums& LagSums::operator+=(const LagSums& other) {
+  windows += other.windows;
+  angular_windows += other.angular_windows;
+  r2 += other.r2;
+  r4 += other.r4;
+  a2 += other.a2;
+  a4 += other.a4;
+  return *this;
+}
+
+LagSums& LagSums::operator-=(const LagSums& other) {
+  windows -= other.windows;
+  angular_windows -= other.angular_windows;
+  r2 -= other.r2;
+  r4 -= other.r4;
+  a2 -= other.a2;
+  a4 -= other.a4;
+  return *this;
+}
+
+BlockSums& BlockSums::operator+=(const BlockSums& other) {
+  time += other.time;
+  forward += other.forward;
+  forward_time += other.forward_time;
+  sideways2 += other.sideways2;
+  steps += other.steps;
+  joins += other.joins;
+  lost += other.lost;
+  lost2 += other.lost2;
+  unseen += other.unseen;
+  segments += other.segments;
+  run_time += other.run_time;
+  run_span += other.run_span;
+  tumbles += other.tumbles;
+  if (lags.size() < other.lags.size()) {
+    lags.resize(other.lags.size());
+  }
+  for (std::size_t i = 0; i < other.lags.size(); ++i) {
+    lags[i] += other.lags[i];
+  }
+  return *this;
+}
+
+BlockSums& BlockSums::operator-=(const BlockSums& other) {
+  time -= other.time;
+  forward -= other.forward;
+  forward_time -= other.forward_time;
+  sideways2 -= other.sideways2;
+  steps -= other.steps;
+  joins -= other.joins;
+  lost -= other.lost;
+  lost2 -= other.lost2;
+  unseen -= other.unseen;
+  segments -= other.segments;
+  run_time -= other.run_time;
+  run_span -= other.run_span;
+  tumbles -= other.tumbles;
+  if (lags.size() < other.lags.size()) {
+    lags.resize(other.lags.size());
+  }
+  for (std::size_t i = 0; i < other.lags.size(); ++i) {
+    lags[i] -= other.lags[i];
+  }
+  return *this;
+}
+
+void BlockData::pool(const BlockData& other) {
+  if (lags.empty()) {
+    *this = other;
+    return;
+  }
+  tracks.insert(tracks.end(), other.tracks.begin(), other.tracks.end());
+  segments += other.segments;
+  for (std::size_t i = 0; i < lag_times.size(); ++i) {
+    lag_times[i] += other.lag_times[i];
+  }
+}
+
+BlockSums BlockData::total() const {
+  BlockSums sum;
+  sum.lags.resize(lags.size());
+  for (const auto& track : tracks) {
+    for (const BlockSums& block : track) {
+      sum += block;
+    }
+  }
+  return sum;
+}
+
+FilmGaps gapsOf(const BlockData& data, const BlockSums& total) {
+  FilmGaps gaps;
+  gaps.segments = data.segments;
+  gaps.cut = data.segments.number() > static_cast<double>(data.tracks.size());
+  if (total.lost > 0) {
+    const double all = total.time + total.unseen;
+    gaps.lost = total.lost * data.frame_period / all;
+    // Of lengths that fall geometrically the mean square is 2 length^2 - length.
+    gaps.lost_length = 0.5 * (total.lost2 / total.lost + 1);
+    gaps.unseen = total.unseen / all;
+  }
+  return gaps;
+}
+
+double BlockData::observed() const {
+  double time = 0;
+  for (const auto& track : tracks) {
+    for (const BlockSums& block : track) {
+      time += block.time;
+    }
+  }
+  return time;
+}
+
+double BlockData::lagTime(std::size_t i, const BlockSums& total) const {
+  const std::uint32_t n = total.lags[i].windows;
+  return n > 0 ? lag_times[i] / n : lags[i] * frame_period;
+}
+
+}  // namespace lab::analysis

@@ -1,0 +1,264 @@
+#include "analyzer/curves/curves.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "analyzer/laws/numerics.hpp"
+#include "analyzer/curves/statistics.hpp"
+
+namespace lab::analysis {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kBlocksPerLag = 5;
+constexpr std::size_t kEnoughBlocks = 12;
+constexpr double kTrustedBlocks = 180;  // lags beyond track / 180 need more than blocks
+constexpr double kFilmsPerLag = 20;  // lags beyond film / 20 are too skewed to judge
+constexpr double kMinDraws = 100;    // draws or tumbles for any verdict
+constexpr double kLimitZ = 4;
+constexpr int kMinJudged = 5;
+constexpr double kManyBlocks = 1e9;
+
+double mean(double sum, std::uint32_t n) { return n > 0 ? sum / n : kNan; }
+
+/// The means of all lags, raw and with the noise offset removed, as one vector for the jackknife.
+class LagFunctions {
+ public:
+  /// @param offset of the noise in the MSD, where the data do not tell it
+  LagFunctions(const Estimator& estimator, const BlockData& data, double offset)
+      : estimator_(estimator),
+        lags_(data.lags),
+        period_(data.frame_period),
+        n_(data.lags.size()),
+        offset_(finiteOrZero(offset)) {}
+
+  std::vector<double> operator()(const BlockSums& sums) const {
+    const Quantities q = estimator_(sums);
+    const double offset = std::isfinite(q[kPositionOffset]) ? q[kPositionOffset] : offset_;
+    const double joins = sums.joins / sums.time;
+    const double angular_offset = finiteOrZero(q[kHeadingOffset]);
+    std::vector<double> result(4 * n_);
+    for (std::size_t i = 0; i < n_; ++i) {
+      const LagSums& lag = sums.lags[i];
+      result[i] = mean(lag.r2, lag.windows);
+      result[n_ + i] = mean(lag.a2, lag.angular_windows);
+      result[2 * n_ + i] = result[i] - offset * joinNoise(i, joins);
+      result[3 * n_ + i] = result[n_ + i] - angular_offset;
+    }
+    return result;
+  }
+
+  /// The positions on both sides of a join are noisy too, and shared by the windows across it.
+  [[nodiscard]] double joinNoise(std::size_t i, double joins_per_second) const {
+    const double frames = lags_[i];
+    return 1 + joins_per_second * period_ * (frames - 2);
+  }
+
+ private:
+  const Estimator& estimator_;
+  const std::vector<int>& lags_;
+  double period_;
+  std::size_t n_;
+  double offset_;
+};
+
+/// The block errors of all lags, each from blocks long enough for it.
+class LagErrors {
+ public:
+  LagErrors(const BlockData& data, const LagFunctions& functions)
+      : data_(data), functions_(functions) {
+    for (const auto& track : data.tracks) {
+      for (const BlockSums& block : track) {
+        native_ = std::max(native_, block.time);
+      }
+    }
+  }
+
+  struct Error {
+    double raw = 0;        ///< Of the mean.
+    double corrected = 0;  ///< Of the mean less the noise offset.
+    double freedom = 0;    ///< Degrees of freedom of both.
+    bool enough = false;   ///< Enough blocks, each long enough.
+  };
+
+  Error at(double tau, std::size_t column, std::size_t corrected_column) {
+    // Block lengths on a ladder of powers of two, so that few distinct groupings are needed.
+    double length = native_;
+    while (length < kBlocksPerLag * tau) {
+      length *= 2;
+    }
+    const Replicates* replicates = &grouped(length);
+    const bool enough = replicates->shares.size() >= kEnoughBlocks;
+    while (replicates->shares.size() < kEnoughBlocks && length > native_) {
+      length /= 2;
+      replicates = &grouped(length);
+    }
+    // Windows reach back by tau into the block before, so that neighbours are correlated.
+    const double overlap = enough ? 1 / std::sqrt(1 - tau / (4 * length)) : 1;
+    return {overlap * replicates->sigma(column), overlap * replicates->sigma(corrected_column),
+            replicates->degreesOfFreedom(), enough};
+  }
+
+ private:
+  const Replicates& grouped(double length) {
+    auto found = cache_.find(length);
+    if (found == cache_.end()) {
+      found = cache_.emplace(length, jackknife(groupBlocks(data_, length), functions_)).first;
+    }
+    return found->second;
+  }
+
+  const BlockData& data_;
+  const LagFunctions& functions_;
+  double native_ = 0;
+  std::map<double, Replicates> cache_;
+};
+
+/// The law with its speed replaced by the measured one where that may be a calibration error.
+ExactLaw calibrated(const ProgramLaw& law, double speed, double tolerance) {
+  ProgramLaw result = law;
+  const bool has_speed = law.kind == ProgramKind::kAbp || law.kind == ProgramKind::kRtp;
+  if (has_speed && std::abs(speed / law.v - 1) <= tolerance) {
+    result.v = speed;
+  }
+  return ExactLaw(result);
+}
+
+/// The ABP's ballistic part has a far smaller error than the diffusive formula.
+bool predictsItsMsdError(const ProgramLaw& law) { return law.kind != ProgramKind::kAbp; }
+
+double drawsSeen(const ProgramLaw& law, double observed) {
+  return isHeldNoise(law.kind) ? observed / law.epsilon : observed / (1 / law.gamma + law.tau_t);
+}
+
+}  // namespace
+
+double modelMsdError(const ExactLaw& law, double tau, double observed) {
+  const ProgramLaw& p = law.program();
+  if (p.kind == ProgramKind::kRtp) {
+    // The share of run time in the film scatters too.
+    const double cycle = 1 / p.gamma + p.tau_t;
+    return std::sqrt((2 * tau / 3 + p.tau_t * p.tau_t / cycle) / observed);
+  }
+  const double noise_share =
+      p.kind == ProgramKind::kAbp
+          ? 0
+          : std::min(1.0, 4 * translationalDiffusivity(p) * tau / law.msd(tau));
+  return std::sqrt((2 * tau / 3 * (1 + noise_share) + 1.5 * noise_share * p.epsilon) / observed);
+}
+
+double modelAngularError(const ExactLaw& law, double tau, double observed) {
+  const ProgramLaw& p = law.program();
+  const double draws = p.kind == ProgramKind::kRtp   ? 1.8 * (1 / p.gamma + p.tau_t)
+                       : p.kind == ProgramKind::kAbp ? 0.8 * p.epsilon
+                                                     : 1.4 * p.epsilon;
+  return std::sqrt((4 * tau / 3 + draws) / observed);
+}
+
+Curves curves(const ProgramLaw& law, const BlockData& data, const CurveOptions& options) {
+  Curves result;
+  const double observed = data.observed();
+  const ExactLaw exact(law);
+  if (!(observed > 0)) {
+    return result;
+  }
+  const std::size_t n = data.lags.size();
+  const BlockSums total = data.total();
+  const Estimator estimator(law, data);
+  const double speed = estimator(total)[kSpeed];
+  const ExactLaw reference = calibrated(law, speed, options.speed_tolerance);
+  const LagFunctions functions(estimator, data, options.offset);
+  // Without headings only a fit knows the tracker's noise.
+  const bool by_fit = !std::isfinite(estimator(total)[kPositionOffset]);
+  const bool noise_known = !by_fit || std::isfinite(options.offset);
+  const std::vector<double> means = functions(total);
+  LagErrors errors(data, functions);
+  const bool enough_draws = drawsSeen(law, observed) >= kMinDraws;
+  const auto tracks = static_cast<double>(data.tracks.size());
+  const double segments = std::max(tracks, total.segments);
+  const FilmGaps gaps = gapsOf(data, total);
+  const auto film_error = [&](bool angular, double tau) {
+    return options.films != nullptr && kTrustedBlocks * tau > observed / tracks
+               ? relativeError(*options.films, angular, tau, observed, segments)
+               : kNan;
+  };
+
+  for (std::size_t i = 0; i < n; ++i) {
+    const double tau = data.lagTime(i, total);
+    const LagSums& sums = total.lags[i];
+    const auto point = [&](bool angular) {
+      CurvePoint p;
+      p.tau = tau;
+      p.windows = angular ? sums.angular_windows : sums.windows;
+      p.value = mean(angular ? sums.a2 : sums.r2, angular ? sums.angular_windows : sums.windows);
+      const double fourth =
+          mean(angular ? sums.a4 : sums.r4, angular ? sums.angular_windows : sums.windows);
+      p.kurtosis = fourth / (p.value * p.value);
+      p.exact = angular ? exact.angularMsd(tau) : exact.msd(tau);
+      p.paper = angular ? paperAngularMsd(law, tau) : paperMsd(law, tau);
+      const double expected = angular ? reference.angularMsd(tau) : reference.msd(tau);
+      const std::size_t column = angular ? n + i : i;
+      LagErrors::Error error = errors.at(tau, column, 2 * n + column);
+      // Of long lags cuts leave few windows, in segments that are not like the others.
+      const double covered = gaps.covered(tau / data.frame_period);
+      const double seen = std::max(covered * observed, tau);
+      const double model = expected * (angular ? modelAngularError(exact, tau, seen)
+                                               : modelMsdError(exact, tau, seen));
+      const double simulated = film_error(angular, tau);
+      p.noise = p.value - means[2 * n + column];
+      if (std::isfinite(simulated)) {
+        error.raw = simulated * (expected + p.noise);
+        error.corrected = simulated * expected;
+        error.freedom = kManyBlocks;
+      } else if (!error.enough || gaps.cut) {
+        error.raw = std::fmax(error.raw, model);
+      }
+      const bool own = !error.enough || angular || predictsItsMsdError(law);
+      if (!std::isfinite(simulated) && !(error.corrected > model) && own) {
+        error.corrected = model;
+        error.freedom = kManyBlocks;
+      }
+      p.sigma = p.windows > 0 ? error.raw : kNan;
+      p.n_eff = (fourth - p.value * p.value) / (p.sigma * p.sigma);
+      const double offset_error = by_fit && !angular ? options.offset_sigma : 0;
+      p.z = normalDeviate(
+          (means[2 * n + column] - expected) /
+              std::hypot(error.corrected, options.systematic_floor * expected, offset_error),
+          error.freedom);
+      p.selection_biased = options.unbiased_lag > 0 && tau > options.unbiased_lag;
+      p.judged = enough_draws && noise_known && !p.selection_biased && std::isfinite(p.z) &&
+                 covered >= kLeastCovered && kFilmsPerLag * tau <= covered * observed;
+      return p;
+    };
+    const CurvePoint msd_point = point(false);
+    const CurvePoint angular_point = point(true);
+    result.msd.push_back(msd_point);
+    result.angular_msd.push_back(angular_point);
+  }
+  return result;
+}
+
+Verdict judge(const Curves& curves) {
+  Verdict verdict;
+  for (const bool angular : {false, true}) {
+    for (const CurvePoint& point : angular ? curves.angular_msd : curves.msd) {
+      if (!point.judged) {
+        continue;
+      }
+      ++verdict.judged;
+      if (std::abs(point.z) > verdict.max_z) {
+        verdict.max_z = std::abs(point.z);
+        verdict.tau = point.tau;
+        verdict.angular = angular;
+      }
+    }
+  }
+  if (verdict.judged >= kMinJudged) {
+    verdict.kind = verdict.max_z < kLimitZ ? VerdictKind::kAgrees : VerdictKind::kDisagrees;
+  }
+  return verdict;
+}
+
+}  // namespace lab::analysis

@@ -1,0 +1,413 @@
+#include "analyzer/curves/estimates.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "analyzer/curves/lags.hpp"
+#include "analyzer/laws/numerics.hpp"
+#include "analyzer/curves/statistics.hpp"
+
+namespace lab::analysis {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kBlocksPerReach = 5;  // how much longer than its lags a block must be
+constexpr double kFilmsPerSlope = 20;  // how much longer than the slope's lags a film must be
+constexpr double kManyBlocks = 1e9;
+constexpr double kCorrectionShare = 0.1;  // of a correction counted as its own uncertainty
+
+double persistenceTime(const ProgramLaw& law) {
+  switch (law.kind) {
+    case ProgramKind::kAbp:
+    case ProgramKind::kNoisyAbp:
+      return 1 / rotationalDiffusivity(law);
+    case ProgramKind::kBp:
+      return law.epsilon;
+    case ProgramKind::kRtp:
+      return 1 / law.gamma;
+    case ProgramKind::kNone:
+    case ProgramKind::kWheels:
+      break;
+  }
+  return kNan;
+}
+
+/// What the law itself says about the relative error of a quantity in a film of length T, for films
+/// too short to tell: draws are independent from hold to hold, and the difference of two lags has
+/// twice the error of the mean square of the draws (kurtosis of the uniform distribution 9/5, of
+/// the sum of two 2.4).
+double modelError(const ProgramLaw& law, Quantity quantity, double observed) {
+  const double draws = law.epsilon > 0 ? observed / law.epsilon : kNan;
+  switch (quantity) {
+    case kRotationalDiffusivity:
+      return 2 * std::sqrt((law.kind == ProgramKind::kAbp ? 0.8 : 1.4) / draws);
+    case kTranslationalDiffusivity:
+      return 2 * std::sqrt(1.4 / draws);
+    case kAmplitude:
+      return 0.5 * std::sqrt(1.4 / draws);
+    case kSpeed:
+      return law.kind == ProgramKind::kNoisyAbp && law.va != 0
+                 ? law.V / std::abs(law.va) / std::sqrt(6 * draws)
+                 : 0;
+    case kSlopeDiffusivity:
+      return (law.kind == ProgramKind::kBp ? 1.15 : 0.8) *
+             std::sqrt(20 * persistenceTime(law) / observed);
+    case kPositionOffset:
+    case kHeadingOffset:
+    case kTumbleRate:
+    case kQuantities:
+      break;
+  }
+  return 0;
+}
+
+/// The 95 % interval: Student's t unless sigma does not come from the blocks' scatter
+/// (known_error). Positive quantities that are mean squares (scale) have relative errors: a film
+/// that fluctuates low also scatters less, which a symmetric interval would miss.
+void setInterval(Estimate& estimate, double degrees_of_freedom, bool known_error, bool scale) {
+  const double half =
+      studentQuantile(known_error ? kManyBlocks : degrees_of_freedom) * estimate.sigma;
+  const bool relative = scale && estimate.value > 0 && half < 3 * estimate.value;
+  const double factor = relative ? std::exp(half / estimate.value) : 1;
+  estimate.low95 = relative ? estimate.value / factor : estimate.value - half;
+  estimate.high95 = relative ? estimate.value * factor : estimate.value + half;
+  estimate.n_eff = degrees_of_freedom + 1;
+  if (!std::isfinite(estimate.value)) {
+    estimate.note += "; too little data";
+  } else if (degrees_of_freedom + 1 < static_cast<double>(kFewBlocks)) {
+    estimate.note += "; few blocks, error not below the law's own";
+  }
+}
+
+}  // namespace
+
+Estimator::Estimator(const ProgramLaw& law, const BlockData& data) : law_(law) {
+  const BlockSums total = data.total();
+  const ExactLaw exact(law);
+  ProgramLaw unit = law;
+  unit.va = 1;
+  ProgramLaw noise = law;
+  noise.va = 0;
+  const bool wheels = law.kind == ProgramKind::kNoisyAbp || law.kind == ProgramKind::kBp;
+  unit.kind = noise.kind = wheels ? ProgramKind::kNoisyAbp : ProgramKind::kNone;
+  const ExactLaw unit_law(unit);
+  const ExactLaw noise_law(noise);
+  const bool held = isHeldNoise(law.kind);
+  const double turning2 = held ? 2 * rotationalDiffusivity(law) / law.epsilon : 1;
+  for (std::size_t i = 0; i < data.lags.size(); ++i) {
+    const double tau = data.lagTime(i, total);
+    lag_times_.push_back(tau);
+    shape_.push_back(exact.angularMsd(tau) / turning2);
+    noise_part_.push_back(noise_law.msd(tau));
+    mean_part_.push_back(unit_law.msd(tau) - noise_part_.back());
+  }
+  first_lag_ = lag_times_.front();
+  const bool dense = data.lags.size() > 2 && data.lags[0] == 1 && data.lags[2] == 3;
+  third_lag_ = dense ? 2 : 0;
+  const double turn = held ? law.epsilon : law.tau_t;
+  hold_ = nearestLag(data.lags, turn / data.frame_period);
+  two_holds_ = nearestLag(data.lags, 2 * turn / data.frame_period);
+  const double persistence = persistenceTime(law);
+  slope_begin_ = nearestLag(data.lags, 5 * persistence / data.frame_period);
+  slope_end_ = nearestLag(data.lags, 10 * persistence / data.frame_period);
+  const bool reached = lag_times_[slope_end_] > 8 * persistence && slope_end_ > slope_begin_;
+  const bool enough = kFilmsPerSlope * lag_times_[slope_end_] <= data.observed();
+  slope_time_ = reached && enough ? lag_times_[slope_end_] - lag_times_[slope_begin_] : 0;
+}
+
+double Estimator::msd(const BlockSums& sums, std::size_t i) const {
+  return sums.lags[i].windows > 0 ? sums.lags[i].r2 / sums.lags[i].windows : kNan;
+}
+
+double Estimator::angular(const BlockSums& sums, std::size_t i) const {
+  return sums.lags[i].angular_windows > 0 ? sums.lags[i].a2 / sums.lags[i].angular_windows : kNan;
+}
+
+double Estimator::reach(Quantity quantity) const {
+  if (quantity == kSlopeDiffusivity) {
+    return lag_times_[slope_end_];
+  }
+  if (law_.kind == ProgramKind::kRtp) {
+    return 1 / law_.gamma + law_.tau_t;
+  }
+  return lag_times_[two_holds_];
+}
+
+void Estimator::measureTurning(const BlockSums& sums, Quantities& q) const {
+  const auto scale = [&](std::size_t from, std::size_t to) {
+    return to > from ? (angular(sums, to) - angular(sums, from)) / (shape_[to] - shape_[from])
+                     : kNan;
+  };
+  if (isHeldNoise(law_.kind)) {
+    q[kRotationalDiffusivity] = 0.5 * law_.epsilon * scale(hold_, two_holds_);
+  }
+  const double short_scale = hold_ > 0 ? scale(0, hold_) : scale(hold_, two_holds_);
+  q[kHeadingOffset] = angular(sums, 0) - short_scale * shape_[0];
+}
+
+void Estimator::measureNoise(const BlockSums& sums, Quantities& q) const {
+  const double heading_noise = std::isfinite(q[kHeadingOffset]) ? 0.5 * q[kHeadingOffset] : 0;
+  const double across = sums.steps > 0 ? sums.sideways2 / sums.steps : kNan;
+  // The heading's own noise turns a part of the forward step sideways.
+  q[kPositionOffset] = 2 * (across - 0.5 * heading_noise * (msd(sums, 0) - 2 * across));
+  double correction = heading_noise / 4;
+  if (law_.kind == ProgramKind::kNone) {
+    correction = chordOfUnknownTurning(sums);
+  } else if (law_.kind != ProgramKind::kRtp) {
+    // The chord of an arc is shorter than the arc (an RTP does not move while it turns).
+    correction += (angular(sums, 0) - 2 * heading_noise) / 24;
+  }
+  q[kSpeed] = sums.forward_time > 0 ? sums.forward / sums.forward_time * (1 + correction) : kNan;
+}
+
+/// Of a motion that is not known the heading may turn evenly within a frame or at random. The one has
+/// an angular MSD of a n^2 over n frames, the other one of b n, and noise c for any n. An even turn
+/// takes a/24 off the step along the mean of both headings; a random one, as noise does, b/8.
+double Estimator::chordOfUnknownTurning(const BlockSums& sums) const {
+  const double one = angular(sums, 0);
+  const double even =
+      third_lag_ > 0
+          ? 0.5 * (angular(sums, third_lag_) - 2 * angular(sums, third_lag_ - 1) + one)
+          : kNan;
+  if (!std::isfinite(even)) return one / 24;
+  return one / 8 - std::clamp(even, 0.0, one) / 12;
+}
+
+Quantities Estimator::operator()(const BlockSums& sums) const {
+  Quantities q;
+  q.fill(kNan);
+  measureTurning(sums, q);
+  measureNoise(sums, q);
+  if (law_.kind == ProgramKind::kRtp) {
+    q[kTumbleRate] = sums.run_time > 0 ? sums.tumbles / sums.run_time : kNan;
+    // Frames in which a tumble begins or ends see a part of a run at a heading half turned away:
+    // to lowest order a loss of <omega^2> dt^3 / 48 per tumble.
+    const double omega2 = std::numbers::pi * std::numbers::pi / (3 * law_.tau_t * law_.tau_t);
+    const double smeared = q[kTumbleRate] * omega2 * std::pow(first_lag_, 3) / 48;
+    q[kSpeed] *= sums.run_time > 0 ? sums.run_span / sums.run_time * (1 + smeared) : kNan;
+  }
+  if (law_.kind == ProgramKind::kNoisyAbp || law_.kind == ProgramKind::kBp) {
+    const double va = law_.kind == ProgramKind::kBp ? 0 : q[kSpeed];
+    // (V / V programmed)^2 from the difference of two lags.
+    const auto ratio = [&](std::size_t from, std::size_t to) {
+      const double mean_part = va * va * (mean_part_[to] - mean_part_[from]);
+      return to > from ? (msd(sums, to) - msd(sums, from) - mean_part) /
+                             (noise_part_[to] - noise_part_[from])
+                       : kNan;
+    };
+    q[kTranslationalDiffusivity] = translationalDiffusivity(law_) * ratio(hold_, two_holds_);
+    q[kAmplitude] = law_.V * std::sqrt(hold_ > 0 ? ratio(0, hold_) : ratio(hold_, two_holds_));
+  }
+  if (slope_time_ > 0) {
+    q[kSlopeDiffusivity] = (msd(sums, slope_end_) - msd(sums, slope_begin_)) / (4 * slope_time_);
+  }
+  return q;
+}
+
+namespace {
+
+/// Collects the estimates of one program.
+class Report {
+ public:
+  Report(const ProgramLaw& law, const BlockData& data)
+      : law_(law), data_(data), estimator_(law, data), observed_(data.observed()) {
+    main_ = replicate(kRotationalDiffusivity);
+  }
+
+  std::vector<Estimate> all() {
+    if (law_.kind == ProgramKind::kNone) {
+      direct(kSpeed, "v", "m/s", kNan, "forward displacement over time");
+      return std::move(list_);
+    }
+    if (isHeldNoise(law_.kind)) {
+      direct(kRotationalDiffusivity, "D_r", "rad^2/s", rotationalDiffusivity(law_),
+             "[A(2 epsilon) - A(epsilon)] / (2 epsilon) of the angular MSD");
+    }
+    direct(kSpeed, law_.kind == ProgramKind::kNoisyAbp ? "v_a" : "v", "m/s", meanSpeed(law_),
+           law_.kind == ProgramKind::kRtp ? "forward displacement over run time"
+                                          : "forward displacement over time");
+    if (law_.kind == ProgramKind::kNoisyAbp || law_.kind == ProgramKind::kBp) {
+      direct(kAmplitude, "V", "m/s", law_.V, "MSD(epsilon) - MSD(one frame) over the exact law's");
+      direct(kTranslationalDiffusivity, "D_t", "m^2/s", translationalDiffusivity(law_),
+             "[MSD(2 epsilon) - MSD(epsilon)] / (4 epsilon), mean speed's part removed");
+    }
+    if (law_.kind == ProgramKind::kRtp) {
+      tumbling();
+    }
+    derived();
+    direct(kSlopeDiffusivity, "D_slope", "m^2/s", ExactLaw(law_).diffusivity(),
+           "slope of the MSD from 5 to 10 persistence times, intercept free");
+    return std::move(list_);
+  }
+
+ private:
+  Replicates replicate(Quantity quantity) const {
+    return jackknife(groupBlocks(data_, kBlocksPerReach * estimator_.reach(quantity)),
+                     [this](const BlockSums& sums) {
+                       const Quantities q = estimator_(sums);
+                       return std::vector<double>(q.begin(), q.end());
+                     });
+  }
+
+  void direct(Quantity quantity, const char* name, const char* unit, double theory,
+              const char* note) {
+    const bool own = estimator_.reach(quantity) != estimator_.reach(kRotationalDiffusivity);
+    const Replicates replicates = own ? replicate(quantity) : main_;
+    Estimate estimate{
+        name, unit, replicates.values[quantity], replicates.sigma(quantity), 0, 0, theory, 0, note};
+    const double dof = replicates.degreesOfFreedom();
+    bool known = boundedByModel(
+        estimate, modelError(law_, quantity, observed_) * std::abs(estimate.value), dof);
+    if (quantity == kSpeed) {
+      const SpeedError error = speedError(replicates, finiteOrZero(estimate.sigma));
+      estimate.sigma = error.sigma;
+      known = known || error.known;
+    }
+    setInterval(estimate, dof, known, quantity != kSpeed);
+    list_.push_back(estimate);
+  }
+
+  struct SpeedError {
+    double sigma = 0;
+    bool known = false;  ///< From the tracker's noise, not from the blocks.
+  };
+
+  /// Few blocks: sigma becomes the larger of theirs and the law's own. True if it is the law's.
+  static bool boundedByModel(Estimate& estimate, double model, double dof) {
+    if (dof + 1 >= static_cast<double>(kFewBlocks) || estimate.sigma >= model) {
+      return false;
+    }
+    estimate.sigma = model;
+    return true;
+  }
+
+  /// The error of the mean forward speed. The noise of one frame enters the step to it and the step
+  /// from it with opposite signs, so that most of it cancels, but not where the two steps fall into
+  /// different blocks: the scatter of blocks is too large by a known amount. What is left counts
+  /// only where it is more than the noise explains (draws of the wheels, real ones' unevenness).
+  SpeedError speedError(const Replicates& replicates, double block_sigma) const {
+    const BlockSums total = data_.total();
+    const Quantities q = estimator_(total);
+    const double time = total.forward_time;
+    const double scale = law_.kind == ProgramKind::kRtp ? total.run_span / total.run_time : 1;
+    const double sigma2 = finiteOrZero(std::max(0.0, q[kPositionOffset] / 4)) * scale * scale;
+    const double heading2 = finiteOrZero(std::max(0.0, q[kHeadingOffset] / 2));
+    const LagSums& first = total.lags.front();
+    const double turn2 = first.angular_windows > 0
+                             ? std::max(0.0, first.a2 / first.angular_windows - 2 * heading2)
+                             : 0;
+    const auto tracks = static_cast<double>(data_.tracks.size());
+    const auto blocks = static_cast<double>(replicates.shares.size());
+    const double cancelling = turn2 + 0.5 * heading2;
+    const double noise = sigma2 * (total.steps * cancelling + 2 * (total.joins + tracks));
+    const double scatter = block_sigma * block_sigma * time * time;
+    const double excess = scatter - 2 * sigma2 * (blocks - tracks) - noise;
+    const double resolution = 2 * std::sqrt(2 / std::max(1.0, blocks - 1)) * scatter;
+    const double variance = (noise + (excess > resolution ? excess : 0)) / (time * time);
+    // The correction for chords and heading noise is of lowest order only.
+    const double correction = q[kSpeed] - scale * total.forward / time;
+    return {std::hypot(std::sqrt(variance), kCorrectionShare * correction), excess <= resolution};
+  }
+
+  void tumbling() {
+    const BlockSums total = data_.total();
+    const double run_time = total.run_time;
+    const Interval count = poissonInterval(total.tumbles);
+    Estimate gamma{"gamma",
+                   "1/s",
+                   main_.values[kTumbleRate],
+                   std::sqrt(total.tumbles) / run_time,
+                   count.low / run_time,
+                   count.high / run_time,
+                   law_.gamma,
+                   total.tumbles,
+                   "tumbles over run time (right-censored maximum likelihood)"};
+    Estimate tau{"tau_r",          "s",
+                 1 / gamma.value,  gamma.sigma / (gamma.value * gamma.value),
+                 1 / gamma.high95, 1 / gamma.low95,
+                 1 / law_.gamma,   total.tumbles,
+                 "1 / gamma"};
+    if (!(total.tumbles > 0)) {
+      gamma.value = run_time > 0 ? 0 : kNan;
+      gamma.note += "; no tumble seen";
+      tau.value = kNan;
+      tau.note += "; no tumble seen";
+    }
+    list_.push_back(gamma);
+    list_.push_back(tau);
+  }
+
+  /// The program with its parameters replaced by measured ones.
+  ProgramLaw measured(const std::vector<double>& q) const {
+    ProgramLaw law = law_;
+    if (law.kind == ProgramKind::kAbp) {
+      law.v = q[kSpeed];
+      law.eta = std::sqrt(6 * q[kRotationalDiffusivity] / law.epsilon);
+    } else if (law.kind == ProgramKind::kRtp) {
+      law.v = q[kSpeed];
+      law.gamma = q[kTumbleRate];
+    } else {
+      law.va = law.kind == ProgramKind::kNoisyAbp ? q[kSpeed] : 0;
+      law.V = q[kAmplitude];
+    }
+    return law;
+  }
+
+  /// D and L_s: the exact law at the measured parameters, errors by linear propagation.
+  void derived() {
+    propagate("D", "m^2/s", "exact law at the measured parameters",
+              [](const ExactLaw& law) { return law.diffusivity(); });
+    if (law_.kind == ProgramKind::kAbp || law_.kind == ProgramKind::kRtp) {
+      propagate("L_s", "m", "integral of C(l), exact law at the measured parameters",
+                [](const ExactLaw& law) { return law.persistenceLength(); });
+    }
+  }
+
+  template <typename Function>
+  void propagate(const char* name, const char* unit, const char* note, Function function) {
+    const auto at = [&](const std::vector<double>& q) { return function(ExactLaw(measured(q))); };
+    const double value = at(main_.values);
+    std::vector<double> without(main_.without.size(), value);
+    double model2 = 0;
+    for (const Quantity q : {kRotationalDiffusivity, kSpeed, kAmplitude, kTumbleRate}) {
+      std::vector<double> shifted = main_.values;
+      const double step = 1e-3 * shifted[q];
+      shifted[q] += step;
+      const double slope = (at(shifted) - value) / step;
+      if (!std::isfinite(slope)) {
+        continue;
+      }
+      for (std::size_t b = 0; b < without.size(); ++b) {
+        without[b] += slope * (main_.without[b][q] - main_.values[q]);
+      }
+      const double model = slope * main_.values[q] * modelError(law_, q, observed_);
+      model2 += model * model;
+    }
+    Estimate estimate{
+        name, unit, value, main_.sigmaOf(value, without), 0, 0, function(ExactLaw(law_)), 0, note};
+    const double dof = main_.degreesOfFreedom();
+    const bool known = boundedByModel(estimate, std::sqrt(model2), dof);
+    setInterval(estimate, dof, known, true);
+    list_.push_back(estimate);
+  }
+
+  const ProgramLaw& law_;
+  const BlockData& data_;
+  Estimator estimator_;
+  double observed_;
+  Replicates main_;
+  std::vector<Estimate> list_;
+};
+
+}  // namespace
+
+std::vector<Estimate> estimate(const ProgramLaw& law, const BlockData& data) {
+  if (!(data.observed() > 0)) {
+    return {};
+  }
+  return Report(law, data).all();
+}
+
+}  // namespace lab::analysis

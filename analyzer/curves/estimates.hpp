@@ -1,0 +1,89 @@
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "analyzer/curves/block_errors.hpp"
+#include "analyzer/laws.hpp"
+#include "analyzer/curves/msd_accumulator.hpp"
+
+namespace lab::analysis {
+
+/// One number with its error, SI units. Where it could not be determined value is nan and the note
+/// says why.
+struct Estimate {
+  std::string name;
+  std::string unit;
+  double value = 0;
+  double sigma = 0;  ///< Standard error.
+  double low95 = 0;  ///< 95 % interval: Student's t for few blocks.
+  double high95 = 0;
+  double theory = 0;  ///< Of the programmed parameters; nan: none.
+  double n_eff = 0;   ///< Independent blocks (or tumbles) behind sigma.
+  std::string note;   ///< The estimator, and reservations.
+};
+
+/// What is measured directly from the sums of a program. Quantities that the program or the data do
+/// not define are nan.
+enum Quantity : std::size_t {
+  kRotationalDiffusivity,     ///< D_r, rad^2/s.
+  kSpeed,                     ///< Mean forward speed, for RTP inside runs, m/s.
+  kPositionOffset,            ///< 4 sigma^2, what tracker noise adds to the MSD, m^2.
+  kHeadingOffset,             ///< 2 sigma_theta^2, rad^2.
+  kAmplitude,                 ///< V, m/s.
+  kTranslationalDiffusivity,  ///< D_t, m^2/s.
+  kSlopeDiffusivity,          ///< D of the MSD's slope, m^2/s.
+  kTumbleRate,                ///< gamma, 1/s.
+  kQuantities
+};
+using Quantities = std::array<double, kQuantities>;
+
+/// The estimators of one program on one lag grid, as functions of the sums:
+///
+/// - D_r = epsilon <omega^2> / 2 with <omega^2> = [A(t2) - A(t1)] / [F(t2) - F(t1)], t1 and t2 the
+///   lags nearest to epsilon and 2 epsilon and F the exact shape of the angular MSD A. The
+///   difference removes the offset epsilon/3 of the law and the heading noise.
+/// - v: mean displacement along the heading between consecutive frames over their time. Position
+///   noise averages out; the chord of an arc and the heading noise are corrected. RTP: divided by
+///   the share of run time that the telemetry counted.
+/// - 4 sigma^2: a robot does not move sideways, so displacement across the heading is noise.
+/// - 2 sigma_theta^2: A at one frame, less the exact shape through A(one frame) and A(t1).
+/// - V from MSD(t1) - MSD(one frame), D_t from MSD(t2) - MSD(t1), each over the exact law's
+///   difference and less the part of the mean speed. Differences remove 4 sigma^2.
+/// - D from the MSD's slope between five and ten persistence times, intercept free.
+/// - gamma: tumbles over run time, the right-censored maximum-likelihood estimate.
+class Estimator {
+ public:
+  Estimator(const ProgramLaw& law, const BlockData& data);
+
+  [[nodiscard]] Quantities operator()(const BlockSums& sums) const;
+
+  /// The lags (s) that a quantity needs; its blocks must be several times longer.
+  [[nodiscard]] double reach(Quantity quantity) const;
+
+ private:
+  [[nodiscard]] double msd(const BlockSums& sums, std::size_t i) const;
+  [[nodiscard]] double angular(const BlockSums& sums, std::size_t i) const;
+  void measureTurning(const BlockSums& sums, Quantities& q) const;
+  void measureNoise(const BlockSums& sums, Quantities& q) const;
+  [[nodiscard]] double chordOfUnknownTurning(const BlockSums& sums) const;
+
+  ProgramLaw law_;
+  double first_lag_ = 0;       ///< s.
+  std::size_t third_lag_ = 0;  ///< Which one is three frames; 0: none.
+  std::size_t hold_ = 0;       ///< Index of the lag nearest to epsilon.
+  std::size_t two_holds_ = 0;  ///< Of the one nearest to 2 epsilon.
+  std::size_t slope_begin_ = 0;
+  std::size_t slope_end_ = 0;
+  double slope_time_ = 0;  ///< s, 0: no slope.
+  std::vector<double> lag_times_;
+  std::vector<double> shape_;       ///< F: angular MSD of the law over <omega^2>.
+  std::vector<double> mean_part_;   ///< MSD of unit mean wheel speed.
+  std::vector<double> noise_part_;  ///< MSD of the wheels' noise as programmed.
+};
+
+/// All estimates of a program, with theory, in the order people read them.
+[[nodiscard]] std::vector<Estimate> estimate(const ProgramLaw& law, const BlockData& data);
+
+}  // namespace lab::analysis

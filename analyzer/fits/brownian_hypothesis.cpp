@@ -1,0 +1,148 @@
+#include "analyzer/fits/brownian_hypothesis.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdarg>
+#include <cstdio>
+#include <limits>
+
+#include "analyzer/bp_kurtosis.hpp"
+#include "analyzer/curves/estimates.hpp"
+#include "analyzer/bootstrap/kurtosis_bootstrap.hpp"
+
+namespace lab::analysis {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kShare = 1.0 / 40;     // of the film, that the longest lag may be
+constexpr int kFirstHolds = 2;          // the shortest lag
+constexpr int kIsotropicHolds = 10;     // below, even an isotropic robot's draws are not Gaussian
+constexpr double kIsotropic = 2;
+constexpr double kRejects = 0.01;
+constexpr double kSmallestP = 1e-12;    // nobody knows the tails farther
+constexpr double kLongestFilm = 4096;   // s, of the simulated ones; beyond, errors are scaled
+constexpr double kLengthsPerOctave = 2; // of simulated films: robots of one run share theirs
+
+/// What the tracker's noise adds to the MSD, m^2; 0 where it cannot be told.
+double noiseOffset(const ProgramLaw& law, const BlockData& data) {
+  const double offset = Estimator(law, data)(data.total())[kPositionOffset];
+  return offset > 0 ? offset : 0;
+}
+
+double filmLength(double observed) {
+  const double octave = std::round(std::log2(observed) * kLengthsPerOctave) / kLengthsPerOctave;
+  return std::min(kLongestFilm, std::exp2(octave));
+}
+
+/// The deviation of every lag and what a film of the hypothesis makes of the largest.
+/// @param from the first lag that is asked
+KurtosisAnswer ask(const ProgramLaw& law, KurtosisHypothesis hypothesis, double observed,
+                   const std::vector<int>& holds, std::size_t from,
+                   std::vector<KurtosisPoint>& lags) {
+  KurtosisAnswer answer;
+  answer.p = kNan;
+  if (from >= lags.size()) return answer;
+  const bool own = hypothesis == KurtosisHypothesis::kProgram;
+  const std::vector<int> asked(holds.begin() + static_cast<std::ptrdiff_t>(from), holds.end());
+  const double length = filmLength(observed);
+  const KurtosisFilms& films = kurtosisFilms(law, hypothesis, asked, length);
+  const BpKurtosis exact(law.V, law.wheel_base, law.epsilon);
+  double largest = 0;
+  for (std::size_t i = from; i < lags.size(); ++i) {
+    KurtosisPoint& lag = lags[i];
+    // Of the films' deviation from the expectation the part of a film of this length.
+    const double of_films = own ? exact.kurtosis(asked[i - from] * films.period) : kIsotropic;
+    const double bias = (films.mean[i - from] - of_films) * length / observed;
+    const double sigma = films.sigma[i - from] * std::sqrt(length / observed);
+    const double z = (lag.kurtosis - (own ? lag.exact : kIsotropic) - bias) / sigma;
+    if (own) lag.sigma = sigma;
+    (own ? lag.z_exact : lag.z_isotropic) = z;
+    if (std::abs(z) <= largest) continue;
+    largest = std::abs(z);
+    answer.tau = lag.tau;
+  }
+  const auto count = static_cast<double>(films.largest.size());
+  const auto above = static_cast<double>(
+      films.largest.end() - std::lower_bound(films.largest.begin(), films.largest.end(), largest));
+  answer.p = (above + 1) / (count + 1);
+  if (above == 0) {
+    // Beyond all films: as if the lags were independent and normal, which they are to one side.
+    const double tail = static_cast<double>(asked.size()) * std::erfc(largest / std::sqrt(2.0));
+    answer.p = std::max(kSmallestP, std::min(answer.p, tail));
+  }
+  answer.rejected = answer.p < kRejects;
+  return answer;
+}
+
+__attribute__((format(printf, 1, 2))) std::string words(const char* format, ...) {
+  std::array<char, 256> text{};
+  std::va_list arguments;
+  va_start(arguments, format);
+  std::vsnprintf(text.data(), text.size(), format, arguments);
+  va_end(arguments);
+  return text.data();
+}
+
+std::string pText(double p) {
+  return p <= kSmallestP ? words("p < %.0e", kSmallestP) : words("p = %.2g", p);
+}
+
+std::string verdict(const BrownianTest& test) {
+  const auto at = [&test](const KurtosisAnswer& answer) {
+    return *std::ranges::find(test.lags, answer.tau, &KurtosisPoint::tau);
+  };
+  std::string text = "Too short to be told from Brownian motion in the plane. ";
+  if (std::isfinite(test.isotropic.p)) {
+    const KurtosisPoint lag = at(test.isotropic);
+    text = test.isotropic.rejected ? "Not Brownian motion in the plane"
+                                   : "Not to be told from Brownian motion in the plane";
+    text += words(": kurtosis %.2f at %.3g s, 2 expected (%s). ", lag.kurtosis, lag.tau,
+                  pText(test.isotropic.p).c_str());
+  }
+  const KurtosisPoint lag = at(test.exact);
+  text += test.exact.rejected ? "It is not the programmed diffusion along the robot's own axis"
+                              : "It agrees with the programmed diffusion along the robot's own axis";
+  text += words(": farthest off at %.3g s with %.2f, %.2f +- %.2f expected (%s).", lag.tau,
+                lag.kurtosis, lag.exact, lag.sigma, pText(test.exact.p).c_str());
+  return text;
+}
+
+}  // namespace
+
+std::optional<BrownianTest> testBrownian(const ProgramLaw& law, const BlockData& data) {
+  const bool defined = law.kind == ProgramKind::kBp && ExactLaw(law).exists() && law.V > 0;
+  const double observed = defined ? data.observed() : 0;
+  if (!(observed > 0)) return std::nullopt;
+  const BpKurtosis exact(law.V, law.wheel_base, law.epsilon);
+  const double offset = noiseOffset(law, data);
+  const BlockSums total = data.total();
+  // Pools are longer than the films that are simulated for them.
+  const double longest = kShare * std::min(observed, filmLength(observed));
+  BrownianTest test;
+  std::vector<int> holds;
+  std::size_t isotropic_from = 0;
+  for (std::size_t i = 0; i < data.lags.size(); ++i) {
+    const LagSums& sums = total.lags[i];
+    const double tau = data.lagTime(i, total);
+    const int whole = static_cast<int>(std::lround(tau / law.epsilon));
+    if (whole < (holds.empty() ? kFirstHolds : 2 * holds.back())) continue;
+    if (tau > longest || sums.windows == 0 || !(sums.r2 > 0)) break;
+    KurtosisPoint lag;
+    lag.tau = tau;
+    lag.kurtosis = sums.r4 * sums.windows / (sums.r2 * sums.r2);
+    lag.exact = exact.observed(tau, offset);
+    lag.z_isotropic = kNan;
+    if (whole < kIsotropicHolds) ++isotropic_from;
+    holds.push_back(whole);
+    test.lags.push_back(lag);
+  }
+  if (test.lags.empty()) return std::nullopt;
+  test.exact = ask(law, KurtosisHypothesis::kProgram, observed, holds, 0, test.lags);
+  test.isotropic =
+      ask(law, KurtosisHypothesis::kIsotropic, observed, holds, isotropic_from, test.lags);
+  test.text = verdict(test);
+  return test;
+}
+
+}  // namespace lab::analysis

@@ -1,0 +1,70 @@
+#include "analyzer/fits/fit_plan.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace lab::analysis {
+namespace {
+
+constexpr double kHoldFrames = 50;     // frames of a simulated hold, at most
+constexpr double kFilmLags = 30;       // a simulated film is so many of the longest lag
+constexpr double kMostFrames = 16000;  // in a simulated film
+constexpr double kLagsPerTrack = 5;    // the longest lag goes so often into a track
+
+}  // namespace
+
+double changeTime(const ProgramLaw& law) {
+  return isHeldNoise(law.kind) ? law.epsilon : std::min(1 / law.gamma, law.tau_t);
+}
+
+double longestChange(const ProgramLaw& law) {
+  return isHeldNoise(law.kind) ? 8 * law.epsilon : 4 * std::max(1 / law.gamma, law.tau_t);
+}
+
+FitPlan planFit(const ProgramLaw& law, const MeasuredCurves& curves, const FitOptions& options) {
+  FitPlan plan;
+  if (!ExactLaw(law).exists() || curves.lags.empty() || !(curves.frame_period > 0)) return plan;
+  const double dt = curves.frame_period;
+  const double track = curves.observed / curves.tracks;
+  const double base = std::max(changeTime(law), dt);
+  double longest = std::min(std::max(longestChange(law), 8 * dt), track / kLagsPerTrack);
+  if (options.longest_lag > 0) longest = std::min(longest, options.longest_lag);
+  while (curves.gaps.covered(longest / dt) < kLeastCovered) longest *= 0.9;
+  std::vector<double> wanted;
+  for (const double part : {0.2, 0.3, 0.44, 0.67}) wanted.push_back(part * base);
+  for (double lag = base; lag <= 1.02 * longest; lag *= std::sqrt(2.0)) wanted.push_back(lag);
+  for (const double lag : wanted) {
+    std::size_t best = 0;
+    for (std::size_t i = 1; i < curves.lags.size(); ++i) {
+      if (std::abs(curves.lags[i] - lag) < std::abs(curves.lags[best] - lag)) best = i;
+    }
+    const bool near = curves.lags[best] < 1.25 * lag && curves.lags[best] < 1.05 * longest;
+    if (near && (plan.lags.empty() || best > plan.lags.back())) plan.lags.push_back(best);
+  }
+  if (plan.lags.empty()) return plan;
+  const double last = curves.lags[plan.lags.back()];
+  plan.duration = std::min(track, kFilmLags * last / curves.gaps.covered(last / dt));
+  const double every = std::max({1.0, std::floor(base / kHoldFrames / dt + 1e-9),
+                                 std::ceil(plan.duration / dt / kMostFrames)});
+  plan.period = every * dt * kDrift;
+  return plan;
+}
+
+SimulatedCurves simulateForFit(const ProgramLaw& law, double offset, double angular_offset,
+                               const MeasuredCurves& curves, const FitPlan& plan,
+                               const FitOptions& options) {
+  BootstrapPlan films;
+  films.law = law;
+  films.sigma = std::sqrt(std::max(0.0, offset / 4));
+  films.sigma_theta = std::sqrt(std::max(0.0, angular_offset / 2));
+  films.period = plan.period;
+  films.frame_period = curves.frame_period;
+  films.gaps = curves.gaps;
+  films.duration = plan.duration;
+  films.films = options.films;
+  films.seed = options.seed;
+  for (const std::size_t lag : plan.lags) films.lags.push_back(curves.lags[lag]);
+  return simulateCurves(films);
+}
+
+}  // namespace lab::analysis

@@ -1,0 +1,450 @@
+#include "analyzer/fits/law_fit.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include "analyzer/curves/statistics.hpp"
+
+namespace lab::analysis {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kFewestDraws = 100;   // draws of the noise, or tumbles, for a fit
+constexpr double kFurthest = 1.6;      // factor e^1.6 = 5 off the program: not its motion
+constexpr double kLeastPivot = 1e-9;   // of the correlation matrix
+constexpr int kMostIterations = 30;
+constexpr int kFilmsPerColumn = 4;     // for a covariance
+constexpr double kConverged = 1e-9;
+
+using Matrix = Eigen::MatrixXd;
+using Vector = Eigen::VectorXd;
+
+/// A parameter whose logarithm is fitted.
+struct Free {
+  double ProgramLaw::*member;
+  const char* name;
+  const char* unit;
+};
+
+std::vector<Free> freeParameters(const ProgramLaw& law, bool tumble_time) {
+  switch (law.kind) {
+    case ProgramKind::kAbp:
+      return {{&ProgramLaw::v, "v", "m/s"}, {&ProgramLaw::eta, "eta", "rad/s"}};
+    case ProgramKind::kNoisyAbp:
+      return {{&ProgramLaw::va, "v_a", "m/s"}, {&ProgramLaw::V, "V", "m/s"}};
+    case ProgramKind::kBp:
+      return {{&ProgramLaw::V, "V", "m/s"}};
+    case ProgramKind::kRtp:
+      if (tumble_time) {
+        return {{&ProgramLaw::v, "v", "m/s"},
+                {&ProgramLaw::gamma, "gamma", "1/s"},
+                {&ProgramLaw::tau_t, "tau_t", "s"}};
+      }
+      return {{&ProgramLaw::v, "v", "m/s"}, {&ProgramLaw::gamma, "gamma", "1/s"}};
+    case ProgramKind::kNone:
+    case ProgramKind::kWheels:
+      break;
+  }
+  return {};
+}
+
+/// One lag of one curve.
+struct Column {
+  double tau = 0;
+  bool angular = false;
+  double value = 0;
+  double joined = 1;         ///< Share of the offset.
+  std::size_t in_films = 0;  ///< Column of the simulated curves.
+};
+
+class Fit {
+ public:
+  Fit(const ProgramLaw& law, const MeasuredCurves& curves, const FitPlan& plan,
+      const FitOptions& options)
+      : law_(law),
+        curves_(curves),
+        options_(options),
+        free_(freeParameters(law, options.free_tumble_time)) {
+    const std::size_t n = plan.lags.size();
+    for (const bool angular : {false, true}) {
+      for (std::size_t i = 0; i < n; ++i) {
+        const std::size_t lag = plan.lags[i];
+        const double value = (angular ? curves.angular_msd : curves.msd)[lag];
+        if (!std::isfinite(value)) continue;
+        columns_.push_back({curves.lags[lag], angular, value, angular ? 1 : curves.joined[lag],
+                            (angular ? n : 0) + i});
+        angular_ = angular_ || angular;
+      }
+    }
+    offset_ = free_.size();
+    parameters_ = free_.size() + (angular_ ? 2 : 1);
+    theta_ = Vector::Zero(static_cast<Eigen::Index>(parameters_));
+    theta_(index(offset_)) = curves.offset;
+    if (angular_) theta_(index(offset_ + 1)) = curves.angular_offset;
+    setReference();
+  }
+
+  [[nodiscard]] std::size_t columns() const { return columns_.size(); }
+  [[nodiscard]] std::size_t parameters() const { return parameters_; }
+  [[nodiscard]] bool angular() const { return angular_; }
+
+  /// The program with the fitted parameters.
+  [[nodiscard]] ProgramLaw law() const { return lawAt(theta_); }
+  [[nodiscard]] double offset() const { return theta_(index(offset_)); }
+  [[nodiscard]] double angularOffset() const { return angular_ ? theta_(index(offset_ + 1)) : 0; }
+
+  /// What deviations are measured in: the law at the present parameters, noise included.
+  void setReference() {
+    reference_ = model(theta_);
+    covariance_ = Matrix::Identity(index(columns()), index(columns()));
+  }
+
+  /// The covariance of deviations, from films at (about) the present parameters. The reference
+  /// becomes their law: one that followed this film's fluctuations would weigh with them.
+  void setCovariance(const SimulatedCurves& films) {
+    const Eigen::Index n = index(columns());
+    Matrix& deviations = deviations_;
+    deviations.resize(films.films, n);
+    for (Eigen::Index j = 0; j < n; ++j) {
+      const Column& c = columns_[static_cast<std::size_t>(j)];
+      const double scale = errorScale(films, curves_.observed, curves_.segments, c.tau) /
+                           films.law[c.in_films];
+      for (int film = 0; film < films.films; ++film) {
+        deviations(film, j) = scale * films.value(film, c.in_films);
+      }
+    }
+    deviations.rowwise() -= deviations.colwise().mean().eval();
+    for (Eigen::Index j = 0; j < n; ++j) {
+      reference_(j) = films.law[columns_[static_cast<std::size_t>(j)].in_films];
+    }
+    systematic_ = Vector::Zero(n);
+    for (Eigen::Index j = 0; j < n; ++j) {
+      const Column& c = columns_[static_cast<std::size_t>(j)];
+      if (c.angular) continue;
+      const double motion = 1 - offset() * c.joined / reference_(j);
+      systematic_(j) = std::pow(options_.systematic_floor * motion, 2);
+    }
+    covariance_ = deviations.transpose() * deviations / (films.films - 1);
+    covariance_.diagonal() += systematic_;
+    regularise();
+  }
+
+  /// Gauss-Newton to the least deviation. False: it does not converge, or leaves the program far.
+  bool solve() {
+    const Eigen::LLT<Matrix> factor(covariance_);
+    if (factor.info() != Eigen::Success) return false;
+    for (int i = 0; i < kMostIterations; ++i) {
+      const Vector white = factor.matrixL().solve(residuals());
+      jacobian_ = jacobian();
+      const Matrix sensitivity = factor.matrixL().solve(jacobian_);
+      const Vector norms = sensitivity.colwise().norm();
+      if (!(norms.minCoeff() > 0) || !white.allFinite()) return false;
+      Vector step = leastSquares(sensitivity, norms, white);
+      const double length = step.cwiseProduct(norms).norm();
+      double most = 0;
+      for (std::size_t p = 0; p < offset_; ++p) most = std::max(most, std::abs(step(index(p))));
+      if (most > 0.5) step *= 0.5 / most;
+      theta_ += step;
+      if (!theta_.allFinite() || theta_.head(index(offset_)).cwiseAbs().maxCoeff() > kFurthest) {
+        return false;
+      }
+      if (length < kConverged) return true;
+    }
+    return true;  // to a small part of a standard error: the step shrinks at every turn
+  }
+
+  void report(LawFit& fit, int films) const;
+
+ private:
+  static Eigen::Index index(std::size_t i) { return static_cast<Eigen::Index>(i); }
+
+  [[nodiscard]] ProgramLaw lawAt(const Vector& theta) const {
+    ProgramLaw law = law_;
+    for (std::size_t p = 0; p < free_.size(); ++p) {
+      law.*free_[p].member *= std::exp(theta(index(p)));
+    }
+    return law;
+  }
+
+  [[nodiscard]] Vector model(const Vector& theta) const {
+    const ExactLaw exact(lawAt(theta));
+    Vector result(index(columns()));
+    for (std::size_t j = 0; j < columns(); ++j) {
+      const Column& c = columns_[j];
+      result(index(j)) = c.angular ? exact.angularMsd(c.tau) + theta(index(offset_ + 1))
+                                   : exact.msd(c.tau) + theta(index(offset_)) * c.joined;
+    }
+    return result;
+  }
+
+  [[nodiscard]] Vector residuals() const {
+    const Vector now = model(theta_);
+    Vector result(now.size());
+    for (Eigen::Index j = 0; j < now.size(); ++j) {
+      result(j) = (columns_[static_cast<std::size_t>(j)].value - now(j)) / reference_(j);
+    }
+    return result;
+  }
+
+  [[nodiscard]] Matrix jacobian() const {
+    constexpr double kStep = 1e-4;
+    Matrix result = Matrix::Zero(index(columns()), index(parameters_));
+    for (std::size_t p = 0; p < offset_; ++p) {
+      Vector shifted = theta_;
+      shifted(index(p)) += kStep;
+      const Vector above = model(shifted);
+      shifted(index(p)) -= 2 * kStep;
+      result.col(index(p)) = (above - model(shifted)) / (2 * kStep);
+    }
+    for (std::size_t j = 0; j < columns(); ++j) {
+      const std::size_t offset = columns_[j].angular ? offset_ + 1 : offset_;
+      result(index(j), index(offset)) = columns_[j].joined;
+    }
+    return result.array().colwise() / reference_.array();
+  }
+
+  /// The x of least (A x - b)^2, the columns of A scaled by their norms first.
+  static Matrix leastSquares(const Matrix& a, const Vector& norms, const Matrix& b) {
+    const Matrix scaled = a * norms.cwiseInverse().asDiagonal();
+    const Eigen::LLT<Matrix> factor(scaled.transpose() * scaled);
+    return norms.cwiseInverse().asDiagonal() * factor.solve(scaled.transpose() * b);
+  }
+
+  /// A covariance that is singular to rounding gets a part of its diagonal more.
+  void regularise() {
+    const Vector sd = covariance_.diagonal().cwiseSqrt();
+    const Matrix correlation =
+        sd.cwiseInverse().asDiagonal() * covariance_ * sd.cwiseInverse().asDiagonal();
+    const Eigen::LLT<Matrix> factor(correlation);
+    const Matrix& pivots = factor.matrixLLT();
+    regularised_ =
+        factor.info() != Eigen::Success || pivots.diagonal().minCoeff() < std::sqrt(kLeastPivot);
+    if (regularised_) covariance_.diagonal() += kLeastPivot * covariance_.diagonal();
+  }
+
+  /// What turns relative deviations into changes of the parameters, for a covariance.
+  [[nodiscard]] Matrix weights(const Matrix& covariance) const {
+    const Eigen::LLT<Matrix> factor(covariance);
+    const Matrix sensitivity = factor.matrixL().solve(jacobian_);
+    const Matrix whitening =
+        factor.matrixL().solve(Matrix::Identity(covariance.rows(), covariance.cols()));
+    return leastSquares(sensitivity, sensitivity.colwise().norm(), whitening);
+  }
+
+  /// The covariance of the parameters, by cross-validation: the scatter of films under weights made
+  /// from the others. It holds what a covariance from few and skewed films costs, which
+  /// (J^T S^-1 J)^-1 leaves out.
+  [[nodiscard]] Matrix parameterErrors() const {
+    constexpr Eigen::Index kFolds = 5;
+    const Eigen::Index films = deviations_.rows();
+    const auto n = static_cast<double>(films);
+    const Matrix sum = deviations_.transpose() * deviations_;
+    Matrix errors = Matrix::Zero(index(parameters_), index(parameters_));
+    for (Eigen::Index fold = 0; fold < kFolds; ++fold) {
+      const Eigen::Index first = fold * films / kFolds;
+      const Eigen::Index count = (fold + 1) * films / kFolds - first;
+      const Matrix left_out = deviations_.middleRows(first, count);
+      Matrix rest = (sum - left_out.transpose() * left_out) / (n - 1 - static_cast<double>(count));
+      rest.diagonal() += systematic_;
+      if (regularised_) rest = covariance_;
+      const Matrix shifts = left_out * weights(rest).transpose();
+      errors += shifts.transpose() * shifts / (n - 1);
+    }
+    const Matrix all = weights(covariance_);
+    return errors + all * systematic_.asDiagonal() * all.transpose();
+  }
+
+  ProgramLaw law_;
+  const MeasuredCurves& curves_;
+  const FitOptions& options_;
+  std::vector<Free> free_;
+  std::vector<Column> columns_;
+  std::size_t offset_ = 0;  ///< Where the tracker's offsets begin in theta.
+  std::size_t parameters_ = 0;
+  bool angular_ = false;
+  bool regularised_ = false;
+  Vector theta_;  ///< ln(parameter / programmed), then the offsets.
+  Vector reference_;
+  Matrix deviations_;  ///< Of the films, relative, scaled to the measured time; one a row.
+  Vector systematic_;  ///< Variances.
+  Matrix covariance_;
+  Matrix jacobian_;
+};
+
+/// Numbers of a law that follow from its parameters.
+struct Derived {
+  const char* name;
+  const char* unit;
+  const char* note;
+  std::function<double(const ProgramLaw&)> of;
+};
+
+std::vector<Derived> derivedOf(const ProgramLaw& law) {
+  std::vector<Derived> list;
+  if (isHeldNoise(law.kind)) {
+    list.push_back({"D_r", "rad^2/s", "of the fitted noise", rotationalDiffusivity});
+  }
+  if (law.kind == ProgramKind::kNoisyAbp || law.kind == ProgramKind::kBp) {
+    list.push_back({"D_t", "m^2/s", "of the fitted noise", translationalDiffusivity});
+  }
+  list.push_back({"D", "m^2/s", "long-time limit of the fitted exact law",
+                  [](const ProgramLaw& p) { return ExactLaw(p).diffusivity(); }});
+  if (law.kind == ProgramKind::kAbp || law.kind == ProgramKind::kRtp) {
+    list.push_back({"L_s", "m", "integral of C(l) of the fitted exact law",
+                    [](const ProgramLaw& p) { return ExactLaw(p).persistenceLength(); }});
+  }
+  return list;
+}
+
+/// A positive number from the standard error of its logarithm.
+Estimate positiveEstimate(const char* name, const char* unit, double value, double relative,
+                          double quantile, double theory, std::string note) {
+  const double factor = std::exp(quantile * relative);
+  return {name,           unit,   value, value * relative, value / factor,
+          value * factor, theory, kNan,  std::move(note)};
+}
+
+void Fit::report(LawFit& fit, int films) const {
+  const Eigen::LLT<Matrix> factor(covariance_);
+  const Vector left = residuals();
+  const double n = films - 1;
+  const Matrix errors = parameterErrors();
+  const double quantile = studentQuantile(n);
+
+  fit.law = law();
+  fit.angular = angular_;
+  fit.films = films;
+  fit.regularised = regularised_;
+  fit.freedom = static_cast<int>(columns() - parameters_);
+  fit.chi2 = factor.matrixL().solve(left).squaredNorm();
+  fit.p_value = hotellingTail(fit.chi2, fit.freedom, n);
+  const std::string note = angular_ ? "GLS fit of the exact law to MSD and angular MSD"
+                                    : "GLS fit of the exact law to the MSD alone: no headings";
+  for (std::size_t p = 0; p < free_.size(); ++p) {
+    fit.parameters.push_back(positiveEstimate(
+        free_[p].name, free_[p].unit, fit.law.*free_[p].member,
+        std::sqrt(errors(index(p), index(p))), quantile, law_.*free_[p].member, note));
+  }
+  for (std::size_t p = offset_; p < parameters_; ++p) {
+    const bool angular = p > offset_;
+    const double value = theta_(index(p));
+    const double sigma = std::sqrt(errors(index(p), index(p)));
+    fit.parameters.push_back(
+        {angular ? "noise_angular" : "noise_position", angular ? "rad^2" : "m^2", value, sigma,
+         value - quantile * sigma, value + quantile * sigma, kNan, kNan,
+         angular ? "2 sigma_theta^2 of the tracker, fitted" : "4 sigma^2 of the tracker, fitted"});
+  }
+  for (Eigen::Index i = 0; i < errors.rows(); ++i) {
+    for (Eigen::Index j = 0; j < errors.cols(); ++j) {
+      fit.correlation.push_back(errors(i, j) / std::sqrt(errors(i, i) * errors(j, j)));
+    }
+  }
+  for (const Derived& derived : derivedOf(law_)) {
+    constexpr double kStep = 1e-3;
+    const double value = derived.of(fit.law);
+    Vector slope = Vector::Zero(index(parameters_));
+    for (std::size_t p = 0; p < offset_; ++p) {
+      Vector shifted = theta_;
+      shifted(index(p)) += kStep;
+      slope(index(p)) = std::log(derived.of(lawAt(shifted)) / value) / kStep;
+    }
+    fit.derived.push_back(positiveEstimate(derived.name, derived.unit, value,
+                                           std::sqrt(slope.dot(errors * slope)), quantile,
+                                           derived.of(law_), note + ": " + derived.note));
+  }
+  // The least-squares fit is off by ordinary * residuals, to first order.
+  const Matrix ordinary = weights(Matrix::Identity(index(columns()), index(columns())));
+  const Matrix difference = weights(covariance_) - ordinary;
+  const Vector off = ordinary * left;
+  const Matrix expected = difference * covariance_ * difference.transpose();
+  for (std::size_t p = 0; p < offset_; ++p) {
+    // Not a number where rounding leaves no variance: then nothing is guarded, and it says so.
+    const double z = std::abs(off(index(p))) / std::sqrt(expected(index(p), index(p)));
+    fit.guard_z = std::isnan(z) || z > fit.guard_z ? z : fit.guard_z;
+  }
+}
+
+/// Why there can be no fit; empty: there can.
+std::string obstacle(const ProgramLaw& law, const MeasuredCurves& curves, const FitPlan& plan,
+                     const FitOptions& options) {
+  if (!ExactLaw(law).exists()) return "the program has no law";
+  if (!(curves.observed > 0)) return "no free motion was seen";
+  const double change = isHeldNoise(law.kind) ? law.epsilon : 1 / law.gamma + law.tau_t;
+  const double draws = curves.observed / change;
+  if (draws < kFewestDraws) {
+    return "only " + std::to_string(static_cast<int>(draws)) + " " +
+           (isHeldNoise(law.kind) ? "draws of the noise" : "tumbles") +
+           " in the time observed; a fit needs 100: film for longer";
+  }
+  const std::vector<Free> free = freeParameters(law, options.free_tumble_time);
+  for (const Free& parameter : free) {
+    if (!(law.*parameter.member > 0)) {
+      return std::string("the programmed ") + parameter.name + " is not positive";
+    }
+  }
+  std::size_t seen = 0;
+  for (const std::size_t lag : plan.lags) seen += std::isfinite(curves.msd[lag]) ? 1U : 0U;
+  if (seen < free.size() + 2) {
+    return "only " + std::to_string(seen) + " lags between a frame and " +
+           std::to_string(static_cast<int>(std::ceil(longestChange(law)))) +
+           " s were observed; a fit needs " + std::to_string(free.size() + 2) +
+           ": film longer pieces or at a higher rate";
+  }
+  const auto last = std::find_if(plan.lags.rbegin(), plan.lags.rend(),
+                                 [&](std::size_t lag) { return std::isfinite(curves.msd[lag]); });
+  if (!(curves.msd[*last] > 2 * curves.offset)) return "no motion beyond the tracker's noise";
+  return {};
+}
+
+}  // namespace
+
+LawFit fitLaw(const ProgramLaw& law, const MeasuredCurves& curves, const FitOptions& options,
+              const SimulatedCurves* given, SimulatedCurves* used) {
+  LawFit result;
+  result.law = law;
+  result.p_value = kNan;
+  const FitPlan plan = planFit(law, curves, options);
+  result.refusal = obstacle(law, curves, plan, options);
+  if (!result.fitted()) return result;
+  for (const std::size_t lag : plan.lags) result.lags.push_back(curves.lags[lag]);
+  Fit fit(law, curves, plan, options);
+  if (given != nullptr && given->lags.size() != plan.lags.size()) {
+    result.refusal = "too short a track for the lags of its program's other robots";
+    return result;
+  }
+  const char* failed =
+      "the curves are not like the program's: no parameters within a factor of 5 "
+      "of the programmed ones describe them";
+  SimulatedCurves films;
+  if (given == nullptr) {
+    for (int round = 0; round < 3; ++round) {
+      if (!fit.solve()) {
+        result.refusal = failed;
+        return result;
+      }
+      if (round == 2) break;
+      films = simulateForFit(fit.law(), fit.offset(), fit.angularOffset(), curves, plan, options);
+      if (films.films < kFilmsPerColumn * static_cast<int>(fit.columns())) {
+        result.refusal = "too few of the segments are as long as the lags: avoid contacts, or film longer";
+        return result;
+      }
+      fit.setCovariance(films);
+    }
+    given = &films;
+  } else {
+    fit.setCovariance(*given);
+    if (!fit.solve()) {
+      result.refusal = failed;
+      return result;
+    }
+  }
+  fit.report(result, given->films);
+  result.film_duration = given->duration;
+  if (used != nullptr && given == &films) *used = std::move(films);
+  return result;
+}
+
+}  // namespace lab::analysis

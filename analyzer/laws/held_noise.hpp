@@ -1,0 +1,78 @@
+#pragma once
+
+#include "analyzer/laws/chebyshev.hpp"
+
+namespace lab::analysis {
+
+/// The process of the ABP, the noisy ABP and the BP as the robot executes it: every epsilon a new
+/// pair of wheel speeds is drawn and held, and the robot drives exact arcs. Everything below is
+/// exact at all lags for an observation that begins at a uniformly random phase of the hold.
+///
+/// With chi(t) = <cos(omega t)> and q = chi(epsilon) the velocity correlation is
+/// C_v(s) = va^2 g(s) + (1 - s/epsilon)_+ psi(s), where g is a convolution of chi inside the first
+/// hold and a geometric continuation of one function of the phase after it. MSD(tau) =
+/// 2 int_0^tau (tau - s) C_v(s) ds, so that the sum over holds is geometric too.
+class HeldNoise {
+ public:
+  /// Constant speed v (m/s), turning rate uniform in [-eta, eta] (rad/s): the ABP.
+  static HeldNoise uniformTurning(double v, double eta, double epsilon);
+
+  /// Both wheel speeds independent and uniform in [va - V, va + V] (m/s), wheel base d (m): the
+  /// noisy ABP, and with va = 0 the BP.
+  static HeldNoise uniformWheels(double va, double amplitude, double wheel_base, double epsilon);
+
+  /// <|r(t + tau) - r(t)|^2> in m^2.
+  [[nodiscard]] double msd(double tau) const;
+
+  /// <(theta(t + tau) - theta(t))^2> in rad^2: 2 D_r (tau - epsilon/3) from tau = epsilon on.
+  [[nodiscard]] double angularMsd(double tau) const;
+
+  /// <v(t) . v(t + s)> in m^2/s^2.
+  [[nodiscard]] double velocityCorrelation(double s) const;
+
+  /// <n(t) . n(t + s)> for the heading direction n, as the ABP's velocity sees it.
+  [[nodiscard]] double directionCorrelation(double s) const;
+
+  /// lim MSD / (4 tau) in m^2/s; infinite without noise.
+  [[nodiscard]] double diffusivity() const;
+
+  /// D_r = epsilon <omega^2> / 2 in rad^2/s: exact.
+  [[nodiscard]] double rotationalDiffusivity() const { return 0.5 * epsilon_ * omega2_; }
+
+  /// chi(t) = <cos(omega t)> for one draw of the turning rate.
+  [[nodiscard]] double chi(double t) const;
+  /// <(v - va)^2 cos(omega t)> for one draw of the wheels, m^2/s^2.
+  [[nodiscard]] double psi(double t) const;
+  [[nodiscard]] double epsilon() const { return epsilon_; }       ///< s.
+  [[nodiscard]] double meanSpeed() const { return va_; }          ///< m/s.
+  [[nodiscard]] double meanSquareTurning() const { return omega2_; }  ///< <omega^2>, rad^2/s^2.
+  /// Chebyshev points that resolve everything on one hold to full precision.
+  [[nodiscard]] int points() const;
+
+ private:
+  enum class Noise { kTurning, kWheels };
+
+  HeldNoise(Noise noise, double va, double width, double amplitude, double epsilon);
+
+  /// int_0^tau (tau - s) g(s) ds.
+  [[nodiscard]] double meanSpeedPart(double tau) const;
+
+  Noise noise_;
+  double va_;
+  double width_;  ///< chi's scale, 1/s: eta, or V/d.
+  double amplitude_;
+  double epsilon_;
+  double omega2_;  ///< <omega^2>.
+  double q_;
+  ChebyshevSeries first_;        ///< g on the first hold.
+  ChebyshevSeries first_once_;   ///< Its integral.
+  ChebyshevSeries first_twice_;  ///< Its double integral.
+  ChebyshevSeries later_;        ///< g on the second hold; times q^(m-1) on hold m + 1.
+  ChebyshevSeries later_once_;
+  ChebyshevSeries later_twice_;
+  ChebyshevSeries spread_;  ///< (1 - s/epsilon) psi(s).
+  ChebyshevSeries spread_once_;
+  ChebyshevSeries spread_twice_;
+};
+
+}  // namespace lab::analysis

@@ -1,0 +1,58 @@
+/// A closed log as a stream of decoded messages.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <lab/experiment_event_t.hpp>
+#include <lab/light_status_t.hpp>
+#include <lab/link_status_t.hpp>
+#include <lab/robot_status_t.hpp>
+#include <lab/service_status_t.hpp>
+#include <lab/tracked_frame_t.hpp>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "analyzer/report/record/message_loss.hpp"
+
+namespace lab::report {
+
+/// What the messages of a log are handed to, in the log's order, each decoded once.
+struct MessageSinks {
+  std::function<void(const tracked_frame_t&)> frame;
+  std::function<void(const robot_status_t&)> robots;
+  std::function<void(const light_status_t&)> light;
+  std::function<void(const experiment_event_t&)> event;
+  std::function<void(const service_status_t&)> service;
+  std::function<void(const link_status_t&)> link;
+};
+
+/// What reading the log came to.
+struct LogFacts {
+  std::int64_t events = 0;
+  std::int64_t frames = 0;          ///< TRACKED_FRAME messages
+  std::int64_t damaged_places = 0;  ///< skipped
+  std::int64_t first_utime = 0;     ///< first arrival [us since 1970]
+  std::int64_t last_utime = 0;      ///< last arrival
+  bool virtual_time = false;        ///< CLOCK was heard
+  std::vector<StreamLoss> streams;
+  std::map<std::string, std::int64_t> decode_errors;   ///< by channel of the lab
+  std::map<std::string, std::int64_t> other_channels;  ///< messages that are not the lab's
+};
+
+/// The files behind RUN (a run's folder) or LOG (a log file, with its continuations).
+/// @throws ReportError when there is none, or when it is empty or no LCM log.
+[[nodiscard]] std::vector<std::filesystem::path> logFiles(const std::filesystem::path& run_or_log);
+
+/// The first START event, found without reading further.
+[[nodiscard]] std::optional<experiment_event_t> findStart(
+    const std::vector<std::filesystem::path>& files);
+
+/// Reads the whole log once.
+/// @throws ReportError when the log was written under another contract.
+[[nodiscard]] LogFacts readMessages(const std::vector<std::filesystem::path>& files,
+                                    const MessageSinks& sinks);
+
+}  // namespace lab::report

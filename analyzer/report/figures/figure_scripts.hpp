@@ -1,0 +1,78 @@
+/// The gnuplot script of each figure.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "analyzer/report/figures/figures.hpp"
+#include "analyzer/report/summary/findings.hpp"
+#include "analyzer/report/record/run_record.hpp"
+
+namespace lab::report {
+
+/// A figure before it is drawn.
+struct FigureScript {
+  Figure figure;       ///< without its drawings
+  std::string script;  ///< empty where the figure has a sentence
+};
+
+[[nodiscard]] FigureScript trajectoryByTime(const RunRecord& record);
+[[nodiscard]] FigureScript trajectoryByProgram(const RunRecord& record);
+[[nodiscard]] FigureScript lightAndPrograms(const RunRecord& record);
+[[nodiscard]] FigureScript speedTraces(const RunRecord& record);
+[[nodiscard]] FigureScript msdFigure(const Finding& finding);
+[[nodiscard]] FigureScript angularMsdFigure(const Finding& finding);
+
+namespace style {
+
+/// Okabe and Ito's colours, which the colour-blind can tell apart, darkest first; black is kept for
+/// data.
+inline constexpr std::string_view kBlue = "#0072B2";
+inline constexpr std::string_view kVermillion = "#D55E00";
+inline constexpr std::string_view kGrey = "#9A9A9A";
+inline constexpr std::string_view kPaleGrey = "#D8D8D8";
+
+/// The colour of a program, by its key.
+[[nodiscard]] std::string_view programColour(int key);
+
+/// Widths in print [cm]: a column of a journal, and the page.
+inline constexpr double kColumn_cm = 8.6;
+inline constexpr double kPage_cm = 17.8;
+
+/// Settings that every figure begins with. What follows may ask gnuplot's variables `on_paper` (1 in
+/// the PDF, where text is larger for the width, else 0) and `small_font`.
+/// @param width, height in pixels at which text has its size on the screen
+[[nodiscard]] std::string preamble(const std::string& name, int width, int height,
+                                   double print_cm = kColumn_cm);
+
+/// Seconds as the axis of a run shows them.
+struct TimeAxis {
+  double scale = 1;  ///< axis = seconds / scale
+  std::string unit = "s";
+};
+[[nodiscard]] TimeAxis timeAxis(double duration);
+
+}  // namespace style
+
+/// A block of data that plots refer to by its name.
+class DataBlock {
+ public:
+  explicit DataBlock(std::string_view name) {
+    fmt::format_to(std::back_inserter(text_), "${} << EOD\n", name);
+  }
+  template <class... Values>
+  void row(Values... values) {
+    ((fmt::format_to(std::back_inserter(text_), "{:.7g} ", values)), ...);
+    text_.push_back('\n');
+  }
+  void blank() { text_.push_back('\n'); }
+  [[nodiscard]] std::string text() const { return fmt::to_string(text_) + "EOD\n"; }
+
+ private:
+  fmt::memory_buffer text_;
+};
+
+}  // namespace lab::report

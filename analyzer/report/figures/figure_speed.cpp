@@ -1,0 +1,155 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <optional>
+
+#include "common/math/units.hpp"
+#include "analyzer/report/figures/figure_files.hpp"
+#include "analyzer/report/figures/figure_scripts.hpp"
+#include "analyzer/report/figures/gnuplot.hpp"
+#include "common/text/format.hpp"
+
+namespace lab::report {
+namespace {
+
+using units::kCm;
+
+constexpr double kStretch = 60;    // [s] shown of each program
+constexpr double kBaseline = 0.2;  // [s] over which the speed is taken
+constexpr std::size_t kMostPanels = 4;
+
+struct Stretch {
+  int robot = 0;
+  std::int64_t begin_utime = 0;
+  std::int64_t end_utime = 0;
+};
+
+/// The first minute of the longest uninterrupted stay of any robot in the program.
+std::optional<Stretch> stretchOf(const RunRecord& record, int program) {
+  std::optional<Stretch> longest;
+  for (const auto& [id, robot] : record.robots) {
+    for (const ProgramSpan& span : robot.programs) {
+      if (span.program != program) continue;
+      if (!longest ||
+          span.end_utime - span.begin_utime > longest->end_utime - longest->begin_utime) {
+        longest = {id, span.begin_utime, span.end_utime};
+      }
+    }
+  }
+  if (longest) {
+    longest->end_utime =
+        std::min(longest->end_utime, longest->begin_utime + units::microseconds(kStretch));
+  }
+  return longest;
+}
+
+/// Speed [cm/s] over the baseline, free motion and the rest apart. @return whether there is any.
+bool addSpeeds(const RunRecord& record, const Stretch& stretch, const std::string& name,
+               DataBlock& free, DataBlock& held, CsvText& csv) {
+  struct Place {
+    std::int64_t utime;
+    const TrackRow* row;
+  };
+  std::vector<Place> places;
+  const Tracks& tracks = record.tracks;
+  for (std::size_t i = 0; i < tracks.frames.size(); ++i) {
+    if (tracks.frames[i].utime < stretch.begin_utime) continue;
+    if (tracks.frames[i].utime > stretch.end_utime) break;
+    for (std::size_t r = tracks.frames[i].first_row; r < tracks.endOf(i); ++r) {
+      if (tracks.rows[r].robot == stretch.robot) {
+        places.push_back({tracks.frames[i].utime, &tracks.rows[r]});
+      }
+    }
+  }
+  bool any = false;
+  bool last_free = true;
+  std::size_t from = 0;
+  double next = -1e300;
+  for (const Place& to : places) {
+    while (units::seconds(to.utime - places[from].utime) > kBaseline + 1e-4) ++from;
+    const double dt = units::seconds(to.utime - places[from].utime);
+    const double t = record.seconds(to.utime) - dt / 2;
+    if (dt < kBaseline / 2 || t < next) continue;
+    next = t + kBaseline / 4;
+    const double distance = static_cast<double>(
+        std::hypot(to.row->x - places[from].row->x, to.row->y - places[from].row->y));
+    const bool is_free = to.row->segment >= 0 && places[from].row->segment >= 0;
+    DataBlock& data = is_free ? free : held;
+    if (is_free != last_free) (is_free ? free : held).blank();
+    data.row(t, distance / dt * kCm);
+    csv.row(name, stretch.robot, t, distance / dt * kCm, is_free);
+    last_free = is_free;
+    any = true;
+  }
+  return any;
+}
+
+/// The speed that the program drives at, where it is a constant; negative where not.
+double programmedSpeed(const program_t& program) {
+  const bool constant = program.kind == program_t::ABP || program.kind == program_t::RTP;
+  return constant ? program.v * kCm : -1;
+}
+
+}  // namespace
+
+FigureScript speedTraces(const RunRecord& record) {
+  FigureScript script;
+  script.figure.name = "speed";
+  script.figure.title = "Speed";
+  struct Panel {
+    std::size_t key;
+    Stretch stretch;
+  };
+  std::vector<Panel> panels;
+  CsvText csv("program,particle,t_s,speed_cm_s,free");
+  for (std::size_t key = 0; key < record.programs.size() && panels.size() < kMostPanels; ++key) {
+    const std::optional<Stretch> stretch = stretchOf(record, static_cast<int>(key));
+    if (!stretch) continue;
+    DataBlock free(fmt::format("free{}", key));
+    DataBlock held(fmt::format("held{}", key));
+    free.row(std::nan(""), std::nan(""));
+    held.row(std::nan(""), std::nan(""));
+    if (!addSpeeds(record, *stretch, record.programs[key].name, free, held, csv)) continue;
+    script.script += free.text() + held.text();
+    panels.push_back({key, *stretch});
+  }
+  if (panels.empty()) {
+    script.figure.sentence = "No speed trace: no robot was tracked while it ran a program.";
+    return script;
+  }
+  script.figure.csv = csv.text();
+  constexpr int kPanelHeight = 200;
+  const int height = kPanelHeight * static_cast<int>(panels.size()) + 70;
+  script.script += style::preamble(script.figure.name, 900, height, style::kPage_cm);
+  script.script +=
+      "set multiplot\nset lmargin at screen 0.10\nset rmargin at screen 0.97\n"
+      "set ylabel 'speed (cm/s)' offset 0.5\nset yrange [0:*]\nset grid ytics lc rgb '#E4E4E4'\n"
+      "unset key\n";
+  for (std::size_t i = 0; i < panels.size(); ++i) {
+    const auto& [key, stretch] = panels[i];
+    const int top = height - 32 - kPanelHeight * static_cast<int>(i);
+    const double speed = programmedSpeed(record.programs[key].program);
+    script.script += fmt::format(
+        "set tmargin at screen {:.4f}\nset bmargin at screen {:.4f}\n"
+        "set xrange [{:.6g}:{:.6g}]\n{}"
+        "set label 1 {} at graph 0,1.07 left tc rgb '{}' noenhanced\n"
+        "plot $held{} using 1:2 with lines lw 1.2 lc rgb '#BBBBBB', "
+        "$free{} using 1:2 with lines lw 1.4 lc rgb '{}'{}\n",
+        static_cast<double>(top) / height, static_cast<double>(top - kPanelHeight + 68) / height,
+        record.seconds(stretch.begin_utime), record.seconds(stretch.end_utime),
+        i + 1 == panels.size() ? "set xlabel 'time (s)'\n" : "",
+        gnuplotText(fmt::format("{}, robot {}", record.programs[key].name, stretch.robot)),
+        style::programColour(static_cast<int>(key)), key, key,
+        style::programColour(static_cast<int>(key)),
+        speed > 0 ? fmt::format(", {:.5g} with lines lw 1 dt (6,4) lc rgb 'black'", speed) : "");
+  }
+  script.script += "unset multiplot\n";
+  script.figure.caption = fmt::format(
+      "Displacement over {} s divided by the time, for up to {} s of each program; grey while "
+      "reversing or cut, dashed the programmed speed. Tracker noise adds to it, turning takes from "
+      "it.",
+      shortText(kBaseline), shortText(kStretch));
+  return script;
+}
+
+}  // namespace lab::report

@@ -1,0 +1,308 @@
+#include "analyzer/report/html/html_sections.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+
+#include "common/process/installation.hpp"
+#include "common/math/units.hpp"
+#include "common/process/version.hpp"
+#include "analyzer/report/record/step_delays.hpp"
+#include "analyzer/report/figures/gnuplot.hpp"
+#include "common/text/format.hpp"
+
+namespace lab::report::html {
+namespace {
+
+using units::kPercents;
+
+constexpr std::size_t kMostSteps = 60;  // rows of a table that are shown
+
+std::string milliseconds(double value) {
+  return std::isfinite(value) ? fmt::format("{:.1f}", value) : "–";
+}
+
+std::string share(std::int64_t count, std::int64_t of) {
+  if (count == 0 || of == 0) return "0";
+  return fmt::format("{:.2g} %", kPercents * static_cast<double>(count) / static_cast<double>(of));
+}
+
+std::string remarkList(const RunRecord& record, const std::vector<Remark>& remarks,
+                       const char* what) {
+  std::string html;
+  for (const Remark& remark : remarks) {
+    html += fmt::format("<p><b>{} at {}:</b> {}</p>\n", what,
+                        durationText(record.seconds(remark.utime)), escapeHtml(remark.text));
+  }
+  return html;
+}
+
+std::string sentence(std::string text) {
+  text.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(text.front())));
+  return text;
+}
+
+void latencyRow(Table& table, const char* name, const Percentiles& percentiles) {
+  table.row({name, std::to_string(percentiles.count), milliseconds(percentiles.p50),
+             milliseconds(percentiles.p95), milliseconds(percentiles.p99), milliseconds(percentiles.max)});
+}
+
+}  // namespace
+
+Table::Table(const std::vector<std::string>& columns) {
+  text_ = "<div class=\"scroll\"><table><thead><tr>";
+  for (const std::string& column : columns) {
+    const bool right = !column.empty() && column.front() == '>';
+    right_.push_back(right);
+    text_ +=
+        fmt::format("<th{}>{}</th>", right ? " class=\"r\"" : "", column.substr(right ? 1 : 0));
+  }
+  text_ += "</tr></thead><tbody>\n";
+}
+
+void Table::row(const std::vector<std::string>& cells) {
+  text_ += "<tr>";
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    text_ += fmt::format("<td{}>{}</td>", right_[i] ? " class=\"r\"" : "", cells[i]);
+  }
+  text_ += "</tr>\n";
+}
+
+std::string warnings(const RunRecord& record) {
+  std::string html = remarkList(record, record.faults, "Fault");
+  if (!record.ended) {
+    html +=
+        "<p><b>This run was cut short:</b> the log has no END. What it holds is reported.</p>\n";
+  }
+  // Not by its script or its time.
+  if (record.ended && record.end_reason.starts_with("ended by ")) {
+    html += fmt::format("<p><b>This run was cut short:</b> {}, after {} s of {} s.</p>\n",
+                        escapeHtml(record.end_reason), shortText(record.duration()),
+                        shortText(record.experimentOrDefault().duration));
+  }
+  if (record.log.frames == 0) {
+    html += "<p><b>No camera frame is in the log:</b> there is no motion to analyze.</p>\n";
+  }
+  if (record.poses) {
+    for (const std::string& doubt : record.poses->doubts) {
+      html += fmt::format("<p><b>Units:</b> {}.</p>\n", escapeHtml(doubt));
+    }
+  }
+  if (record.log.damaged_places > 0) {
+    html += fmt::format("<p><b>The log is damaged</b> in {}; what could be read is reported.</p>\n",
+                        countText(record.log.damaged_places, "place"));
+  }
+  if (totalOf(record.log.streams).lost > 0) {
+    html += fmt::format("<p><b>Lost:</b> {}.</p>\n", lossText(record));
+  }
+  if (!record.experiment_problem.empty()) {
+    html += fmt::format("<p><b>Experiment:</b> {}.</p>\n", escapeHtml(record.experiment_problem));
+  }
+  html += remarkList(record, record.marks, "Mark");
+  return html.empty() ? html : "<div class=\"warn\">\n" + html + "</div>\n";
+}
+
+std::string figureSection(const std::vector<Figure>& figures) {
+  std::string html =
+      "<h2>Figures</h2>\n<p>In the curves, points are measured and bars are one standard error. "
+      "The "
+      "solid line is the exact law of what the robot executes, with the tracker’s noise; dashed is "
+      "the paper’s formula. Below each, deviations from the exact law in standard errors: a "
+      "measured "
+      "point beyond 4 is a disagreement. Neighbouring lags share their data and wander together. "
+      "Hollow points are not judged: too few independent windows, or selected by the light.</p>\n"
+      "<div class=\"figures\">\n";
+  std::string sentences;
+  int number = 0;
+  for (const Figure& figure : figures) {
+    if (figure.svg.empty()) {
+      sentences += fmt::format("<p class=\"soft\">{}</p>\n", escapeHtml(figure.sentence));
+      continue;
+    }
+    html += fmt::format("<figure>{}<figcaption><b>{}.</b> {}</figcaption></figure>\n",
+                        inlineSvg(figure.svg, fmt::format("f{}_", ++number)),
+                        escapeHtml(figure.title), escapeHtml(figure.caption));
+  }
+  return html + "</div>\n" + sentences;
+}
+
+std::string lightSteps(const RunRecord& record) {
+  if (record.steps.empty()) return {};
+  std::string html =
+      "<h2>Light switching</h2>\n<p>From the command of a step to its first frame on the arena, "
+      "to the first picture of the camera that shows it, and to the first and the last robot that "
+      "changed its program.</p>\n";
+  Table latency({"", ">steps", ">median (ms)", ">95 % (ms)", ">99 % (ms)", ">longest (ms)"});
+  latencyRow(latency, "presented", presentedDelays(record.steps));
+  const Percentiles seen = seenDelays(record.steps);
+  if (seen.count > 0) latencyRow(latency, "seen by the camera", seen);
+  latencyRow(latency, "first robot acted", firstActedDelays(record.steps));
+  latencyRow(latency, "every robot had acted", lastActedDelays(record.steps));
+  html += latency.text();
+  Table table({">step", "label", ">commanded at (s)", ">presented after (ms)",
+               ">seen after (ms)", ">first robot after (ms)", ">last robot after (ms)",
+               ">robots acted", "the step before was ended by"});
+  for (std::size_t i = 0; i < std::min(kMostSteps, record.steps.size()); ++i) {
+    const StepRecord& step = record.steps[i];
+    const StepDelays delays = delaysOf(step);
+    table.row({std::to_string(step.number), escapeHtml(step.label),
+               fmt::format("{:.3f}", record.seconds(step.commanded_utime)),
+               milliseconds(delays.presented_ms), milliseconds(delays.seen_ms),
+               milliseconds(delays.first_acted_ms), milliseconds(delays.last_acted_ms),
+               fmt::format("{} of {}", step.robots_acted, step.robots_expected),
+               escapeHtml(step.ended_by)});
+  }
+  html += "<details><summary>Step by step</summary>\n" + table.text();
+  if (record.steps.size() > kMostSteps) {
+    html +=
+        fmt::format("<p class=\"soft\">The first {} of {} steps; all are in summary.json.</p>\n",
+                    kMostSteps, record.steps.size());
+  }
+  return html + "</details>\n";
+}
+
+std::string robots(const RunRecord& record) {
+  if (record.robots.empty()) return {};
+  Table table({">robot", "origin", ">reversals", ">tumbles", ">touching a robot",
+               ">touching a wall", ">wheel clamped", ">stopped", ">host silent", ">starts"});
+  for (const auto& [id, robot] : record.robots) {
+    table.row({std::to_string(id), originName(robot.origin), std::to_string(robot.reversals),
+               std::to_string(robot.tumbles), share(robot.contact_robot, robot.states),
+               share(robot.contact_wall, robot.states), share(robot.saturated, robot.states),
+               share(robot.stopped, robot.states), share(robot.lease_expired, robot.states),
+               std::to_string(robot.boots)});
+  }
+  return "<h2>Robots</h2>\n<p>As they report themselves; shares are of their reports. Only "
+         "simulated "
+         "robots can tell that they touch something.</p>\n" +
+         table.text();
+}
+
+std::string losses(const RunRecord& record) {
+  std::string html = "<h2>What was lost</h2>\n";
+  const std::string lost = lossText(record);
+  html += fmt::format("<p>{}. {}</p>\n",
+                      lost.empty() ? "Every message that was sent is in the log" : sentence(lost),
+                      record.missing_frames == 0
+                          ? "The camera’s frame numbers have no gap."
+                          : fmt::format("The camera’s frame numbers have gaps: {} missing of {}.",
+                                        countText(record.missing_frames, "frame"),
+                                        groupedText(record.log.frames + record.missing_frames)));
+  Table table({"sender", ">start", "channel", ">in the log", ">lost", ">largest age (ms)"});
+  for (const StreamLoss& stream : record.log.streams) {
+    table.row({escapeHtml(stream.sender), std::to_string(stream.start), escapeHtml(stream.channel),
+               groupedText(stream.received),
+               (stream.at_least ? "≥ " : "") + groupedText(stream.lost),
+               fmt::format("{:.1f}", stream.largest_age * 1e3)});
+  }
+  html += table.text() +
+          "<p class=\"soft\">Age: from what the message speaks of to its arrival at the logger. ≥: "
+          "the sender did not end cleanly, so its last count is not known.</p>\n";
+  if (!record.log.decode_errors.empty()) {
+    Table errors({"channel", ">messages that could not be decoded"});
+    for (const auto& [channel, count] : record.log.decode_errors) {
+      errors.row({escapeHtml(channel), groupedText(count)});
+    }
+    html += errors.text();
+  }
+  if (!record.listeners.empty()) {
+    html += "<p>What the services themselves missed while the lab ran:</p>\n";
+    Table heard({"listener", "channel", "sender", ">lost", ">not decoded"});
+    for (const ListenerLoss& loss : record.listeners) {
+      heard.row({escapeHtml(loss.listener), escapeHtml(loss.channel), escapeHtml(loss.sender),
+                 groupedText(loss.lost), groupedText(loss.decode_errors)});
+    }
+    html += heard.text();
+  }
+  return html;
+}
+
+std::string poseSource(const RunRecord& record) {
+  const PoseSource& poses = *record.poses;
+  std::string html = fmt::format(
+      "<h2>Where this comes from</h2>\n<p>{} in {} of a file of poses, {}. Analyzed with Active Lab "
+      "{}.</p>\n<ul>\n",
+      countText(poses.rows, "row"), countText(record.log.frames, "frame"),
+      record.missing_frames == 0
+          ? "without a gap in the frame numbers"
+          : fmt::format("{} missing by their numbers",
+                        countText(record.missing_frames, "frame")),
+      kVersion);
+  if (poses.without_pose > 0) {
+    html += fmt::format("<li>{} without a number for the place or the heading: left out.</li>\n",
+                        countText(poses.without_pose, "row"));
+  }
+  if (poses.without_id > 0) {
+    html += fmt::format("<li>{} of no track (id 0): left out.</li>\n",
+                        countText(poses.without_id, "row"));
+  }
+  if (poses.repeated > 0) {
+    html += fmt::format("<li>{} that say another one once more: left out.</li>\n",
+                        countText(poses.repeated, "row"));
+  }
+  if (poses.contradicted > 0) {
+    html += fmt::format("<li>{} of a robot that is in two places in one frame: left out.</li>\n",
+                        countText(poses.contradicted, "pose"));
+  }
+  if (!poses.headings) {
+    html +=
+        "<li>The file has no headings: there is no angular curve, no speed along the heading and no "
+        "D<sub>r</sub>. The tracker’s noise is that of the fit; without a fit nothing is "
+        "judged.</li>\n";
+  }
+  if (poses.bad_times > 0) {
+    html += fmt::format("<li>{} whose time repeats an earlier one or goes back: left out.</li>\n",
+                        countText(poses.bad_times, "frame"));
+  }
+  if (poses.clock_steps > 0) {
+    html += fmt::format("<li>{} of the clock against the frame numbers: the tracks are cut there.</li>\n",
+                        countText(poses.clock_steps, "step"));
+  }
+  html += record.programs.front().program.kind == program_t::NONE
+              ? "<li>Without a program there is no telling reversals from what it drives: they are "
+                "part of the motion, and of its curves.</li>\n"
+              : fmt::format("<li>{} found by straight even motion that the program cannot drive.</li>\n",
+                            countText(poses.reversals, "reversal"));
+  return html +
+         "<li>Contacts are known by distance only.</li>\n<li>No robot said what it did: that all ran one "
+         "program all the time is taken from whoever asked for this report.</li>\n</ul>\n";
+}
+
+std::string provenance(const RunRecord& record) {
+  std::string html = "<h2>Where this comes from</h2>\n";
+  Table services({"service", ">start", "kind", "version", "ended", "last error"});
+  for (const ServiceRecord& service : record.services) {
+    services.row({escapeHtml(service.name), std::to_string(service.start),
+                  originName(service.origin), escapeHtml(service.version),
+                  service.ended ? "cleanly" : "<span class=\"disagrees\">not cleanly</span>",
+                  escapeHtml(service.last_error)});
+  }
+  if (!record.services.empty()) html += services.text();
+  html += fmt::format(
+      "<p>Run with Active Lab {}, analyzed with {}; message contract {}. {}Everything on this page "
+      "was made from the log alone; to make it again, to the same bytes:</p>\n"
+      "<pre>{} analyze RUN</pre>\n",
+      escapeHtml(record.version.empty() ? "of unknown version" : record.version), kVersion,
+      record.contract_version == 0 ? "not stated" : std::to_string(record.contract_version),
+      record.calibration.empty()
+          ? ""
+          : fmt::format("Projector calibration {}. ", escapeHtml(record.calibration)),
+      installation().command);
+  if (record.experiment && record.log.virtual_time) {
+    html += fmt::format(
+        "<p>The run itself took place in virtual time; to repeat it, to the same bytes:</p>\n"
+        "<pre>{} run RUN/experiment.toml --virtual-time</pre>\n",
+        installation().command);
+  }
+  if (!record.experiment_text.empty()) {
+    html += fmt::format(
+        "<details><summary>The experiment as run, every default filled in</summary>\n<pre>{}</pre>"
+        "</details>\n",
+        escapeHtml(record.experiment_text));
+  }
+  return html;
+}
+
+}  // namespace lab::report::html

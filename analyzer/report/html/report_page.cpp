@@ -1,0 +1,64 @@
+#include "analyzer/report/html/report_page.hpp"
+
+#include <fmt/format.h>
+
+#include "analyzer/report/summary/findings.hpp"
+#include "analyzer/report/html/html_sections.hpp"
+#include "analyzer/report/html/html_style.hpp"
+#include "analyzer/report/sections/light_bands.hpp"
+#include "common/text/format.hpp"
+#include "analyzer/report/sections/segments.hpp"
+#include "analyzer/report/sections/run_section.hpp"
+
+namespace lab::report {
+namespace {
+
+std::string lead(const RunRecord& record) {
+  std::vector<std::string> parts;
+  parts.push_back(countText(static_cast<std::int64_t>(record.robots.size()), "robot"));
+  parts.push_back(durationText(record.duration()));
+  if (record.frame_period > 0) {
+    parts.push_back(fmt::format("{} frames a second", shortText(1 / record.frame_period)));
+  }
+  if (record.experiment && !record.poses) parts.push_back(fmt::format("seed {}", record.experiment->seed));
+  if (record.poses) {
+    parts.emplace_back("from poses alone");
+    return fmt::format("{}", fmt::join(parts, " · "));
+  }
+  parts.push_back(record.log.virtual_time ? "virtual time" : utcText(record.start_utime));
+  return fmt::format("{}", fmt::join(parts, " · "));
+}
+
+}  // namespace
+
+std::string reportHtml(const RunRecord& record, const std::vector<Figure>& figures) {
+  const std::string name =
+      escapeHtml(record.experiment ? record.experiment->name : "Log without an experiment");
+  const std::string description = record.experiment ? record.experiment->description : "";
+  const std::vector<Finding> findings = findingsOf(record);
+  std::string page = fmt::format(
+      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
+      "<title>{0}</title>\n<style>{1}</style>\n</head>\n<body>\n<h1>{0}</h1>\n"
+      "<p class=\"lead\">{2}</p>\n{3}",
+      name, html::kStyle, escapeHtml(lead(record)),
+      description.empty() ? "" : fmt::format("<p>{}</p>\n", escapeHtml(description)));
+  page += html::warnings(record);
+  page += html::verdicts(findings);
+  page += html::runs(findings, record.experimentOrDefault().hardware.max_wheel_speed);
+  page += html::figureSection(figures);
+  page += html::stitching(record);
+  if (record.poses) {
+    page += html::poseSource(record);
+    return page + "</body>\n</html>\n";
+  }
+  page += html::lightSteps(record);
+  page += html::lightBands(record);
+  page += html::robots(record);
+  page += html::losses(record);
+  page += html::links(record);
+  page += html::provenance(record);
+  return page + "</body>\n</html>\n";
+}
+
+}  // namespace lab::report

@@ -1,0 +1,348 @@
+#include "analyzer/report/poses/pose_run.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <deque>
+#include <limits>
+#include <map>
+#include <set>
+#include <string_view>
+
+#include "analyzer/analysis_feed.hpp"
+#include "analyzer/tracks/reversal_finder.hpp"
+#include "common/experiment/experiment_file.hpp"
+#include "common/experiment/experiment_messages.hpp"
+#include "common/math/units.hpp"
+#include "analyzer/report/poses/pose_units.hpp"
+#include "analyzer/report_error.hpp"
+
+namespace lab::report {
+namespace {
+
+using analysis::Frame;
+using analysis::FramePose;
+using units::kNan;
+
+constexpr double kTouching = 0.001;  // [m] of a gap that cannot be told from none
+
+constexpr std::array<std::string_view, 4> kLaws{"abp", "noisy_abp", "bp", "rtp"};
+
+/// What is wrong with a program, by the names that were typed: nobody wrote the file that is checked
+/// below.
+[[noreturn]] void refuse(const ExperimentError& error, const std::string& model) {
+  std::vector<std::string> problems;
+  const std::string key = "programs." + model + ".";
+  for (const std::string& problem : error.problems()) {
+    const std::size_t at = problem.find(": " + key);
+    problems.push_back(at == std::string::npos
+                           ? problem
+                           : "--set " + problem.substr(at + 2 + key.size()));
+  }
+  throw ExperimentError(problems);
+}
+
+/// An experiment in which every robot runs the program. Its checks are those of any experiment.
+Experiment experimentOf(const std::string& name, const PoseProgram& program) {
+  // Some program is needed for the file to be one; it is taken out again.
+  const bool given = !program.model.empty();
+  if (given && std::find(kLaws.begin(), kLaws.end(), program.model) == kLaws.end()) {
+    throw ExperimentError({fmt::format("--program: found \"{}\", expected one of {}", program.model,
+                                       fmt::join(kLaws, ", "))});
+  }
+  const std::string text = fmt::format(
+      "fileversion = 1\nname = \"poses\"\nduration_s = 1\nprogram = \"{0}\"\n[[robots]]\nid = 1\n"
+      "[programs.{0}]\nmodel = \"{0}\"\n{1}",
+      given ? program.model : "bp", given ? "" : "V_cm_s = 1\nepsilon_s = 1\n");
+  std::vector<std::string> set;
+  for (const std::string& one : program.set) {
+    const bool plain = one.substr(0, one.find('=')).find('.') == std::string::npos;
+    if (plain && !given) {
+      throw ExperimentError({fmt::format(
+          "--set {}: found a parameter without a program, expected --program too", one)});
+    }
+    set.push_back(plain ? fmt::format("programs.{}.{}", program.model, one) : one);
+  }
+  Experiment experiment;
+  try {
+    experiment = parseExperiment(text, "--program", set);
+  } catch (const ExperimentError& error) {
+    refuse(error, program.model);
+  }
+  if (!given) experiment.programs.clear();
+  experiment.name = name;
+  experiment.robots.clear();
+  experiment.light_table.bands.clear();
+  experiment.light = {};
+  return experiment;
+}
+
+/// Which robots touch another one, or a wall of a known arena.
+std::set<int> touching(const Frame& frame, const Experiment& experiment, bool in_arena) {
+  std::set<int> robots;
+  const double diameter = experiment.hardware.diameter;
+  const double nearest = diameter / 2 + kTouching;
+  for (std::size_t i = 0; i < frame.poses.size(); ++i) {
+    const FramePose& a = frame.poses[i];
+    if (in_arena && (a.x < nearest || a.y < nearest || a.x > experiment.arena_width - nearest ||
+                     a.y > experiment.arena_height - nearest)) {
+      robots.insert(a.robot);
+    }
+    for (std::size_t k = i + 1; k < frame.poses.size(); ++k) {
+      const FramePose& b = frame.poses[k];
+      if (std::hypot(a.x - b.x, a.y - b.y) > diameter + kTouching) continue;
+      robots.insert(a.robot);
+      robots.insert(b.robot);
+    }
+  }
+  return robots;
+}
+
+/// Feeds the analysis and keeps what it says of every row.
+class PoseFeed {
+ public:
+  PoseFeed(const PoseFile& poses, const Experiment& experiment, const analysis::ProgramLaw& law,
+           bool speed_is_known)
+      : poses_(poses),
+        experiment_(experiment),
+        law_(law),
+        speed_is_known_(speed_is_known),
+        epoch_start_(poses.frames.front().time),
+        analysis_(configOf(poses, experiment)) {
+    const bool runs = law.kind == analysis::ProgramKind::kRtp && law.gamma > 0;
+    run_share_ = runs ? 1 / (1 + law.gamma * law.tau_t) : 1;
+    analysis_.onSample([this](int robot, const analysis::ProgramLaw&,
+                              const analysis::Sample& sample) { judge(robot, sample); });
+  }
+
+  void run(RunRecord& record, analysis::Depth depth, bool stitch) {
+    analysis_.stitch(stitch, depth == analysis::Depth::kFull);
+    analysis_.onPiece([&record](int robot, const analysis::ProgramLaw&, analysis::Piece piece) {
+      const double start = units::seconds(record.start_utime);
+      for (double analysis::Piece::*time :
+           {&analysis::Piece::begin, &analysis::Piece::end, &analysis::Piece::reversal_start,
+            &analysis::Piece::reversal_end}) {
+        piece.*time -= start;
+      }
+      // Here programs never change; a step of the clock starts them afresh.
+      if (piece.reason == analysis::PieceEnd::kProgramSwitch) {
+        piece.reason = analysis::PieceEnd::kClockStep;
+      }
+      record.pieces.push_back({robot, 0, piece});
+    });
+    examine(record);
+    for (const Frame& frame : poses_.frames) take(frame, record);
+    analysis_.flush();
+    record.tracks = std::move(tracks_);
+    for (analysis::ProgramResult& result : analysis_.results(depth)) {
+      record.results.push_back({record.programs.front().program, std::move(result)});
+    }
+  }
+
+ private:
+  static analysis::AnalysisConfig configOf(const PoseFile& poses, const Experiment& experiment) {
+    analysis::AnalysisConfig config = analysis::analysisConfig(experiment);
+    config.frame_period = poses.frame_period;
+    config.stitcher.headings = poses.headings;
+    config.without_law = experiment.programs.empty();
+    config.find_runs = true;
+    return config;
+  }
+
+  /// Mends headings and finds reversals, robot by robot.
+  void examine(RunRecord& record) {
+    std::map<int, std::vector<analysis::TrackPoint>> tracks;
+    for (const Frame& frame : poses_.frames) {
+      for (const FramePose& pose : frame.poses) {
+        if (!pose.valid) continue;
+        std::vector<analysis::TrackPoint>& track = tracks[pose.robot];
+        if (!track.empty() && track.back().time == frame.time) continue;  // seen twice
+        track.push_back({frame.time, frame.frame, pose.x, pose.y, pose.theta, 0, 0, true});
+      }
+    }
+    const Reversal& reversal = experiment_.reversal;
+    analysis::ReversalSearch search = analysis::reversalSearch(
+        law_, speed_is_known_ ? reversal.speed : kNan, reversal.distance);
+    search.headings = poses_.headings;
+    search.max_turn_rate = 2 * experiment_.hardware.max_wheel_speed / experiment_.hardware.diameter;
+    // Without a program there is no telling what it cannot drive.
+    search.wanted = !experiment_.programs.empty() && reversal.on != ReverseOn::kNever;
+    for (auto& [robot, track] : tracks) {
+      if (poses_.headings) {
+        const double noise = heading_noise_[robot] = analysis::headingNoise(track);
+        for (analysis::TrackPoint& point : track) point.sigma_theta = noise;
+      }
+      const analysis::TrackFindings found = analysis::examineTrack(track, search);
+      record.headings.flips += found.flips;
+      record.headings.jumps += found.flip_jumps;
+      record.headings.sense_turns += found.sense_turns;
+      record.poses->reversals += static_cast<std::int64_t>(found.reversals.size());
+      tellers_.try_emplace(robot, found.reversals);
+      std::map<double, double>& mended = mended_[robot];
+      if (found.flips == 0 && found.sense_turns == 0) continue;
+      for (const analysis::TrackPoint& point : track) mended[point.time] = point.theta;
+    }
+  }
+
+  void take(Frame frame, RunRecord& record) {
+    while (next_step_ < poses_.clock_steps.size() &&
+           poses_.clock_steps[next_step_] <= frame.time) {
+      epoch_start_ = poses_.clock_steps[next_step_++];
+    }
+    const std::set<int> contacts = touching(frame, experiment_, poses_.in_arena);
+    tracks_.frames.push_back({units::microseconds(frame.time), frame.frame, tracks_.rows.size()});
+    record.poses->in_contact += static_cast<std::int64_t>(contacts.size());
+    for (FramePose& pose : frame.poses) {
+      const auto mended = mended_.find(pose.robot);
+      if (mended != mended_.end()) {
+        const auto theta = mended->second.find(frame.time);
+        if (theta != mended->second.end()) pose.theta = theta->second;
+      }
+      const auto noise = heading_noise_.find(pose.robot);
+      if (noise != heading_noise_.end()) pose.sigma_theta = noise->second;
+      analysis::RobotTelemetry telemetry;
+      telemetry.time = frame.time;
+      telemetry.program_epoch = static_cast<std::int64_t>(next_step_);
+      telemetry.program_start = epoch_start_;
+      telemetry.contact = contacts.contains(pose.robot);
+      telemetry.run_time = frame.time - poses_.frames.front().time;
+      const auto teller = tellers_.find(pose.robot);
+      if (teller != tellers_.end()) {
+        teller->second.tell(telemetry);
+        telemetry.run_time -= teller->second.removed();
+      }
+      telemetry.run_time *= run_share_;
+      analysis_.addTelemetry(pose.robot, law_, telemetry);
+      waiting_[pose.robot].push_back({frame.time, tracks_.rows.size()});
+      tracks_.rows.push_back({pose.robot, static_cast<float>(pose.x), static_cast<float>(pose.y),
+                              static_cast<float>(pose.theta), 0, -1});
+    }
+    analysis_.addFrame(frame);
+  }
+
+  void judge(int robot, const analysis::Sample& sample) {
+    std::deque<Waiting>& waiting = waiting_[robot];
+    while (!waiting.empty() && waiting.front().time < sample.time) waiting.pop_front();
+    if (waiting.empty() || waiting.front().time != sample.time) return;
+    tracks_.rows[waiting.front().row].segment = sample.piece;
+    waiting.pop_front();
+  }
+
+  struct Waiting {
+    double time;
+    std::size_t row;
+  };
+
+  const PoseFile& poses_;
+  const Experiment& experiment_;
+  analysis::ProgramLaw law_;
+  bool speed_is_known_ = false;
+  double run_share_ = 1;
+  std::map<int, analysis::ReversalTeller> tellers_;
+  std::map<int, std::map<double, double>> mended_;  ///< by robot and time, where any was
+  std::map<int, double> heading_noise_;             ///< by robot [rad]
+  std::size_t next_step_ = 0;
+  double epoch_start_ = 0;
+  analysis::Analysis analysis_;
+  Tracks tracks_;
+  std::map<int, std::deque<Waiting>> waiting_;
+};
+
+/// The frame of a picture whose arena is not known: all that was seen.
+void adoptExtent(const PoseFile& poses, Experiment& experiment) {
+  experiment.arena_width = experiment.arena_height = 0;
+  for (const Frame& frame : poses.frames) {
+    for (const FramePose& pose : frame.poses) {
+      experiment.arena_width = std::max(experiment.arena_width, pose.x);
+      experiment.arena_height = std::max(experiment.arena_height, pose.y);
+    }
+  }
+}
+
+/// What robots would have told of their tumbles: here their poses must.
+void adoptRuns(analysis::ProgramResult& result) {
+  if (result.law.kind != analysis::ProgramKind::kRtp) return;
+  const std::string problem = result.runs ? result.runs->problem : std::string();
+  constexpr std::array<std::string_view, 5> kOfTumbles{"gamma", "tau_r", "v", "D", "L_s"};
+  for (analysis::Estimate& estimate : result.estimates) {
+    if (std::find(kOfTumbles.begin(), kOfTumbles.end(), estimate.name) == kOfTumbles.end())
+      continue;
+    const analysis::Estimate* seen = result.runs ? result.runs->find(estimate.name) : nullptr;
+    if (seen != nullptr) {
+      estimate = *seen;
+      continue;
+    }
+    if (estimate.name == "v") {
+      estimate.note += ", its share as programmed";
+      continue;
+    }
+    estimate.value = estimate.sigma = estimate.low95 = estimate.high95 = kNan;
+    estimate.n_eff = 0;
+    estimate.note = "needs the tumbles, and the poses show none: " + problem;
+  }
+}
+
+/// Robots as the report lists them: one program from their first frame to their last.
+void fillRobots(RunRecord& record) {
+  for (std::size_t i = 0; i < record.tracks.frames.size(); ++i) {
+    const std::int64_t utime = record.tracks.frames[i].utime;
+    for (std::size_t r = record.tracks.frames[i].first_row; r < record.tracks.endOf(i); ++r) {
+      RobotRecord& robot = record.robots[record.tracks.rows[r].robot];
+      if (robot.programs.empty()) robot.programs.push_back({utime, utime, 0});
+      robot.programs.front().end_utime = utime;
+    }
+  }
+}
+
+}  // namespace
+
+RunRecord poseRun(const PoseFile& poses, const std::string& name, const PoseProgram& program,
+                  const ReadOptions& options) {
+  if (poses.frames.size() < 2) {
+    throw ReportError(fmt::format(
+        "{}: found poses in {}, expected at least two: a single picture has no motion", name,
+        poses.frames.empty() ? "no frame" : "one frame"));
+  }
+  RunRecord record;
+  record.stitched = options.stitch;
+  record.experiment = experimentOf(name, program);
+  const Experiment& experiment = *record.experiment;
+  RunProgram robots_run{{}, "motion"};
+  if (!experiment.programs.empty()) {
+    const ProgramSpec& spec = experiment.programs.begin()->second;
+    robots_run = {toMessage(spec), spec.name};
+  }
+  record.programs.push_back(robots_run);
+  if (!poses.in_arena) adoptExtent(poses, *record.experiment);
+  record.poses = PoseSource{.headings = poses.headings,
+                            .rows = poses.rows,
+                            .without_pose = poses.without_pose,
+                            .without_id = poses.without_id,
+                            .repeated = poses.repeated,
+                            .contradicted = poses.contradicted,
+                            .bad_times = poses.bad_times,
+                            .clock_steps = static_cast<std::int64_t>(poses.clock_steps.size()),
+                            .doubts = unitDoubts(poses)};
+  record.log.frames = static_cast<std::int64_t>(poses.frames.size());
+  record.missing_frames = poses.missing_frames;
+  record.frame_period = poses.frame_period;
+  record.start_utime = units::microseconds(poses.frames.front().time);
+  record.end_utime = units::microseconds(poses.frames.back().time);
+  record.ended = true;
+
+  const bool speed_is_known =
+      std::any_of(program.set.begin(), program.set.end(), [](const std::string& set) {
+        return set.starts_with("reversal.speed_cm_s=");
+      });
+  PoseFeed(poses, experiment, analysis::toLaw(robots_run.program, experiment.hardware.diameter),
+           speed_is_known)
+      .run(record, options.depth, options.stitch);
+  for (analysis::FeedResult& result : record.results) adoptRuns(result.result);
+  fillRobots(record);
+  return record;
+}
+
+}  // namespace lab::report

@@ -1,0 +1,50 @@
+/// What the runner and the services say about the run itself.
+#pragma once
+
+#include <lab/experiment_event_t.hpp>
+#include <lab/service_status_t.hpp>
+#include <map>
+#include <set>
+#include <string>
+#include <tuple>
+#include <utility>
+
+#include "analyzer/report/record/run_record.hpp"
+
+namespace lab::report {
+
+/// Collects EXPERIMENT_EVENT, where everything is said several times because a message may be lost.
+class EventRecord {
+ public:
+  void take(const experiment_event_t& event);
+
+  /// Fills in steps, faults, marks, start and end.
+  void finish(RunRecord& record) const;
+
+ private:
+  void takeStep(const experiment_event_t& event);
+
+  std::set<std::tuple<std::int64_t, std::int8_t, std::string>> known_;
+  std::map<int, StepRecord> steps_;
+  std::vector<Remark> faults_;
+  std::vector<Remark> marks_;
+  std::int64_t start_utime_ = 0;
+  std::int64_t end_utime_ = 0;
+  std::string end_reason_;
+  std::string light_calibration_;  ///< text of the file
+  std::string version_;
+  int contract_version_ = 0;
+};
+
+/// Collects SERVICE_STATUS.
+class ServiceRecords {
+ public:
+  void take(const service_status_t& status);
+  void finish(RunRecord& record) const;
+
+ private:
+  std::vector<std::pair<std::int64_t, ServiceRecord>> services_;  ///< with their instances
+  std::map<std::string, service_status_t> last_;                  ///< by name
+};
+
+}  // namespace lab::report

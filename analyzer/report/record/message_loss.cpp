@@ -1,0 +1,110 @@
+#include "analyzer/report/record/message_loss.hpp"
+
+#include <algorithm>
+#include <tuple>
+
+#include "common/experiment/service_placement.hpp"
+#include "common/bus/stream_counter.hpp"
+#include "common/math/units.hpp"
+
+namespace lab::report {
+
+LossTotal totalOf(const std::vector<StreamLoss>& streams) {
+  LossTotal total;
+  for (const StreamLoss& stream : streams) {
+    total.received += stream.received;
+    total.lost += stream.lost;
+    total.at_least = total.at_least || (stream.at_least && stream.sender != kOnlooker);
+  }
+  return total;
+}
+
+LossLedger::Sender& LossLedger::sender(std::string_view name, std::int64_t instance) {
+  const auto found = std::find_if(senders_.begin(), senders_.end(), [&](const Sender& one) {
+    return one.instance == instance && one.name == name;
+  });
+  if (found != senders_.end()) return *found;
+  senders_.push_back({std::string(name), instance, 0, false, false, {}});
+  return senders_.back();
+}
+
+LossLedger::Stream& LossLedger::Sender::stream(std::string_view channel) {
+  const auto found = std::find_if(streams.begin(), streams.end(),
+                                  [&](const Stream& one) { return one.channel == channel; });
+  if (found != streams.end()) return *found;
+  streams.push_back({std::string(channel)});
+  return streams.back();
+}
+
+void LossLedger::count(std::string_view channel, const Header& header,
+                       std::int64_t received_utime) {
+  if (first_utime_ == 0) first_utime_ = received_utime;
+  Stream& stream = sender(header.sender, header.instance).stream(channel);
+  if (stream.received++ == 0) stream.first_seq = stream.last_seq = header.seq;
+  stream.first_seq = std::min(stream.first_seq, header.seq);
+  stream.last_seq = std::max(stream.last_seq, header.seq);
+  stream.largest_age_us = std::max(stream.largest_age_us, received_utime - header.utime);
+}
+
+void LossLedger::take(const service_status_t& status) {
+  Sender& from = sender(status.sender, status.instance);
+  from.start_utime = status.start_utime;
+  from.ended = from.ended || status.state == service_status_t::ENDED;
+  for (const channel_count_t& count : status.sent) {
+    Stream& stream = from.stream(count.channel);
+    if (!from.has_status) {
+      stream.sent_first = count.messages;
+      stream.received_first = stream.received;
+    }
+    stream.sent_last = std::max(stream.sent_last, count.messages);
+  }
+  from.has_status = true;
+}
+
+StreamLoss LossLedger::loss(const Sender& sender, const Stream& stream) const {
+  const bool seq_counts = seqCountsMessages(stream.channel);
+  const bool started_before = !sender.has_status || sender.start_utime < first_utime_;
+  // What was sent before the log began: at most what the first status counted, and nothing from
+  // the first message in the log on.
+  std::int64_t before = 0;
+  if (started_before && seq_counts && stream.received > 0) {
+    before = stream.first_seq - 1;
+    if (sender.has_status) before = std::min(before, stream.sent_first);
+  } else if (started_before) {
+    before = stream.sent_first - stream.received_first;
+  }
+  const std::int64_t sent =
+      seq_counts ? std::max(stream.sent_last, stream.last_seq) : stream.sent_last;
+  StreamLoss loss;
+  loss.channel = stream.channel;
+  loss.sender = sender.name;
+  loss.start = startOf(sender.name, sender.instance);
+  loss.received = stream.received;
+  loss.lost = std::max<std::int64_t>(0, sent - before - stream.received);
+  loss.at_least = !sender.ended;
+  loss.largest_age = units::seconds(stream.largest_age_us);
+  return loss;
+}
+
+int LossLedger::startOf(std::string_view sender, std::int64_t instance) const {
+  int start = 0;
+  for (const Sender& one : senders_) {
+    if (one.name != sender) continue;
+    ++start;
+    if (one.instance == instance) return start;
+  }
+  return 0;
+}
+
+std::vector<StreamLoss> LossLedger::streams() const {
+  std::vector<StreamLoss> losses;
+  for (const Sender& sender : senders_) {
+    for (const Stream& stream : sender.streams) losses.push_back(loss(sender, stream));
+  }
+  std::sort(losses.begin(), losses.end(), [](const StreamLoss& a, const StreamLoss& b) {
+    return std::tie(a.sender, a.start, a.channel) < std::tie(b.sender, b.start, b.channel);
+  });
+  return losses;
+}
+
+}  // namespace lab::report

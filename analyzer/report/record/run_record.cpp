@@ -1,0 +1,204 @@
+#include "analyzer/report/record/run_record.hpp"
+
+#include <algorithm>
+#include <deque>
+
+#include "analyzer/service/program_keys.hpp"
+#include "common/experiment/experiment_file.hpp"
+#include "common/experiment/experiment_messages.hpp"
+#include "common/math/units.hpp"
+#include "analyzer/report/record/event_record.hpp"
+
+namespace lab::report {
+namespace {
+
+/// Keeps every pose, and gives it its segment once the analysis has judged it.
+class TrackRecord {
+ public:
+  explicit TrackRecord(analysis::AnalysisFeed& feed) : feed_(feed) {
+    feed_.onSample([this](int robot, const analysis::Sample& sample) { judge(robot, sample); });
+  }
+
+  void take(const tracked_frame_t& frame) {
+    // A camera counts its frames; a restarted one begins again.
+    if (!tracks_.frames.empty() && frame.instance == instance_) {
+      const std::int64_t gap = frame.frame - tracks_.frames.back().frame - 1;
+      missing_ += std::max<std::int64_t>(0, gap);
+    }
+    instance_ = frame.instance;
+    period_ = frame.frame_period;
+    tracks_.frames.push_back({frame.utime, frame.frame, tracks_.rows.size()});
+    const double time = feed_.seconds(frame.utime);
+    for (const tracked_pose_t& pose : frame.robots) {
+      waiting_[pose.robot_id].push_back({time, tracks_.rows.size()});
+      tracks_.rows.push_back({pose.robot_id, static_cast<float>(pose.x), static_cast<float>(pose.y),
+                              static_cast<float>(pose.theta)});
+    }
+  }
+
+  void finish(RunRecord& record) {
+    record.tracks = std::move(tracks_);
+    record.missing_frames = missing_;
+    record.frame_period = period_;
+  }
+
+ private:
+  struct Waiting {
+    double time;
+    std::size_t row;
+  };
+
+  void judge(int robot, const analysis::Sample& sample) {
+    std::deque<Waiting>& waiting = waiting_[robot];
+    while (!waiting.empty() && waiting.front().time < sample.time) waiting.pop_front();
+    if (waiting.empty() || waiting.front().time != sample.time) return;
+    tracks_.rows[waiting.front().row].segment = sample.piece;
+    waiting.pop_front();
+  }
+
+  analysis::AnalysisFeed& feed_;
+  Tracks tracks_;
+  std::map<std::int32_t, std::deque<Waiting>> waiting_;
+  std::int64_t instance_ = 0;
+  std::int64_t missing_ = 0;
+  double period_ = 0;
+};
+
+/// The program of every row: the one that its robot reported for that time.
+void fillPrograms(RunRecord& record) {
+  std::map<std::int32_t, std::size_t> next;
+  for (std::size_t i = 0; i < record.tracks.frames.size(); ++i) {
+    const std::int64_t utime = record.tracks.frames[i].utime;
+    for (std::size_t r = record.tracks.frames[i].first_row; r < record.tracks.endOf(i); ++r) {
+      TrackRow& row = record.tracks.rows[r];
+      const auto robot = record.robots.find(row.robot);
+      if (robot == record.robots.end()) continue;
+      const std::vector<ProgramSpan>& spans = robot->second.programs;
+      std::size_t& at = next[row.robot];
+      while (at < spans.size() && spans[at].end_utime < utime) ++at;
+      if (at == spans.size()) {
+        at = spans.size() - 1;  // frames after the last report
+        continue;
+      }
+      if (spans[at].begin_utime <= utime) {
+        row.program = static_cast<std::int16_t>(spans[at].program);
+      }
+    }
+  }
+}
+
+/// The pieces in the time of the record, and what was mended.
+void fillStitching(const analysis::AnalysisFeed& feed, RunRecord& record) {
+  const double start = feed.seconds(record.start_utime);
+  for (PieceRecord& one : record.pieces) {
+    for (double analysis::Piece::*time :
+         {&analysis::Piece::begin, &analysis::Piece::end, &analysis::Piece::reversal_start,
+          &analysis::Piece::reversal_end}) {
+      one.piece.*time -= start;
+    }
+  }
+  for (const int robot : feed.robots()) {
+    const analysis::StitcherCounters counters = feed.robotCounters(robot);
+    record.headings.flips += counters.flips;
+    record.headings.jumps += counters.flip_jumps;
+    record.headings.sense_turns += counters.sense_turns;
+  }
+}
+
+/// The experiment as its START tells it.
+void adoptStart(const std::optional<experiment_event_t>& start, RunRecord& record) {
+  if (!start) {
+    record.experiment_problem = "the log has no START: names and parameters of the run are unknown";
+    return;
+  }
+  record.experiment_text = start->text;
+  try {
+    record.experiment = parseExperiment(start->text, "experiment in the log");
+  } catch (const ExperimentError& error) {
+    record.experiment_problem =
+        "the experiment in the log cannot be read: " + error.problems().front();
+  }
+}
+
+std::string nameOf(const RunRecord& record, const program_t& program, std::size_t key,
+                   const std::vector<program_t>& all) {
+  const std::string name = programName(record.experimentOrDefault(), program);
+  if (name != modelName(program.kind)) return name;
+  // A program that the experiment does not name: two of one model need telling apart.
+  const auto same_model = std::count_if(
+      all.begin(), all.end(), [&](const program_t& other) { return other.kind == program.kind; });
+  return same_model < 2 ? name : name + " " + std::to_string(key + 1);
+}
+
+}  // namespace
+
+double RunRecord::seconds(std::int64_t utime) const { return units::seconds(utime - start_utime); }
+
+const Experiment& RunRecord::experimentOrDefault() const {
+  static const Experiment none;
+  return experiment ? *experiment : none;
+}
+
+std::string RunRecord::programNameOf(int key) const {
+  const auto index = static_cast<std::size_t>(key);
+  return key >= 0 && index < programs.size() ? programs[index].name : std::string();
+}
+
+RunRecord readRun(const std::vector<std::filesystem::path>& files, const ReadOptions& options) {
+  const analysis::Depth depth = options.depth;
+  RunRecord record;
+  adoptStart(findStart(files), record);
+  const Experiment& experiment = record.experimentOrDefault();
+
+  analysis::AnalysisFeed feed(experiment);
+  if (depth == analysis::Depth::kFull) feed.findRuns();
+  feed.stitch(options.stitch, depth == analysis::Depth::kFull);
+  analysis::ProgramBook book;
+  record.stitched = options.stitch;
+  feed.onPiece([&](int robot, const program_t& program, const analysis::Piece& piece) {
+    record.pieces.push_back({robot, book.key(program), piece});
+  });
+  TrackRecord tracks(feed);
+  LightTimeline light(experiment.arena_width, experiment.arena_height);
+  RobotTimelines robots([&book](const program_t& program) { return book.key(program); });
+  EventRecord events;
+  ServiceRecords services;
+  LinkRecords links;
+
+  MessageSinks sinks;
+  sinks.frame = [&](const tracked_frame_t& frame) {
+    feed.take(frame);
+    tracks.take(frame);
+  };
+  sinks.robots = [&](const robot_status_t& status) {
+    robots.take(status);
+    feed.take(status);
+  };
+  sinks.light = [&](const light_status_t& status) {
+    light.take(status);
+    feed.take(status);
+  };
+  sinks.event = [&](const experiment_event_t& event) { events.take(event); };
+  sinks.service = [&](const service_status_t& status) { services.take(status); };
+  sinks.link = [&](const link_status_t& status) { links.take(status); };
+  record.log = readMessages(files, sinks);
+  feed.flush();
+
+  tracks.finish(record);
+  record.light = light.spans();
+  record.calibration = light.calibration();
+  record.robots = robots.records();
+  for (std::size_t key = 0; key < book.programs().size(); ++key) {
+    const program_t& program = book.programs()[key];
+    record.programs.push_back({program, nameOf(record, program, key, book.programs())});
+  }
+  fillPrograms(record);
+  record.results = feed.results(depth);
+  events.finish(record);
+  fillStitching(feed, record);
+  services.finish(record);
+  record.links = links.records();
+  return record;
+}
+
+}  // namespace lab::report

@@ -1,0 +1,33 @@
+/// How long the light script's steps took to arrive.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/math/percentiles.hpp"
+#include "analyzer/report/record/run_record.hpp"
+
+namespace lab::report {
+
+/// From the command [ms]; nan: it never came to that.
+struct StepDelays {
+  double presented_ms = 0;
+  double seen_ms = 0;
+  double first_acted_ms = 0;
+  double last_acted_ms = 0;
+};
+
+[[nodiscard]] StepDelays delaysOf(const StepRecord& step);
+
+/// Of the delays that exist [ms].
+[[nodiscard]] Percentiles presentedDelays(const std::vector<StepRecord>& steps);
+[[nodiscard]] Percentiles seenDelays(const std::vector<StepRecord>& steps);
+[[nodiscard]] Percentiles firstActedDelays(const std::vector<StepRecord>& steps);
+
+/// Only of steps that every robot that had to change has obeyed.
+[[nodiscard]] Percentiles lastActedDelays(const std::vector<StepRecord>& steps);
+
+/// "real", "simulated", "replayed", "unknown".
+[[nodiscard]] std::string originName(std::int8_t origin);
+
+}  // namespace lab::report

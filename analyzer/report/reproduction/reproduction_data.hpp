@@ -1,0 +1,65 @@
+/// What the films of the paper's programs gave, as far as its figures need it.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "analyzer/service/program_analysis.hpp"
+#include "analyzer/report/reproduction/reproduction_plan.hpp"
+
+namespace lab::report {
+
+/// A place on the stitched track.
+struct PathPoint {
+  double t = 0;  ///< [s] of free motion
+  double x = 0;  ///< [cm]
+  double y = 0;  ///< [cm]
+};
+
+struct SpeedPoint {
+  double t = 0;      ///< [s] of free motion
+  double speed = 0;  ///< [cm/s]
+};
+
+/// <n(0) . n(l)> of the heading n along the path.
+struct CorrelationPoint {
+  double length = 0;  ///< l [cm]
+  double value = 0;
+  double sigma = 0;
+};
+
+/// One film of one program.
+struct FilmData {
+  analysis::ProgramResult result;
+  std::vector<std::string> faults;  ///< of the run; empty: none
+  std::vector<PathPoint> path;      ///< the whole film, thinned
+  std::vector<PathPoint> close_up;  ///< some seconds of it, every frame
+  std::vector<CorrelationPoint> correlation;
+  double fitted_length = 0;        ///< [cm] of exp(-l/L) fitted to the correlation
+  double fitted_length_sigma = 0;  ///< [cm]
+  std::vector<SpeedPoint> speeds;
+  std::vector<double> run_times;  ///< [s] complete ones
+};
+
+/// What a film is read for besides its curves and estimates.
+struct FilmWants {
+  bool path = false;
+  bool correlation = false;
+  bool runs = false;
+};
+
+/// What the panels want of a set.
+[[nodiscard]] FilmWants wantsOf(const std::vector<PaperPanel>& panels, const PaperSet& set);
+
+/// Reads the run's log. @throws ReportError when the program is not in it.
+[[nodiscard]] FilmData readFilm(const std::filesystem::path& run, const FilmWants& wants,
+                                analysis::Depth depth);
+
+/// All films of one program: one, or the members of an ensemble.
+struct SetData {
+  PaperSet set;
+  std::vector<FilmData> films;
+};
+
+}  // namespace lab::report

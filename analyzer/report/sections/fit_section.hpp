@@ -1,0 +1,23 @@
+/// The fit of the exact law, for summary.json and report.html.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "analyzer/curves/estimates.hpp"
+#include "analyzer/fits/law_fit.hpp"
+
+namespace lab::report {
+
+/// Each estimate under its name with its unit, in people's units.
+[[nodiscard]] nlohmann::ordered_json estimatesJson(
+    const std::vector<analysis::Estimate>& estimates);
+
+/// Key "fit" of summary.json: a refusal in words, or parameters, intervals and tests.
+[[nodiscard]] nlohmann::ordered_json fitJson(const analysis::LawFit& fit);
+
+/// The table "Fit of the exact law" with its tests.
+[[nodiscard]] std::string fitHtml(const analysis::LawFit& fit);
+
+}  // namespace lab::report

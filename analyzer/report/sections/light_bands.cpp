@@ -1,0 +1,121 @@
+#include "analyzer/report/sections/light_bands.hpp"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "common/math/units.hpp"
+#include "analyzer/report/html/html_sections.hpp"
+#include "common/text/format.hpp"
+
+namespace lab::report {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+calibration::LightFit toFit(const LightCalibration& calibration) {
+  calibration::LightFit fit;
+  fit.gamma = calibration.gamma;
+  fit.vignetting = calibration.vignetting;
+  fit.scale = calibration.scale;
+  fit.ambient = calibration.ambient;
+  fit.residual = calibration.residual;
+  for (const auto& [robot, gains] : calibration.gains) {
+    fit.gains[{robot, true}] = gains.front;
+    fit.gains[{robot, false}] = gains.back;
+  }
+  return fit;
+}
+
+double centimetres(double metres) { return metres / units::kCentimetre; }
+
+/// Row by row as the arena lies, y upwards.
+std::string placeTable(const calibration::BandMargin& band, const LightBand& limits) {
+  std::vector<std::string> columns{">y (cm) \\ x (cm)"};
+  for (int column = 0; column < calibration::kMarginColumns; ++column) {
+    const auto& place = band.places[static_cast<std::size_t>(column)].place;
+    columns.push_back(fmt::format(">{:.0f}", centimetres(place.x)));
+  }
+  html::Table table(columns);
+  for (int row = calibration::kMarginRows; row-- > 0;) {
+    const auto first = static_cast<std::size_t>(row * calibration::kMarginColumns);
+    std::vector<std::string> cells{
+        fmt::format("{:.0f}", centimetres(band.places[first].place.y))};
+    for (int column = 0; column < calibration::kMarginColumns; ++column) {
+      const auto& place = band.places[first + static_cast<std::size_t>(column)];
+      const bool inside = place.reading > limits.low && place.reading < limits.high;
+      cells.push_back(fmt::format("{:.3f} {}", place.reading, inside ? "" : "✗"));
+    }
+    table.row(cells);
+  }
+  return table.text();
+}
+
+}  // namespace
+
+std::vector<calibration::BandMargin> lightMargins(const LightCalibration& calibration,
+                                                  const Experiment& experiment) {
+  std::vector<calibration::BandLimits> bands;
+  for (const LightBand& band : experiment.light_table.bands) {
+    bands.push_back({band.program, band.low, band.high});
+  }
+  return calibration::bandMargins(toFit(calibration), bands, experiment.arena_width,
+                                  experiment.arena_height);
+}
+
+std::string html::lightBands(const RunRecord& record) {
+  if (!record.light_calibration || !record.experiment) return {};
+  const auto margins = lightMargins(*record.light_calibration, *record.experiment);
+  if (margins.empty()) return {};
+  std::string html = fmt::format(
+      "<h2>Light bands</h2>\n<p>With the calibration of light {} the same light is the same reading "
+      "everywhere, so the margin of a band holds at every place: how far the light in its middle is "
+      "from its edge, for the least sensitive of {} robots' sensors, whose readings follow the "
+      "calibration within {:.2g} % of full scale (rms).</p>\n",
+      record.light_calibration->id, record.light_calibration->gains.size(),
+      100 * record.light_calibration->residual);
+  Table table({"program", ">light", ">to the edge", ">in standard deviations of a reading",
+               ">chance of a wrong one"});
+  for (const auto& band : margins) {
+    table.row({escapeHtml(band.program), fmt::format("{:.3f}", band.light),
+               fmt::format("{:.3f}", band.margin), fmt::format("{:.1f}", band.sigmas),
+               fmt::format("{:.1e}", band.chance)});
+  }
+  html += table.text() +
+          "<details><summary>Without the calibration, place by place</summary>\n<p>What the sensor "
+          "that is nearest to leaving the band (or farthest outside, ✗) would read of the same "
+          "light.</p>\n";
+  const auto& bands = record.experiment->light_table.bands;
+  for (std::size_t i = 0; i < margins.size(); ++i) {
+    html += fmt::format("<h3>{}: light {:.3f}, band {:g} to {:g}</h3>\n",
+                        escapeHtml(margins[i].program), margins[i].light, bands[i].low,
+                        bands[i].high) +
+            placeTable(margins[i], bands[i]);
+  }
+  return html + "</details>\n";
+}
+
+nlohmann::ordered_json lightBandsJson(const RunRecord& record) {
+  if (!record.light_calibration || !record.experiment) return nullptr;
+  Json bands = Json::array();
+  for (const auto& band : lightMargins(*record.light_calibration, *record.experiment)) {
+    Json places = Json::array();
+    for (const auto& place : band.places) {
+      places.push_back({{"x_cm", centimetres(place.place.x)},
+                        {"y_cm", centimetres(place.place.y)},
+                        {"reading", place.reading},
+                        {"chance_wrong", place.chance}});
+    }
+    bands.push_back({{"program", band.program},
+                     {"light", band.light},
+                     {"margin", band.margin},
+                     {"margin_in_sigmas", band.sigmas},
+                     {"chance_wrong", band.chance},
+                     {"without_calibration", places}});
+  }
+  return {{"calibration", record.light_calibration->id},
+          {"residual", record.light_calibration->residual},
+          {"bands", bands}};
+}
+
+}  // namespace lab::report

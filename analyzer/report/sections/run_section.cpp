@@ -1,0 +1,105 @@
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "common/math/units.hpp"
+#include "analyzer/report/html/html_sections.hpp"
+#include "common/text/format.hpp"
+#include "analyzer/report/sections/run_section.hpp"
+
+namespace lab::report::html {
+namespace {
+
+using analysis::RunStatistics;
+using analysis::TestResult;
+using units::kCm;
+using units::kPercents;
+
+constexpr double kRejected = 0.01;
+
+std::string pText(double p) {
+  if (!std::isfinite(p)) return "–";
+  return p < 1e-3 ? "&lt; 0.001" : fmt::format("{:.3f}", p);
+}
+
+void testRow(Table& table, const char* question, const char* how, const TestResult& test) {
+  const bool rejected = test.p < kRejected;
+  const char* answer = rejected ? "no" : "nothing speaks against it";
+  table.row({question,
+             fmt::format("<span{}>{}</span>", rejected ? " class=\"disagrees\"" : "",
+                         std::isfinite(test.p) ? answer : "too few to tell"),
+             pText(test.p), shortText(test.statistic),
+             groupedText(static_cast<std::int64_t>(test.n)),
+             fmt::format("<span class=\"soft\">{}</span>", how)});
+}
+
+std::string tests(const RunStatistics& runs) {
+  Table table({"", "answer", ">p", ">statistic", ">of", "test"});
+  testRow(table, "Are run times exponential?",
+          "largest distance from the fitted exponential law (Lilliefors), ends of tracks as they "
+          "cut; p from 499 simulated sets",
+          runs.exponential);
+  testRow(table, "Are all tumble angles alike?", "Kuiper", runs.uniform);
+  testRow(table, "Is no direction preferred?", "Rayleigh", runs.preferred);
+  testRow(table, "Is a run independent of the one before?", "correlation of successive run times",
+          runs.independent);
+  return table.text();
+}
+
+/// What the wheels have to say.
+std::string wheels(const RunStatistics& runs, double limit) {
+  std::string html;
+  if (runs.needed_wheel_speed > limit) {
+    html += fmt::format(
+        "<li><b>The wheels are too slow for these tumbles:</b> half a turn in the programmed "
+        "<i>τ</i><sub>t</sub> needs {} cm/s, and they reach {}. Larger angles fall short, the "
+        "angles are not uniform, and <i>D</i> is not that of eq. 6.</li>\n",
+        shortText(runs.needed_wheel_speed * kCm), shortText(limit * kCm));
+  } else if (runs.wheel_speed > 0.98 * limit) {
+    html += fmt::format(
+        "<li><b>Tumbles at the limit of the wheels:</b> turns need up to {} cm/s at the rim, and "
+        "the wheels reach {}. Angles may have fallen short.</li>\n",
+        shortText(runs.wheel_speed * kCm), shortText(limit * kCm));
+  }
+  if (runs.beyond_half_turn > kRejected) {
+    html += fmt::format(
+        "<li>{:.0f} % of the tumbles turned by more than 180°: not the short way round. The "
+        "positions do not tell, the angular MSD does.</li>\n",
+        runs.beyond_half_turn * kPercents);
+  }
+  return html;
+}
+
+std::string card(const Finding& finding, double limit) {
+  const RunStatistics& runs = *finding.pool->result.runs;
+  std::string html =
+      fmt::format("<section class=\"card\">\n<h3>{}</h3>\n", escapeHtml(finding.name));
+  if (!runs.problem.empty()) {
+    return html +
+           fmt::format("<p>No runs from poses: {}.</p>\n</section>\n", escapeHtml(runs.problem));
+  }
+  html += fmt::format(
+      "<p>{} begun in {}; {} seen from tumble to tumble, {} cut off by the end of a track, {} too "
+      "short to see (below {} s) and known by how long the robot stood.</p>\n",
+      countText(runs.tumbles, "tumble"), durationText(runs.observed), countText(runs.runs, "run"),
+      groupedText(runs.cut_off), groupedText(runs.hidden), shortText(runs.shortest));
+  const std::string remarks = wheels(runs, limit);
+  if (!remarks.empty()) html += "<ul>\n" + remarks + "</ul>\n";
+  return html + estimateTable(runs.estimates) + tests(runs) + "</section>\n";
+}
+
+}  // namespace
+
+std::string runs(const std::vector<Finding>& findings, double max_wheel_speed) {
+  std::string cards;
+  for (const Finding& finding : findings) {
+    if (finding.pool->result.runs) cards += card(finding, max_wheel_speed);
+  }
+  if (cards.empty()) return {};
+  return "<h2>Runs and tumbles</h2>\n<p>Found in the poses alone, whatever the robots say: a "
+         "tumble "
+         "is a stop, a run the straight way between two stops.</p>\n" +
+         cards;
+}
+
+}  // namespace lab::report::html

@@ -1,0 +1,335 @@
+#include "analyzer/report/summary/findings.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/experiment/experiment_messages.hpp"
+#include "common/math/units.hpp"
+#include "common/text/format.hpp"
+
+namespace lab::report {
+namespace {
+
+using analysis::CurvePoint;
+using analysis::Estimate;
+using analysis::ProgramResult;
+using analysis::VerdictKind;
+using units::kCm;
+using units::kPercents;
+
+constexpr std::int64_t kMuchOneIn = 10;  // poses left out: more, and a number may be made of it
+
+/// The formula of the paper for this model.
+std::string paperFormula(analysis::ProgramKind kind) {
+  switch (kind) {
+    case analysis::ProgramKind::kAbp:
+      return "eq. 4";
+    case analysis::ProgramKind::kNoisyAbp:
+    case analysis::ProgramKind::kBp:
+      return "eq. 5";
+    case analysis::ProgramKind::kRtp:
+      return "eq. 6";
+    default:
+      return "";
+  }
+}
+
+/// The estimate that says most about a model.
+std::string_view telling(analysis::ProgramKind kind) {
+  switch (kind) {
+    case analysis::ProgramKind::kBp:
+      return "D_t";
+    case analysis::ProgramKind::kRtp:
+      return "gamma";
+    case analysis::ProgramKind::kNone:
+      return "v";
+    default:
+      return "D_r";
+  }
+}
+
+std::string uniqueFile(const std::vector<Finding>& before, const std::string& name) {
+  const std::string word = fileWord(name);
+  std::string file = word;
+  const auto taken = [&] {
+    return std::any_of(before.begin(), before.end(),
+                       [&](const Finding& other) { return other.file == file; });
+  };
+  for (int number = 2; taken(); ++number) file = fmt::format("{}_{}", word, number);
+  return file;
+}
+
+std::string nameOf(const RunRecord& record, const program_t& program) {
+  for (const RunProgram& known : record.programs) {
+    if (sameProgram(known.program, program)) return known.name;
+  }
+  return modelName(program.kind);
+}
+
+/// "D_r = 0.748 rad²/s (95 %: 0.736 to 0.760; programmed 0.75)"
+std::string estimateText(const Estimate& estimate) {
+  const PeopleUnit unit = peopleUnit(estimate.unit);
+  const double error = (estimate.high95 - estimate.low95) / 2 * unit.factor;
+  const std::string programmed =
+      std::isfinite(estimate.theory)
+          ? fmt::format("; programmed {}", shortText(estimate.theory * unit.factor))
+          : "";
+  return fmt::format("{} = {} {} (95 %: {} to {}{})", estimate.name,
+                     numberText(estimate.value * unit.factor, error), unit.text,
+                     numberText(estimate.low95 * unit.factor, error),
+                     numberText(estimate.high95 * unit.factor, error), programmed);
+}
+
+/// The curves are compared at the measured speed: a reader must know where that differs.
+std::vector<std::string> speedRemark(const ProgramResult& result) {
+  for (const Estimate& estimate : result.estimates) {
+    const bool is_speed = estimate.name == "v" || estimate.name == "v_a";
+    if (!is_speed || !(estimate.theory > 0)) continue;
+    const bool outside = estimate.theory < estimate.low95 || estimate.theory > estimate.high95;
+    const double off = estimate.value / estimate.theory - 1;
+    if (!outside || std::abs(off) > analysis::CurveOptions{}.speed_tolerance) continue;
+    return {fmt::format(
+        "The speed is {:+.2f} % off the programmed one, as wheels with finite steps or a clock may "
+        "be; deviations are those from the exact law at the measured speed.",
+        off * kPercents)};
+  }
+  return {};
+}
+
+}  // namespace
+
+std::vector<Finding> findingsOf(const RunRecord& record) {
+  std::vector<Finding> findings;
+  for (const analysis::FeedResult& result : record.results) {
+    if (result.result.robot == analysis::kPool) {
+      Finding finding;
+      finding.name = nameOf(record, result.program);
+      const bool none = result.result.law.kind == analysis::ProgramKind::kNone;
+      finding.model = none ? "program not given" : modelName(result.program.kind);
+      finding.file = uniqueFile(findings, finding.name);
+      finding.pool = &result;
+      findings.push_back(std::move(finding));
+    } else if (!findings.empty() && findings.back().pool->result.robots > 1) {
+      findings.back().robots.push_back(&result);
+    }
+  }
+  return findings;
+}
+
+std::string verdictText(const ProgramResult& result) {
+  if (result.law.kind == analysis::ProgramKind::kNone) return "no law to compare with";
+  switch (result.verdict.kind) {
+    case VerdictKind::kAgrees:
+      return "agrees with the exact law";
+    case VerdictKind::kDisagrees:
+      return "deviates from the exact law";
+    default:
+      return "undecided";
+  }
+}
+
+std::string verdictReason(const ProgramResult& result) {
+  const analysis::Verdict& verdict = result.verdict;
+  if (result.law.kind == analysis::ProgramKind::kNone) {
+    return "No program was given, so that there are curves and no theory: name it with --program and "
+           "--set.";
+  }
+  if (verdict.kind == VerdictKind::kUndecided) {
+    return fmt::format(
+        "Not enough to tell: {} can be judged. A verdict needs five, with at least a hundred draws "
+        "behind each.",
+        countText(verdict.judged, "lag"));
+  }
+  return fmt::format(
+      "Over {} the largest deviation from the exact law is {:.1f} standard errors ({} at {} s); "
+      "chance exceeds 3.2 in one run of a hundred, and 4 is the limit.",
+      countText(verdict.judged, "lag"), std::abs(verdict.max_z),
+      verdict.angular ? "angular MSD" : "MSD", shortText(verdict.tau));
+}
+
+std::vector<std::string> reservations(const ProgramResult& result) {
+  std::vector<std::string> remarks = speedRemark(result);
+  if (result.unbiased_lag > 0) {
+    remarks.push_back(fmt::format(
+        "The light depends on place, so a robot leaves this program by where it goes: windows "
+        "longer than {} s are selected by the motion itself. They are drawn hollow and not judged.",
+        shortText(result.unbiased_lag)));
+  }
+  if (result.reversals > 0) {
+    remarks.push_back(fmt::format(
+        "{} at walls or robots removed and the track joined across; robots resume exactly, so this "
+        "leaves the statistics those of free motion.",
+        countText(result.reversals, "reversal")));
+  }
+  if (result.contact_share > 0) {
+    remarks.push_back(fmt::format(
+        "{:.1f} % of the frames were cut because a body touched a robot or a wall. What remains is "
+        "motion between contacts, which favours places with room{}.",
+        result.contact_share * kPercents,
+        result.law.kind == analysis::ProgramKind::kRtp
+            ? ", and tumbles, since contacts end runs: in a crowd gamma comes out too high and the law "
+              "is rejected"
+            : ""));
+  }
+  if (result.lost > 0) {
+    remarks.push_back(fmt::format(
+        "{} left out: no report said what the robot did then, or the wheels could not have made "
+        "the jump.",
+        countText(result.lost, "frame")));
+  }
+  const double noise = result.curves.msd.empty() ? 0 : result.curves.msd.front().noise;
+  if (std::isfinite(noise) && noise > 0) {
+    remarks.push_back(fmt::format(
+        "Tracker noise of {} cm in each coordinate was measured and taken into account.",
+        fmt::format("{:.2g}", std::sqrt(noise) / 2 * kCm)));
+  }
+  return remarks;
+}
+
+std::string paperComparison(const ProgramResult& result) {
+  const std::string formula = paperFormula(result.law.kind);
+  const CurvePoint* furthest = nullptr;
+  double most = 0;
+  double most_z = 0;
+  for (const CurvePoint& point : result.curves.msd) {
+    const double off = point.paper / point.exact - 1;
+    if (!point.judged || !std::isfinite(off) || !(point.sigma > 0)) continue;
+    if (std::abs(off) > std::abs(most)) {
+      most = off;
+      furthest = &point;
+    }
+    most_z = std::max(most_z, std::abs(point.paper - point.exact) / point.sigma);
+  }
+  if (formula.empty()) return {};
+  if (furthest == nullptr || std::abs(most) < 1e-6) {
+    return result.verdict.judged == 0
+               ? std::string()
+               : fmt::format("The paper's {} is the exact law here.", formula);
+  }
+  return fmt::format(
+      "The paper's {} differs from the exact law by up to {:+.{}f} % (at {} s); in this run that "
+      "is "
+      "{} standard errors at most.",
+      formula, most * kPercents, std::abs(most) < 0.1 ? 1 : 0, shortText(furthest->tau),
+      most_z < 10 ? fmt::format("{:.1f}", most_z) : fmt::format("{:.0f}", most_z));
+}
+
+std::string parametersText(const program_t& program) {
+  std::vector<std::string> parts;
+  const auto add = [&parts](const char* symbol, double value, double factor, const char* unit) {
+    parts.push_back(fmt::format("{} = {} {}", symbol, shortText(value * factor), unit));
+  };
+  switch (program.kind) {
+    case program_t::ABP:
+      add("v", program.v, kCm, "cm/s");
+      add("ε", program.epsilon, 1, "s");
+      add("η", program.eta, 1, "rad/s");
+      break;
+    case program_t::NOISY_ABP:
+      add("va", program.va, kCm, "cm/s");
+      add("V", program.V, kCm, "cm/s");
+      add("ε", program.epsilon, 1, "s");
+      break;
+    case program_t::BP:
+      add("V", program.V, kCm, "cm/s");
+      add("ε", program.epsilon, 1, "s");
+      break;
+    case program_t::RTP:
+      add("v", program.v, kCm, "cm/s");
+      add("γ", program.gamma, 1, "/s");
+      add("τt", program.tau_t, 1, "s");
+      break;
+    case program_t::WHEELS:
+      add("left", program.wheel_left, kCm, "cm/s");
+      add("right", program.wheel_right, kCm, "cm/s");
+      break;
+    default:
+      break;
+  }
+  return fmt::format("{}", fmt::join(parts, ", "));
+}
+
+std::string lossText(const RunRecord& record) {
+  const LossTotal total = totalOf(record.log.streams);
+  if (total.lost == 0 && !total.at_least) return {};
+  if (total.lost == 0) {
+    return "no message is known to be lost, but a sender ended without its last count";
+  }
+  const std::int64_t sent = total.lost + total.received;
+  return fmt::format("{}{} of {} ({:.2g} %) missing in the log", total.at_least ? "at least " : "",
+                     groupedText(total.lost), countText(sent, "message"),
+                     kPercents * static_cast<double>(total.lost) / static_cast<double>(sent));
+}
+
+std::vector<std::string> headlines(const RunRecord& record) {
+  std::vector<std::string> lines;
+  // First: whatever follows is of numbers that mean something else.
+  if (record.poses) lines = record.poses->doubts;
+  const auto findings = findingsOf(record);
+  std::int64_t jumped = 0;
+  for (const Finding& finding : findings) jumped += finding.pool->result.lost;
+  const bool selected = record.poses && jumped * kMuchOneIn > record.poses->rows;
+  for (const Finding& finding : findings) {
+    const ProgramResult& result = finding.pool->result;
+    std::string line = fmt::format("{}: {}", finding.name, verdictText(result));
+    if (result.verdict.kind != VerdictKind::kUndecided) {
+      line += fmt::format(", at most {:.1f} standard errors over {}",
+                          std::abs(result.verdict.max_z), countText(result.verdict.judged, "lag"));
+    }
+    for (const Estimate& estimate : result.estimates) {
+      const bool tells = estimate.name == telling(result.law.kind);
+      if (selected || !tells || !std::isfinite(estimate.value)) continue;
+      line += "; " + estimateText(estimate);
+    }
+    lines.push_back(line);
+  }
+  const bool any = !findings.empty();
+  if (!any && record.poses && record.poses->in_contact > 0) {
+    lines.push_back(fmt::format(
+        "no free motion: {} of {} touch another robot or a wall of the {:g} x {:g} cm arena (another "
+        "one: --set arena.width_cm=... --set arena.height_cm=...)",
+        groupedText(record.poses->in_contact), countText(record.poses->rows, "pose"),
+        record.experimentOrDefault().arena_width * kCm,
+        record.experimentOrDefault().arena_height * kCm));
+  } else if (!any) {
+    lines.emplace_back("no robot ran a program that has a law: nothing to compare");
+  }
+  if (record.poses) {
+    const PoseSource& poses = *record.poses;
+    if (any && poses.in_contact * kMuchOneIn > poses.rows) {
+      lines.push_back(fmt::format(
+          "{} of {} touch another robot or a wall of the {:g} x {:g} cm arena: only what is left "
+          "between is judged (another arena: --set arena.width_cm=... --set arena.height_cm=...)",
+          groupedText(poses.in_contact), countText(poses.rows, "pose"),
+          record.experimentOrDefault().arena_width * kCm,
+          record.experimentOrDefault().arena_height * kCm));
+    }
+    if (selected) {
+      lines.push_back(fmt::format(
+          "{} of {} left out: faster than wheels can drive or turn a robot, so what is left is "
+          "selected. Is the unit of x and y right (--scale-cm), are headings in radians?",
+          groupedText(jumped), countText(poses.rows, "pose")));
+    }
+    for (const auto& [count, what] :
+         {std::pair(poses.repeated, "said twice in one frame: counted once"),
+          std::pair(poses.contradicted, "of a robot in two places in one frame: left out")}) {
+      if (count > 0) lines.push_back(fmt::format("{} {}", countText(count, "pose"), what));
+    }
+    if (record.missing_frames > 0) {
+      lines.push_back(fmt::format("{} missing by their numbers",
+                                  countText(record.missing_frames, "frame")));
+    }
+    return lines;
+  }
+  const std::string lost = lossText(record);
+  lines.push_back(lost.empty() ? "no message was lost on the way to the log" : lost);
+  for (const Remark& fault : record.faults) {
+    lines.push_back(fmt::format("fault at {:.1f} s: {}", record.seconds(fault.utime), fault.text));
+  }
+  if (!record.ended) lines.emplace_back("the run has no END: it was cut short");
+  return lines;
+}
+
+}  // namespace lab::report

@@ -1,0 +1,124 @@
+#include "analyzer/runs/run_finder.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <span>
+
+#include "analyzer/runs/segmented_track.hpp"
+
+namespace lab::analysis {
+namespace {
+
+constexpr double kBinsPerTumble = 10;
+constexpr double kLargestGap = 0.5;        // of a tumble: a longer one could hide one
+constexpr double kFewestFrames = 3;        // in a tumble
+constexpr double kEdgeShare = 0.03;        // of the time to cross the noise: not averaged out
+constexpr double kScaleTolerance = 0.003;  // at which cutting again changes nothing
+constexpr int kMostPasses = 4;
+
+/// The noise of a frame from second differences of bins, which straight motion does not have; from
+/// their median, since edges have them.
+double roughNoise(std::span<const TrackBin> bins) {
+  std::vector<double> squares;
+  for (std::size_t i = 2; i < bins.size(); ++i) {
+    const double dx = bins[i].x - 2 * bins[i - 1].x + bins[i - 2].x;
+    const double dy = bins[i].y - 2 * bins[i - 1].y + bins[i - 2].y;
+    squares.push_back(bins[i - 1].frames * (dx * dx + dy * dy) / 6);
+  }
+  if (squares.empty()) {
+    return 0;
+  }
+  const auto middle = squares.begin() + static_cast<std::ptrdiff_t>(squares.size() / 2);
+  std::nth_element(squares.begin(), middle, squares.end());
+  return std::sqrt(*middle / (2 * std::numbers::ln2));  // the median of two squares' sum
+}
+
+}  // namespace
+
+RunFinder::RunFinder(const ProgramLaw& law, double frame_period)
+    : law_(law), period_(frame_period) {
+  frames_per_bin_ =
+      std::max(1, static_cast<int>(std::floor(law.tau_t / kBinsPerTumble / frame_period + 1e-9)));
+}
+
+void RunFinder::add(const Sample& sample) {
+  const bool gap = !tracks_.empty() && sample.free_time - tracks_.back().last >
+                                           std::max(kLargestGap * law_.tau_t, 1.5 * period_);
+  if (tracks_.empty() || sample.segment != segment_ || gap) {
+    segment_ = sample.segment;
+    tracks_.push_back({bins_.size(), sample.free_time, sample.free_time});
+    bin_ = -1;
+  }
+  Track& track = tracks_.back();
+  track.last = sample.free_time;
+  const auto bin = static_cast<std::int64_t>(
+      std::floor((sample.free_time - track.first) / (frames_per_bin_ * period_) + 1e-3));
+  // Where every frame is a bin, time stamps that jitter must not put two into one.
+  if (frames_per_bin_ == 1 || bin != bin_) {
+    bin_ = bin;
+    bins_.push_back({sample.free_time, sample.x, sample.y, sample.theta, 1, sample.piece});
+    return;
+  }
+  TrackBin& mean = bins_.back();
+  mean.frames += 1;
+  mean.time += (sample.free_time - mean.time) / mean.frames;
+  mean.x += (sample.x - mean.x) / mean.frames;
+  mean.y += (sample.y - mean.y) / mean.frames;
+  mean.theta += (sample.theta - mean.theta) / mean.frames;
+  mean.piece = sample.piece;
+}
+
+FoundRuns RunFinder::find() const {
+  FoundRuns found;
+  found.frames_per_tumble = law_.tau_t / period_;
+  found.resolved = found.frames_per_tumble >= kFewestFrames && law_.v > 0;
+  if (!found.resolved) {
+    return found;
+  }
+  cut::Scales scales{law_.v, law_.tau_t,         roughNoise(bins_), frames_per_bin_ * period_,
+                     0,      frames_per_bin_ > 1};
+  std::vector<cut::CutTrack> cuts;
+  for (int pass = 0; pass < kMostPasses; ++pass) {
+    scales.setShortest(period_);
+    cuts.clear();
+    cut::ScaleSums sums;
+    for (std::size_t t = 0; t < tracks_.size(); ++t) {
+      const std::size_t end = t + 1 < tracks_.size() ? tracks_[t + 1].begin : bins_.size();
+      const std::span<const TrackBin> bins(bins_.data() + tracks_[t].begin, end - tracks_[t].begin);
+      if (tracks_[t].last > tracks_[t].first) {
+        cuts.emplace_back(bins, tracks_[t].first, tracks_[t].last, scales);
+        cuts.back().gather();
+        cuts.back().measure(sums);
+      }
+    }
+    const cut::Scales before = scales;
+    found.speed = sums.speed(scales.sigma);
+    found.tumble = sums.tumble();
+    found.tumble.sigma = std::hypot(found.tumble.sigma, kEdgeShare * scales.sigma / scales.speed);
+    if (found.speed.value > 0) {
+      scales.speed = found.speed.value;
+    }
+    if (found.tumble.value > 0) {
+      scales.tumble = found.tumble.value;
+    }
+    if (sums.freedom > 0) {
+      scales.sigma = std::sqrt(sums.noise2 / sums.freedom);
+    }
+    const double change = std::max(std::abs(scales.speed / before.speed - 1),
+                                   0.1 * std::abs(scales.tumble / before.tumble - 1));
+    if (pass > 0 && change < kScaleTolerance) {
+      break;
+    }
+  }
+  scales.setShortest(period_);
+  for (cut::CutTrack& cut : cuts) {
+    cut.gather();
+    cut.collect(found);
+  }
+  found.shortest = scales.shortest;
+  found.sigma = scales.sigma;
+  return found;
+}
+
+}  // namespace lab::analysis

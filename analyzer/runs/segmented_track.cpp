@@ -1,0 +1,298 @@
+#include "analyzer/runs/segmented_track.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace lab::analysis::cut {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kStepErrors = 7;       // below which a step is none
+constexpr double kStraddle = 0.05;      // of a bin's way: what averaging over an edge leaves
+constexpr std::size_t kEnoughBins = 7;  // to do without two
+constexpr double kLeastNoise = 0.01;    // of a frame's way
+constexpr double kCountSlack = 0.25;    // of a tumble
+constexpr double kTumbleScatter = 0.3;  // of tumbles about their median; two in a row are beyond
+
+double distance(const Place& a, const Place& b) { return std::hypot(b.x - a.x, b.y - a.y); }
+
+/// The stretch without the bins at its edges, where enough remain: averages there are mixtures, and
+/// single frames may belong to the neighbour.
+Stretch inner(const Stretch& stretch, bool averaged, std::size_t least) {
+  return stretch.size() >= (averaged ? least + 2 : kEnoughBins)
+             ? Stretch{stretch.run, stretch.begin + 1, stretch.end - 1}
+             : stretch;
+}
+
+/// Of one quantity of the bins, by their frames.
+double meanOf(double TrackBin::*quantity, std::span<const TrackBin> bins, const Stretch& stretch) {
+  double frames = 0;
+  double sum = 0;
+  for (std::size_t i = stretch.begin; i < stretch.end; ++i) {
+    frames += bins[i].frames;
+    sum += bins[i].frames * bins[i].*quantity;
+  }
+  return sum / frames;
+}
+
+Place meanPlace(std::span<const TrackBin> bins, const Stretch& stretch) {
+  Place place;
+  for (std::size_t i = stretch.begin; i < stretch.end; ++i) {
+    place.frames += bins[i].frames;
+    place.x += bins[i].frames * bins[i].x;
+    place.y += bins[i].frames * bins[i].y;
+  }
+  place.x /= place.frames;
+  place.y /= place.frames;
+  return place;
+}
+
+/// Sums over many, for a mean with its error.
+struct Mean {
+  double n = 0;
+  double sum = 0;
+  double sum2 = 0;
+
+  void add(double x) {
+    n += 1;
+    sum += x;
+    sum2 += x * x;
+  }
+  [[nodiscard]] Measured measured() const {
+    if (n < 2) {
+      return {n > 0 ? sum : kNan, kNan, kNan, n};
+    }
+    const double scatter = std::sqrt(std::max(0.0, (sum2 - sum * sum / n) / (n - 1)));
+    return {sum / n, scatter / std::sqrt(n), scatter, n};
+  }
+};
+
+}  // namespace
+
+void Scales::setShortest(double frame_period) {
+  const double frames =
+      std::max(1.0, std::floor(0.8 * tumble / frame_period) - (averaged ? 0.0 : 1.0));
+  const double noise = std::max(sigma, kLeastNoise * speed * frame_period);
+  shortest = kStepErrors * noise * std::sqrt(2 / frames) / speed;
+}
+
+Measured ScaleSums::speed(double sigma) const {
+  return time2 > 0 ? Measured{drift / time2, sigma / std::sqrt(time2), kNan, runs}
+                   : Measured{kNan, kNan, kNan, 0};
+}
+
+Measured ScaleSums::tumble() const {
+  if (tumbles.empty()) {
+    return {kNan, kNan, kNan, 0};
+  }
+  std::vector<double> sorted = tumbles;
+  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+  std::nth_element(sorted.begin(), middle, sorted.end());
+  const double median = *middle;
+  Mean mean;
+  for (const double duration : sorted) {
+    if (std::abs(duration / median - 1) < kTumbleScatter) {
+      mean.add(duration);
+    }
+  }
+  return mean.measured();
+}
+
+CutTrack::CutTrack(std::span<const TrackBin> bins, double first, double last, const Scales& scales)
+    : bins_(bins), first_(first), last_(last), scales_(scales) {
+  const double sigma = std::max(scales.sigma, kStraddle * scales.speed * scales.period);
+  stretches_ = segmentMotion(bins, {scales.speed, scales.tumble, sigma, scales.period});
+}
+
+void CutTrack::gather() {
+  standing_.clear();
+  for (const Stretch& stretch : stretches_) {
+    if (stretch.run) {
+      continue;
+    }
+    const Place place = meanPlace(bins_, inner(stretch, scales_.averaged, 2));
+    const bool same = !standing_.empty() && distance(standing_.back().departure, place) <
+                                                scales_.shortest * scales_.speed;
+    if (same) {
+      standing_.back().departure = place;
+      standing_.back().end = stretch.end;
+      ++standing_.back().stops;
+    } else {
+      standing_.push_back({place, place, stretch.begin, stretch.end, 1});
+    }
+  }
+}
+
+void CutTrack::measure(ScaleSums& sums) const {
+  for (const Stretch& stretch : stretches_) {
+    if (stretch.size() < 4) {
+      continue;
+    }
+    const Stretch core{stretch.run, stretch.begin + 1, stretch.end - 1};
+    StretchSums own;
+    for (std::size_t i = core.begin; i < core.end; ++i) {
+      own.add(bins_[i], bins_[core.begin]);
+    }
+    if (!stretch.run) {
+      sums.noise2 += std::max(0.0, own.place2());
+      sums.freedom += 2 * static_cast<double>(core.size() - 1);
+    } else if (!joined(stretch)) {
+      // Along the direction in which it moves; noise across it has lengthened that.
+      const double way2 = own.driftX() * own.driftX() + own.driftY() * own.driftY();
+      const double noise = scales_.sigma * scales_.sigma * own.time2();
+      sums.drift += std::sqrt(std::max(0.0, way2 - noise));
+      sums.time2 += own.time2();
+      sums.runs += 1;
+    }
+  }
+  for (std::size_t i = 0; i < standing_.size(); ++i) {
+    const std::optional<double> arrival = arrivalBy(i, false);
+    const std::optional<double> departure = departureBy(i, false);
+    if (arrival && departure && standing_[i].stops == 1) {
+      sums.tumbles.push_back(*departure - *arrival);
+    }
+  }
+}
+
+void CutTrack::collect(FoundRuns& found) const {
+  const int track = static_cast<int>(found.segments++);
+  found.observed += last_ - first_;
+  if (standing_.empty()) {
+    found.runs.push_back({last_ - first_, false, false, false, kNan, track});
+    return;
+  }
+  const auto arrival = [&](std::size_t i) { return *arrivalBy(i, true); };
+  const auto departure = [&](std::size_t i) { return *departureBy(i, true); };
+  std::int64_t tumbles = 0;  // begun in the standing before
+  bool listed = false;       // the run before that one is the last in the list
+  for (std::size_t i = 0; i < standing_.size(); ++i) {
+    const Standing& here = standing_[i];
+    const bool cut_before = here.begin == 0;
+    const bool cut_behind = here.end == bins_.size();
+    const double from = cut_before ? first_ : arrival(i);
+    if (!cut_before) {
+      const double duration = i > 0 ? way(i) / scales_.speed : from - first_;
+      // A track that begins in a run too short to be seen begins in a tumble.
+      if (i > 0 || duration >= scales_.shortest) {
+        const bool single = i > 0 && tumbles == 1;
+        found.runs.push_back(
+            {duration, i > 0, true, single && listed, single ? turn(i - 1) : kNan, track});
+        listed = true;
+      }
+    }
+    const std::int64_t begun =
+        tumblesIn((cut_behind ? last_ : departure(i)) - from, cut_before, cut_behind);
+    found.tumbles += begun;
+    found.hidden += cut_before ? begun : begun - 1;
+    tumbles = cut_before ? 0 : begun;
+  }
+  const std::size_t back = standing_.size() - 1;
+  if (standing_[back].end < bins_.size()) {
+    const double seen = last_ - departure(back);
+    if (seen >= scales_.shortest) {
+      const bool single = tumbles == 1;
+      found.runs.push_back(
+          {seen, true, false, single && listed, single ? turn(back) : kNan, track});
+    }
+  }
+}
+
+double CutTrack::way(std::size_t i) const {
+  const Place& from = standing_[i - 1].departure;
+  const Place& to = standing_[i].arrival;
+  const double length = distance(from, to);
+  const double noise2 = scales_.sigma * scales_.sigma * (1 / from.frames + 1 / to.frames);
+  return length - noise2 / (2 * length);
+}
+
+Stretch CutTrack::runBefore(std::size_t i) const {
+  return {true, i > 0 ? standing_[i - 1].end : 0, standing_[i].begin};
+}
+
+Stretch CutTrack::runBehind(std::size_t i) const {
+  return {true, standing_[i].end, i + 1 < standing_.size() ? standing_[i + 1].begin : bins_.size()};
+}
+
+bool CutTrack::joined(const Stretch& run) const {
+  return bins_[run.begin].piece != bins_[run.end - 1].piece;
+}
+
+std::optional<double> CutTrack::arrivalBy(std::size_t i, bool rough) const {
+  const Stretch run = runBefore(i);
+  return edge(run, standing_[i].arrival, i > 0 ? &standing_[i - 1].departure : nullptr, 1, rough,
+              standing_[i].begin);
+}
+
+std::optional<double> CutTrack::departureBy(std::size_t i, bool rough) const {
+  const Stretch run = runBehind(i);
+  const bool last = i + 1 == standing_.size();
+  return edge(run, standing_[i].departure, last ? nullptr : &standing_[i + 1].arrival, -1, rough,
+              standing_[i].end);
+}
+
+std::optional<double> CutTrack::edge(const Stretch& run, const Place& place, const Place* other,
+                                     double sign, bool rough, std::size_t bin) const {
+  const bool enough = run.size() >= (scales_.averaged ? 3U : 2U);
+  if (run.size() == 0 || (!enough && !rough)) {
+    if (!rough) {
+      return std::nullopt;
+    }
+    // Between the bins on both sides of the edge.
+    return bin == 0 || bin >= bins_.size() ? bins_[std::min(bin, bins_.size() - 1)].time
+                                           : 0.5 * (bins_[bin - 1].time + bins_[bin].time);
+  }
+  if (!rough && joined(run)) {
+    return std::nullopt;
+  }
+  const Stretch core = inner(run, scales_.averaged, 1);
+  const Place middle = meanPlace(bins_, core);
+  double dx = other != nullptr ? place.x - other->x : place.x - middle.x;
+  double dy = other != nullptr ? place.y - other->y : place.y - middle.y;
+  const double length = std::hypot(dx, dy);
+  if (!(length > 0)) {
+    return meanOf(&TrackBin::time, bins_, core);
+  }
+  dx /= length;
+  dy /= length;
+  const double left = (place.x - middle.x) * dx + (place.y - middle.y) * dy;
+  return meanOf(&TrackBin::time, bins_, core) + sign * left / scales_.speed;
+}
+
+std::int64_t CutTrack::tumblesIn(double stood, bool cut_before, bool cut_behind) const {
+  const double tumbles = stood / scales_.tumble;
+  double count = std::floor(tumbles + kCountSlack);
+  if (cut_before) {
+    count = std::floor(tumbles);
+  } else if (cut_behind) {
+    count = std::ceil(tumbles - kCountSlack / 2);
+  }
+  return std::max<std::int64_t>(cut_before ? 0 : 1, static_cast<std::int64_t>(count));
+}
+
+double CutTrack::turn(std::size_t i) const {
+  const Stretch before = runBefore(i);
+  const Stretch behind = runBehind(i);
+  // Where bins are averages, those at the edges have turned already.
+  const std::size_t least = scales_.averaged ? 3 : 1;
+  if (before.size() < least || behind.size() < least) {
+    return kNan;
+  }
+  const double from = meanOf(&TrackBin::theta, bins_, inner(before, scales_.averaged, 1));
+  const double to = meanOf(&TrackBin::theta, bins_, inner(behind, scales_.averaged, 1));
+  if (std::isfinite(from) && std::isfinite(to)) {
+    return to - from;
+  }
+  if (i == 0 || i + 1 >= standing_.size()) {
+    return kNan;
+  }
+  const auto direction = [](const Place& a, const Place& b) {
+    return std::atan2(b.y - a.y, b.x - a.x);
+  };
+  return std::remainder(direction(standing_[i].departure, standing_[i + 1].arrival) -
+                            direction(standing_[i - 1].departure, standing_[i].arrival),
+                        2 * std::numbers::pi);
+}
+
+}  // namespace lab::analysis::cut

@@ -1,0 +1,239 @@
+#include "analyzer/service/analysis.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <utility>
+
+#include "analyzer/service/bootstrap_results.hpp"
+
+namespace lab::analysis {
+namespace {
+
+constexpr std::size_t kFramesForPeriod = 20;
+constexpr double kUnbiasedShare = 0.1;     // of the median stay
+constexpr std::size_t kMaxStays = 100000;  // remembered per program
+
+}  // namespace
+
+Analysis::Robot& Analysis::robotOf(int id) {
+  return robots_.try_emplace(id, config_.stitcher).first->second;
+}
+
+int Analysis::programOf(const ProgramLaw& law) {
+  const auto found = std::find(programs_.begin(), programs_.end(), law);
+  if (found != programs_.end()) {
+    return static_cast<int>(found - programs_.begin());
+  }
+  const bool free = config_.without_law && law.kind == ProgramKind::kNone;
+  if (!free && !ExactLaw(law).exists()) {
+    return -1;
+  }
+  programs_.push_back(law);
+  stays_.emplace_back();
+  return static_cast<int>(programs_.size()) - 1;
+}
+
+void Analysis::addTelemetry(int robot, const ProgramLaw& law, RobotTelemetry telemetry) {
+  ++counters_.telemetry;
+  telemetry.program = programOf(law);
+  telemetry.sense_distance = senseDistance(law);
+  Robot& target = robotOf(robot);
+  noteStay(target, telemetry);
+  target.stitcher.addTelemetry(telemetry, samples_);
+  take(robot, target);
+}
+
+void Analysis::noteStay(Robot& robot, const RobotTelemetry& telemetry) {
+  // The start of an epoch, converted from the robot's clock, may jitter; its number does not.
+  const bool old =
+      telemetry.program_epoch < robot.epoch && telemetry.program_start <= robot.program_start;
+  if (telemetry.program_epoch == robot.epoch || old || !std::isfinite(telemetry.program_start)) {
+    return;
+  }
+  if (robot.program >= 0) {
+    std::vector<float>& stays = stays_[static_cast<std::size_t>(robot.program)];
+    if (stays.size() < kMaxStays) {
+      stays.push_back(static_cast<float>(telemetry.program_start - robot.program_start));
+    }
+  }
+  robot.epoch = telemetry.program_epoch;
+  robot.program = telemetry.program;
+  robot.program_start = telemetry.program_start;
+}
+
+void Analysis::addFrame(const Frame& frame) {
+  ++counters_.frames;
+  if (config_.frame_period > 0) {
+    dispatch(frame);
+    return;
+  }
+  first_frames_.push_back(frame);
+  measurePeriod(false);
+}
+
+void Analysis::measurePeriod(bool force) {
+  if (config_.frame_period > 0 || (!force && first_frames_.size() < kFramesForPeriod)) {
+    return;
+  }
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < first_frames_.size(); ++i) {
+    const double step = first_frames_[i].time - first_frames_[i - 1].time;
+    if (step > 0) {
+      steps.push_back(step);
+    }
+  }
+  if (steps.empty()) {
+    first_frames_.clear();
+    return;
+  }
+  std::nth_element(steps.begin(), steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2),
+                   steps.end());
+  config_.frame_period = steps[steps.size() / 2];
+  for (const Frame& frame : std::exchange(first_frames_, {})) {
+    dispatch(frame);
+  }
+}
+
+void Analysis::dispatch(const Frame& frame) {
+  for (const FramePose& pose : frame.poses) {
+    const auto same = [&pose](const FramePose& other) { return other.robot == pose.robot; };
+    if (std::count_if(frame.poses.begin(), frame.poses.end(), same) > 1) {
+      ++counters_.duplicate_robots;
+      continue;
+    }
+    Robot& robot = robotOf(pose.robot);
+    robot.stitcher.addFrame({frame.time, frame.frame, pose.x, pose.y, pose.theta, pose.sigma,
+                             pose.sigma_theta, pose.valid},
+                            samples_);
+    take(pose.robot, robot);
+  }
+}
+
+void Analysis::take(int id, Robot& robot) {
+  for (const Sample& sample : samples_) {
+    const ProgramLaw& law = programs_[static_cast<std::size_t>(sample.program)];
+    if (config_.samples_only) {
+      if (sink_) {
+        sink_(id, law, sample);
+      }
+      continue;
+    }
+    auto& program = robot.programs[sample.program];
+    if (!program) {
+      program = std::make_unique<ProgramAnalysis>(law, config_.frame_period, config_.max_lag);
+      if (config_.compare_joins) {
+        program->watchJoins(config_.frame_period, config_.max_lag);
+      }
+      if (config_.find_runs) {
+        program->watchRuns(config_.frame_period);
+      }
+    }
+    program->add(sample);
+    if (sink_) {
+      sink_(id, law, sample);
+    }
+  }
+  samples_.clear();
+  for (const Piece& piece : robot.stitcher.takePieces()) {
+    if (piece_sink_) {
+      piece_sink_(id, programs_[static_cast<std::size_t>(piece.program)], piece);
+    }
+  }
+}
+
+void Analysis::flush() {
+  measurePeriod(true);
+  for (auto& [id, robot] : robots_) {
+    robot.stitcher.flush(samples_);
+    take(id, robot);
+  }
+}
+
+double Analysis::medianStay(int program) const {
+  std::vector<float> stays = stays_[static_cast<std::size_t>(program)];
+  if (stays.empty()) {
+    return 0;
+  }
+  const auto middle = stays.begin() + static_cast<std::ptrdiff_t>(stays.size() / 2);
+  std::nth_element(stays.begin(), middle, stays.end());
+  return static_cast<double>(*middle);
+}
+
+std::vector<ProgramResult> Analysis::results(Depth depth) const {
+  std::vector<ProgramResult> results;
+  for (std::size_t key = 0; key < programs_.size(); ++key) {
+    const int program = static_cast<int>(key);
+    CurveOptions options = config_.curves;
+    options.unbiased_lag = spatial_light_ ? kUnbiasedShare * medianStay(program) : 0;
+    BlockData pool;
+    JoinBlocks joins;
+    ProgramTally sum;
+    std::vector<ProgramResult> each;
+    std::vector<FoundRuns> runs;
+    std::deque<BlockData> blocks;        // of each
+    std::vector<const BlockData*> data;  // the same
+    for (const auto& [id, robot] : robots_) {
+      const auto found = robot.programs.find(program);
+      if (found == robot.programs.end()) {
+        continue;
+      }
+      const ProgramTally tally = robot.stitcher.tally(program);
+      const BlockData& own_blocks = blocks.emplace_back(found->second->data());
+      pool.pool(own_blocks);
+      sum.samples += tally.samples;
+      sum.in_contact += tally.in_contact;
+      sum.lost += tally.lost;
+      sum.segments += tally.segments;
+      sum.reversals += tally.reversals;
+      data.push_back(&own_blocks);
+      each.push_back(analyse(programs_[key], own_blocks, tally, options, depth));
+      each.back().robot = id;
+      if (found->second->joins()) {
+        const JoinBlocks own = found->second->joins()->blocks();
+        each.back().joins = compareJoins(own);
+        joins.pool(own);
+      }
+      if (found->second->runs()) {
+        runs.push_back(found->second->runs()->find());
+        each.back().runs = runStatistics(programs_[key], {&runs.back()});
+      }
+    }
+    if (!each.empty()) {
+      // The pool of one robot is that robot.
+      results.push_back(each.size() == 1 ? each.front()
+                                         : analyse(programs_[key], pool, sum, options, depth));
+      results.back().robot = kPool;
+      if (depth == Depth::kFull) {
+        completeWithFilms(results.back(), pool, each, data, options);
+      }
+      if (!runs.empty()) {
+        std::vector<const FoundRuns*> all;
+        for (const FoundRuns& own : runs) {
+          all.push_back(&own);
+        }
+        results.back().runs = runStatistics(programs_[key], all);
+      }
+      if (!joins.lags.empty()) {
+        results.back().joins = compareJoins(joins);
+      }
+      results.insert(results.end(), each.begin(), each.end());
+    }
+  }
+  return results;
+}
+
+StitcherCounters Analysis::robotCounters(int robot) const {
+  const auto found = robots_.find(robot);
+  return found == robots_.end() ? StitcherCounters{} : found->second.stitcher.counters();
+}
+
+std::vector<int> Analysis::robots() const {
+  std::vector<int> ids;
+  for (const auto& entry : robots_) {
+    ids.push_back(entry.first);
+  }
+  return ids;
+}
+
+}  // namespace lab::analysis

@@ -1,0 +1,31 @@
+#include "analyzer/service/program_analysis.hpp"
+
+#include "analyzer/curves/lags.hpp"
+
+namespace lab::analysis {
+
+ProgramAnalysis::ProgramAnalysis(const ProgramLaw& law, double frame_period, double max_lag)
+    : law_(law), accumulator_(makeLagGrid(frame_period, max_lag, law), frame_period) {}
+
+ProgramResult analyse(const ProgramLaw& law, const BlockData& data, const ProgramTally& tally,
+                      const CurveOptions& options, Depth depth) {
+  ProgramResult result;
+  result.law = law;
+  result.robots = static_cast<int>(data.tracks.size());
+  result.observed = data.observed();
+  result.samples = tally.samples;
+  result.lost = tally.lost;
+  result.segments = tally.segments;
+  result.reversals = tally.reversals;
+  const std::int64_t frames = tally.samples + tally.in_contact;
+  result.contact_share =
+      frames > 0 ? static_cast<double>(tally.in_contact) / static_cast<double>(frames) : 0;
+  result.unbiased_lag = options.unbiased_lag;
+  result.curves = curves(law, data, options);
+  result.estimates = estimate(law, data);
+  result.verdict = judge(result.curves);
+  if (depth == Depth::kFull) result.brownian = testBrownian(law, data);
+  return result;
+}
+
+}  // namespace lab::analysis

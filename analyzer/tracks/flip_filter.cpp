@@ -1,0 +1,99 @@
+#include "analyzer/tracks/flip_filter.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "analyzer/laws/numerics.hpp"
+#include "analyzer/tracks/track_stitcher.hpp"
+
+namespace lab::analysis {
+namespace {
+
+constexpr double kSigmas = 7;
+constexpr double kSlack = 0.2;            // rad beyond what wheels and noise explain
+constexpr double kLogOdds = 20.7;         // ln 1e9
+constexpr double kLeastDistance = 0.005;  // m: far beyond the noise of any tracker in use
+
+}  // namespace
+
+double senseDistance(const ProgramLaw& law) {
+  switch (law.kind) {
+    case ProgramKind::kAbp:
+    case ProgramKind::kRtp:
+      return law.v == 0 ? 0 : std::copysign(kLeastDistance, law.v);
+    case ProgramKind::kNoisyAbp: {
+      const double rate = law.epsilon * law.V * law.V / 6;
+      if (!(std::abs(law.va) > 0)) return 0;
+      return std::copysign(std::max(kLeastDistance, kLogOdds * rate / (2 * std::abs(law.va))),
+                           law.va);
+    }
+    default:
+      return 0;
+  }
+}
+
+double FlipFilter::reach(const Reference& from, const Reference& to) const {
+  return config_.max_turn_rate * (to.time - from.time) +
+         kSigmas * std::hypot(from.sigma, to.sigma) + kSlack;
+}
+
+FlipFilter::Relation FlipFilter::relate(const Reference& from, const Reference& to) const {
+  const double most = reach(from, to);
+  const double turn = wrapped(to.theta - from.theta);
+  if (std::abs(turn) <= most) return Relation::kSame;
+  return std::abs(wrapped(turn - std::numbers::pi)) <= most ? Relation::kFlipped : Relation::kNone;
+}
+
+void FlipFilter::accept(const Reference& reference) {
+  older_ = last_;
+  last_ = reference;
+  suspect_.reset();
+}
+
+bool FlipFilter::mend(TrackPoint& point) {
+  Reference now{point.time, point.theta, point.sigma_theta};
+  if (turned_) now.theta = wrapped(now.theta + std::numbers::pi);
+  Relation relation = last_ ? relate(*last_, now) : Relation::kSame;
+  if (relation != Relation::kSame && older_) {
+    const Relation other = relate(*older_, now);
+    if (other == Relation::kSame || relation == Relation::kNone) relation = other;
+  }
+  if (relation == Relation::kFlipped) {
+    ++jumps_;
+    turned_ = !turned_;
+    now.theta = turned_ ? wrapped(point.theta + std::numbers::pi) : point.theta;
+  }
+  if (relation != Relation::kNone) {
+    // So long after the last frame a wheel could have made either of both jumps.
+    const bool either = last_ && reach(*last_, now) > std::numbers::pi / 2;
+    chain_ += either ? 1 : 0;
+    accept(now);
+  } else if (suspect_ && relate(*suspect_, now) == Relation::kSame) {
+    // Two headings agree with each other and not with the track: another story begins.
+    last_.reset();
+    evidence_ = 0;
+    ++chain_;
+    accept(now);
+  } else {
+    suspect_ = now;
+  }
+  if (turned_) point.theta = now.theta;
+  return turned_;
+}
+
+bool FlipFilter::drive(double forward, double sense_distance) {
+  if (sense_distance == 0) return false;
+  const double enough = std::abs(sense_distance);
+  evidence_ = std::min(evidence_ + (sense_distance < 0 ? -forward : forward), enough);
+  if (evidence_ > -enough) return false;
+  turned_ = !turned_;
+  evidence_ = 0;
+  ++chain_;
+  for (std::optional<Reference>* one : {&last_, &older_, &suspect_}) {
+    if (*one) (*one)->theta = wrapped((*one)->theta + std::numbers::pi);
+  }
+  return true;
+}
+
+}  // namespace lab::analysis

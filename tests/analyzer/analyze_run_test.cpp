@@ -1,0 +1,172 @@
+#include "analyzer/analyze_run.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <fstream>
+
+#include "common/bus/channels.hpp"
+#include "analyzer/report_error.hpp"
+#include "tests/analyzer/report/synthetic_lab.hpp"
+
+namespace lab::report {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+using testing::Not;
+
+std::string problemOf(const fs::path& path) {
+  try {
+    static_cast<void>(analyzeRun(path));
+  } catch (const ReportError& error) {
+    return error.what();
+  }
+  return "none";
+}
+
+/// Whether something like 2026-01-31 stands in the text.
+bool holdsDate(const std::string& text) {
+  const std::string pattern = "dddd-dd-dd";
+  const auto fits = [](char letter, char wanted) {
+    return wanted == 'd' ? letter >= '0' && letter <= '9' : letter == wanted;
+  };
+  return std::search(text.begin(), text.end(), pattern.begin(), pattern.end(), fits) != text.end();
+}
+
+std::vector<std::string> namesIn(const fs::path& folder) {
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    names.push_back(entry.path().filename().string());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+TEST(AnalyzeRun, WritesEverythingBesideTheLog) {
+  const TemporaryFolder run;
+  SyntheticLab(run.path() / "log.lcmlog", syntheticExperiment(2, 30, 20, {paperAbp()}, 30)).run();
+
+  const AnalyzedRun dut = analyzeRun(run.path());
+
+  EXPECT_EQ(dut.report, run.path() / "report.html");
+  EXPECT_THAT(namesIn(run.path()),
+              testing::ElementsAre("angular_msd_abp.svg", "figures", "light.svg", "log.lcmlog",
+                                   "msd_abp.svg",
+                                   "report.html", "segments.csv", "speed.svg", "summary.json", "trajectories.csv",
+                                   "trajectory_program.svg", "trajectory_time.svg"));
+  ASSERT_FALSE(dut.headline.empty());
+  EXPECT_THAT(dut.headline[0], HasSubstr("abp: "));
+  EXPECT_THAT(readFile(dut.report), HasSubstr("<svg"));
+}
+
+TEST(AnalyzeRun, WritesTheSameBytesEveryTimeAndEverywhere) {
+  const TemporaryFolder run;
+  const TemporaryFolder elsewhere;
+  SyntheticLab(run.path() / "log.lcmlog",
+               syntheticExperiment(3, 40, 20, {paperAbp(), paperBp(), paperRtp()}, 10))
+      .run();
+
+  const AnalyzedRun first = analyzeRun(run.path());
+  fs::rename(run.path() / "log.lcmlog", elsewhere.path() / "renamed.lcmlog");
+  const AnalyzedRun again = analyzeRun(elsewhere.path() / "renamed.lcmlog", elsewhere.path() / "x");
+
+  ASSERT_EQ(first.files.size(), again.files.size());
+  for (std::size_t i = 0; i < first.files.size(); ++i) {
+    EXPECT_EQ(first.files[i].filename(), again.files[i].filename());
+    EXPECT_TRUE(readFile(first.files[i]) == readFile(again.files[i])) << first.files[i];
+  }
+}
+
+TEST(AnalyzeRun, TellsNeitherWhereNorWhenItWasMade) {
+  const TemporaryFolder run;
+  SyntheticLab(run.path() / "log.lcmlog", syntheticExperiment(1, 10, 20, {paperAbp()}, 30)).run();
+
+  for (const fs::path& file : analyzeRun(run.path()).files) {
+    const std::string text = readFile(file);
+    EXPECT_EQ(text.find(run.path().filename().string()), std::string::npos) << file;
+    EXPECT_FALSE(holdsDate(text)) << file;
+  }
+}
+
+TEST(AnalyzeRun, MakesAReportOfASecond) {
+  const TemporaryFolder run;
+  SyntheticLab(run.path() / "log.lcmlog", syntheticExperiment(1, 1, 10, {paperAbp()}, 30)).run();
+
+  const AnalyzedRun dut = analyzeRun(run.path());
+
+  EXPECT_THAT(readFile(dut.report), HasSubstr("Undecided"));
+}
+
+TEST(AnalyzeRun, MakesAReportOfManyRobots) {
+  const TemporaryFolder run;
+  SyntheticLab(run.path() / "log.lcmlog",
+               syntheticExperiment(40, 20, 10, {paperAbp(), paperRtp()}, 5))
+      .run();
+
+  const AnalyzedRun dut = analyzeRun(run.path());
+
+  EXPECT_THAT(readFile(dut.report), HasSubstr("40 robots"));
+}
+
+TEST(AnalyzeRun, SaysThatThereIsNoSuchFile) {
+  const TemporaryFolder folder;
+
+  EXPECT_THAT(problemOf(folder.path() / "nothing"), HasSubstr("no such file or folder"));
+  EXPECT_THAT(problemOf(folder.path()), HasSubstr("no log.lcmlog in this folder"));
+}
+
+TEST(AnalyzeRun, SaysThatATextIsNoLog) {
+  const TemporaryFolder folder;
+  std::ofstream(folder.path() / "notes.txt") << "frame,particle,x,y\n1,1,2,3\n";
+
+  EXPECT_THAT(problemOf(folder.path() / "notes.txt"), HasSubstr("not an LCM log"));
+}
+
+TEST(AnalyzeRun, SaysThatALogIsEmpty) {
+  const TemporaryFolder folder;
+  std::ofstream(folder.path() / "log.lcmlog") << "";
+
+  EXPECT_THAT(problemOf(folder.path()), HasSubstr("the log is empty"));
+}
+
+TEST(AnalyzeRun, SaysWhatALogWithoutFramesHoldsInstead) {
+  const TemporaryFolder run;
+  SyntheticLab(run.path() / "log.lcmlog", syntheticExperiment(1, 5, 20, {paperAbp()}, 30),
+               [](const Packet& packet) { return packet.channel != channels::kTrackedFrame; })
+      .run();
+
+  EXPECT_THAT(problemOf(run.path()), HasSubstr("no TRACKED_FRAME in this log"));
+  EXPECT_THAT(problemOf(run.path()), HasSubstr("100 ROBOT_STATUS from sim_svc"));
+  EXPECT_THAT(namesIn(run.path()), testing::ElementsAre("log.lcmlog"));
+}
+
+TEST(AnalyzeRun, ReportsARunWithoutFramesWhereThatIsWanted) {
+  const TemporaryFolder run;
+  SyntheticLab(run.path() / "log.lcmlog", syntheticExperiment(1, 5, 20, {paperAbp()}, 30),
+               [](const Packet& packet) { return packet.channel != channels::kTrackedFrame; })
+      .run();
+
+  const AnalyzedRun dut = analyzeRun(run.path(), {}, {.needs_frames = false});
+
+  EXPECT_THAT(readFile(dut.report), HasSubstr("No camera frame is in the log"));
+  EXPECT_THAT(readFile(dut.report), HasSubstr("<b>Lost:</b> 100 of "));
+}
+
+TEST(AnalyzeRun, SaysHowToGetGnuplot) {
+  const TemporaryFolder run;
+  SyntheticLab(run.path() / "log.lcmlog", syntheticExperiment(1, 5, 20, {paperAbp()}, 30)).run();
+  const std::string path = std::getenv("PATH");
+  setenv("PATH", run.path().c_str(), 1);
+
+  const std::string dut = problemOf(run.path());
+
+  setenv("PATH", path.c_str(), 1);
+  EXPECT_THAT(dut, HasSubstr("sudo apt-get install gnuplot-nox"));
+  EXPECT_THAT(namesIn(run.path()), testing::ElementsAre("log.lcmlog"));
+}
+
+}  // namespace
+}  // namespace lab::report

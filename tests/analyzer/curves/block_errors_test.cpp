@@ -1,0 +1,68 @@
+#include "analyzer/curves/block_errors.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+namespace lab::analysis {
+namespace {
+
+BlockSums block(double time, double forward) {
+  BlockSums sums;
+  sums.time = time;
+  sums.forward = forward;
+  sums.forward_time = time;
+  return sums;
+}
+
+std::vector<double> meanSpeed(const BlockSums& sums) { return {sums.forward / sums.forward_time}; }
+
+TEST(GroupBlocks, MergesNeighboursOfARobotAndNeverTwoRobots) {
+  BlockData data;
+  data.tracks = {{block(1, 1), block(1, 2), block(1, 3), block(1, 4), block(1, 5)}, {block(1, 6)}};
+  const std::vector<BlockSums> dut = groupBlocks(data, 2);
+  ASSERT_EQ(dut.size(), 3U);
+  EXPECT_DOUBLE_EQ(dut[0].forward, 3);
+  EXPECT_DOUBLE_EQ(dut[1].forward, 12);  // the remainder joins the group before it
+  EXPECT_DOUBLE_EQ(dut[2].forward, 6);   // all there is of its robot
+}
+
+TEST(Jackknife, GivesTheStandardErrorOfTheMeanForEqualBlocks) {
+  const std::vector<double> values{1, 4, 2, 5, 3, 9};
+  std::vector<BlockSums> blocks;
+  for (const double value : values) {
+    blocks.push_back(block(1, value));
+  }
+  const Replicates dut = jackknife(blocks, meanSpeed);
+  EXPECT_DOUBLE_EQ(dut.values[0], 4);
+  EXPECT_NEAR(dut.sigma(0), std::sqrt((9 + 0 + 4 + 1 + 1 + 25) / 5.0 / 6.0), 1e-12);
+  EXPECT_NEAR(dut.degreesOfFreedom(), 5, 1e-9);
+}
+
+TEST(Jackknife, GivesTheTrueErrorForUnequalBlocks) {
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> normal;
+  double variance = 0;
+  double claimed = 0;
+  const int films = 4000;
+  for (int film = 0; film < films; ++film) {
+    std::vector<BlockSums> blocks;
+    for (int i = 0; i < 20; ++i) {
+      const double time = 1 + i % 4;
+      blocks.push_back(block(time, time + std::sqrt(time) * normal(random)));
+    }
+    const Replicates dut = jackknife(blocks, meanSpeed);
+    variance += std::pow(dut.values[0] - 1, 2) / films;
+    claimed += std::pow(dut.sigma(0), 2) / films;
+  }
+  EXPECT_NEAR(claimed / variance, 1, 0.1);  // the scatter of a variance over 4000 films is 2.2 %
+}
+
+TEST(Jackknife, ClaimsNothingFromASingleBlock) {
+  const Replicates dut = jackknife({block(1, 1)}, meanSpeed);
+  EXPECT_TRUE(std::isnan(dut.sigma(0)));
+}
+
+}  // namespace
+}  // namespace lab::analysis

@@ -1,0 +1,105 @@
+#pragma once
+
+#include <cmath>
+#include <map>
+#include <string>
+
+#include "analyzer/fits/law_fit.hpp"
+#include "tests/analyzer/recording_ensemble.hpp"
+
+namespace lab::analysis {
+
+/// What the fits of many films of one program gave, beside the truth.
+struct FitScatter {
+  struct Number {
+    Scatter relative;  ///< value / truth - 1
+    Scatter sigma;     ///< stated, relative to the truth
+    int covered = 0;
+  };
+  std::map<std::string, Number> numbers;
+  Scatter chi2;
+  int films = 0;
+  int refused = 0;
+  int unlikely = 0;        ///< chi2 below p = 0.01
+  int guarded = 0;         ///< guard_z above 4
+  int exact_rejected = 0;  ///< at p < 0.01
+  int paper_rejected = 0;
+
+  void add(const LawFit& fit) {
+    ++films;
+    if (!fit.fitted()) {
+      ++refused;
+      return;
+    }
+    for (const auto* list : {&fit.parameters, &fit.derived}) {
+      for (const Estimate& e : *list) {
+        if (!std::isfinite(e.theory)) continue;
+        Number& number = numbers[e.name];
+        number.relative.add(e.value / e.theory - 1);
+        number.sigma.add(e.sigma / e.theory);
+        number.covered += e.low95 <= e.theory && e.theory <= e.high95 ? 1 : 0;
+      }
+    }
+    chi2.add(fit.chi2);
+    unlikely += fit.p_value < 0.01 ? 1 : 0;
+    guarded += fit.guard_z > 4 ? 1 : 0;
+    exact_rejected += fit.exact && fit.exact->p_value < 0.01 ? 1 : 0;
+    paper_rejected += fit.paper && fit.paper->p_value < 0.01 ? 1 : 0;
+  }
+
+  [[nodiscard]] double share(const std::string& name) const {
+    return static_cast<double>(numbers.at(name).covered) / films;
+  }
+  [[nodiscard]] double sd(const std::string& name) const {
+    return numbers.at(name).relative.deviation();
+  }
+};
+
+/// The curves of one film by the analyzer's own way from poses to sums.
+inline MeasuredCurves curvesOfFilm(const Film& film, double max_lag) {
+  ProgramAnalysis analysis(film.law, 1 / film.fps, max_lag);
+  for (const Sample& sample : stitch(film).samples) analysis.add(sample);
+  return measuredCurves(film.law, analysis.data());
+}
+
+/// Fits `films` films. Unless nested, the films behind the covariance are simulated once, at the
+/// true parameters, and reused.
+inline FitScatter fitFilms(Film film, int films, double max_lag, bool nested, bool tests) {
+  FitScatter result;
+  SimulatedCurves truth;
+  SimulatedCurves octaves;
+  const FitOptions options;
+  for (int i = 0; i < films; ++i) {
+    film.seed = 90000U + static_cast<unsigned>(i);
+    const MeasuredCurves curves = curvesOfFilm(film, max_lag);
+    if (i == 0) {
+      MeasuredCurves known = curves;
+      known.offset = 4 * film.sigma * film.sigma;
+      known.angular_offset = 2 * film.sigma_theta * film.sigma_theta;
+      truth = simulateForFit(film.law, known.offset, known.angular_offset, known,
+                             planFit(film.law, known, options), options);
+      if (tests) octaves = simulateForTest(film.law, known, 400, 5);
+    }
+    LawFit fit = fitLaw(film.law, curves, options, nested ? nullptr : &truth);
+    if (tests) {
+      fit.exact = testLaw(TestedLaw::kExact, film.law, curves, octaves, {});
+      fit.paper = testLaw(TestedLaw::kPaper, film.law, curves, octaves, {});
+    }
+    result.add(fit);
+  }
+  return result;
+}
+
+/// Nobody locks to the camera: no hold time is a multiple of its period.
+inline Film fitFilm(const ProgramLaw& law, double duration) {
+  Film film;
+  film.law = law;
+  film.duration = duration;
+  film.fps = 9.97;
+  film.telemetry_rate = 2;
+  film.sigma = 0.0005;
+  film.sigma_theta = 0.025;
+  return film;
+}
+
+}  // namespace lab::analysis

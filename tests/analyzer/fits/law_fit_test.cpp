@@ -1,0 +1,229 @@
+#include "analyzer/fits/law_fit.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "analyzer/service/bootstrap_results.hpp"
+#include "tests/analyzer/fits/fit_ensemble.hpp"
+#include "tests/analyzer/paper_programs.hpp"
+
+namespace lab::analysis {
+namespace {
+
+/// 95 % within the binomial 3-sigma band.
+void expectFitCoverage(const FitScatter& dut, const std::string& name) {
+  const double band = 3 * std::sqrt(0.95 * 0.05 / dut.films);
+  EXPECT_GT(dut.share(name), 0.95 - band) << name;
+  EXPECT_LT(dut.share(name), 0.95 + band) << name;
+}
+
+/// Fits and tests find the law that the films have.
+/// @param most films that may be unlikely at p < 0.01
+void expectOwnLaw(const FitScatter& dut, int most) {
+  EXPECT_EQ(dut.refused, 0);
+  EXPECT_LE(dut.unlikely, most);
+  EXPECT_LE(dut.exact_rejected, most);
+  EXPECT_LT(std::abs(dut.numbers.at("D_r").relative.z(0)), 4);
+  expectFitCoverage(dut, "D_r");
+}
+
+TEST(LawFit, ReachesTheLimitOfTheDrawsForTheAbp) {
+  const FitScatter dut = fitFilms(fitFilm(abpLaw(3, 0.5), 600), 200, 10, false, true);
+  EXPECT_EQ(dut.refused, 0);
+  for (const char* name : {"D_r", "D", "L_s"}) expectFitCoverage(dut, name);
+  EXPECT_LT(std::abs(dut.numbers.at("D_r").relative.z(0)), 4);
+  EXPECT_LT(std::abs(dut.numbers.at("v").relative.z(0)), 4);
+  const double limit = std::sqrt(0.8 * 0.5 / 600);
+  EXPECT_LT(dut.sd("D_r"), limit * 1.1 * (1 + 2 / std::sqrt(400.0)));
+  EXPECT_LE(dut.guarded, 2);  // ten minutes: the long lags behind ordinary least squares are skewed
+  EXPECT_LE(dut.unlikely, 8);
+  EXPECT_LE(dut.exact_rejected, 8);
+  EXPECT_EQ(dut.paper_rejected, 200);  // eq. 4 is 8 % off at 1.4 s
+}
+
+TEST(LawFit, HoldsForTheBp) {
+  Film film = fitFilm(noisyLaw(0, 0.07, 0.2), 300);
+  film.fps = 19.97;
+  const FitScatter dut = fitFilms(film, 100, 5, false, true);
+  EXPECT_EQ(dut.refused, 0);
+  expectFitCoverage(dut, "V");
+  EXPECT_LT(std::abs(dut.numbers.at("V").relative.z(0)), 4);
+  EXPECT_LE(dut.exact_rejected, 6);
+}
+
+TEST(LawFit, HoldsForTheRtpWhoseFormulaInThePaperIsExact) {
+  const FitScatter dut = fitFilms(fitFilm(rtpLaw(1, 0.5), 600), 100, 20, false, true);
+  EXPECT_EQ(dut.refused, 0);
+  expectFitCoverage(dut, "gamma");
+  EXPECT_LT(std::abs(dut.numbers.at("gamma").relative.z(0)), 4);
+  EXPECT_LE(dut.paper_rejected, 6);
+}
+
+TEST(LawFit, NeedsNoCovarianceFromOutside) {
+  const FitScatter dut = fitFilms(fitFilm(abpLaw(3, 0.5), 300), 15, 10, true, false);
+  EXPECT_EQ(dut.refused, 0);
+  EXPECT_GE(dut.share("D_r"), 0.7);
+  EXPECT_NEAR(dut.numbers.at("D_r").sigma.mean(), std::sqrt(0.8 * 0.5 / 300), 0.005);
+}
+
+// Curves err together by which windows they are made of: simulated films must choose as the
+// accumulator does, which leaves out more the more frames a lag has.
+TEST(LawFit, SaysHowWellItFitsAtEveryFrameRate) {
+  for (const double fps : {24.3, 49.9, 121.0, 240.0}) {
+    Film film = fitFilm(abpLaw(4, 0.4), 300);
+    film.fps = fps;
+    film.sigma = 0.0003;
+    film.sigma_theta = 0.0105;
+    const FitScatter dut = fitFilms(film, 30, 5, false, false);
+    EXPECT_EQ(dut.refused, 0) << fps;
+    EXPECT_LE(dut.unlikely, 3) << fps;  // 0.3 expected; 4 by chance once in 10^4
+    EXPECT_LT(std::abs(dut.numbers.at("D_r").relative.z(0)), 4) << fps;
+  }
+}
+
+// With frames lost each lag lacks other windows, so that neighbouring lags err together less.
+TEST(LawFit, SaysHowWellItFitsWhereFramesAreLost) {
+  struct Loss {
+    double share, length, fps;
+  };
+  for (const Loss loss : {Loss{0.05, 1.05, 20.3}, {0.2, 3, 20.3}, {0.05, 1.05, 121}}) {
+    SCOPED_TRACE(loss.share);
+    SCOPED_TRACE(loss.fps);
+    Film film = fitFilm(abpLaw(3, 0.47), 300);
+    film.fps = loss.fps;
+    film.sigma = 0.0005;
+    film.sigma_theta = 0.0175;
+    film.missing = loss.share;
+    film.missing_length = loss.length;
+    const FitScatter dut = fitFilms(film, 40, 5, false, true);
+    expectOwnLaw(dut, 4);  // 0.4 expected; 5 by chance once in 10^4
+  }
+}
+
+// So do films of robots that meet others, which are left out: of long lags little is left, and other
+// windows than of short ones.
+TEST(LawFit, SaysHowWellItFitsInACrowd) {
+  for (const double every : {2.0, 6.0}) {
+    SCOPED_TRACE(every);
+    Film film = fitFilm(abpLaw(3, 0.5), 400);
+    film.fps = 20.3;
+    film.sigma = 0.0005;
+    film.sigma_theta = 0.0175;
+    film.cut_every = every;
+    const FitScatter dut = fitFilms(film, 60, 5, false, true);
+    expectOwnLaw(dut, 5);  // 0.6 expected; 6 by chance once in 10^4
+  }
+}
+
+TEST(LawFit, IsTheSameToTheBitAgain) {
+  const Film film = fitFilm(abpLaw(3, 0.5), 120);
+  const MeasuredCurves curves = curvesOfFilm(film, 10);
+  const LawFit once = fitLaw(film.law, curves, {});
+  const LawFit again = fitLaw(film.law, curves, {});
+  ASSERT_TRUE(once.fitted()) << once.refusal;
+  EXPECT_EQ(once.parameters.front().value, again.parameters.front().value);
+  EXPECT_EQ(once.chi2, again.chi2);
+}
+
+TEST(LawFit, WorksWithoutHeadings) {
+  const Film film = fitFilm(abpLaw(3, 0.5), 600);
+  MeasuredCurves curves = curvesOfFilm(film, 10);
+  curves.angular_msd.assign(curves.lags.size(), std::nan(""));
+  const LawFit dut = fitLaw(film.law, curves, {});
+  ASSERT_TRUE(dut.fitted()) << dut.refusal;
+  EXPECT_FALSE(dut.angular);
+  EXPECT_LT(std::abs(dut.derived.front().value - 0.75), 4 * dut.derived.front().sigma);
+}
+
+TEST(LawFit, RefusesInWordsWhereDataDoNotSuffice) {
+  const ProgramLaw law = abpLaw(3, 0.5);
+  EXPECT_NE(fitLaw(law, MeasuredCurves{}, {}).refusal.find("no free motion"), std::string::npos);
+
+  const Film shorter = fitFilm(law, 30);
+  EXPECT_NE(fitLaw(law, curvesOfFilm(shorter, 10), {}).refusal.find("draws of the noise"),
+            std::string::npos);
+
+  const Film film = fitFilm(law, 120);
+  MeasuredCurves still = curvesOfFilm(film, 10);
+  const double noise = still.offset;
+  for (double& value : still.msd) value = noise;
+  EXPECT_NE(fitLaw(law, still, {}).refusal.find("no motion"), std::string::npos);
+
+  MeasuredCurves one = curvesOfFilm(film, 10);
+  for (std::size_t i = 1; i < one.lags.size(); ++i) one.msd[i] = one.angular_msd[i] = std::nan("");
+  EXPECT_NE(fitLaw(law, one, {}).refusal.find("lags"), std::string::npos);
+
+  ProgramLaw other = law;
+  other.v = 0.3;  // ten times what was filmed
+  EXPECT_NE(fitLaw(other, curvesOfFilm(film, 10), {}).refusal.find("not like the program's"),
+            std::string::npos);
+}
+
+TEST(LawFit, TellsAProgramThatIsNotTheFilms) {
+  const Film film = fitFilm(abpLaw(3, 0.5), 600);
+  const MeasuredCurves curves = curvesOfFilm(film, 10);
+  const ProgramLaw wrong = abpLaw(3.6, 0.5);
+  const LawTest dut =
+      testLaw(TestedLaw::kExact, wrong, curves, simulateForTest(wrong, curves, 300, 1), {});
+  EXPECT_LT(dut.p_value, 1e-3);
+  const LawFit fit = fitLaw(wrong, curves, {});
+  ASSERT_TRUE(fit.fitted());
+  EXPECT_NEAR(fit.derived.front().value, 0.75, 4 * fit.derived.front().sigma);
+}
+
+TEST(FilmFit, GivesThePoolsFilmsToItsRobots) {
+  Film film = fitFilm(abpLaw(3, 0.5), 300);
+  std::vector<BlockData> blocks;
+  for (int robot = 0; robot < 4; ++robot) {
+    film.seed = 60U + static_cast<unsigned>(robot);
+    ProgramAnalysis analysis(film.law, 1 / film.fps, 20);
+    for (const Sample& sample : stitch(film).samples) analysis.add(sample);
+    blocks.push_back(analysis.data());
+  }
+  BlockData all;
+  std::vector<const BlockData*> data;
+  std::vector<ProgramResult> robots;
+  for (const BlockData& block : blocks) {
+    data.push_back(&block);
+    all.pool(block);
+    robots.push_back(analyse(film.law, block, {}, {}));
+  }
+  ProgramResult pool = analyse(film.law, all, {}, {});
+  completeWithFilms(pool, all, robots, data, {});
+  ASSERT_TRUE(pool.fit && pool.fit->fitted());
+  ASSERT_TRUE(pool.fit->exact && pool.fit->paper);
+  EXPECT_GT(pool.fit->exact->p_value, 1e-3);
+  EXPECT_LT(pool.fit->paper->p_value, 1e-3);
+  for (const ProgramResult& robot : robots) {
+    ASSERT_TRUE(robot.fit && robot.fit->fitted());
+    // A quarter of the time: twice the error.
+    EXPECT_NEAR(robot.fit->derived[0].sigma / pool.fit->derived[0].sigma, 2, 0.25);
+  }
+}
+
+TEST(CurvesWithFilms, StateTheScatterOfLongLags) {
+  Film film = fitFilm(abpLaw(3, 0.5), 300);
+  Scatter value;
+  Scatter sigma;
+  SimulatedCurves films;
+  for (int i = 0; i < 150; ++i) {
+    film.seed = 300U + static_cast<unsigned>(i);
+    ProgramAnalysis analysis(film.law, 1 / film.fps, 30);
+    for (const Sample& sample : stitch(film).samples) analysis.add(sample);
+    if (i == 0) {
+      films = simulateForTest(film.law, measuredCurves(film.law, analysis.data()), 400, 9);
+    }
+    CurveOptions options;
+    options.films = &films;
+    const Curves dut = curves(film.law, analysis.data(), options);
+    const CurvePoint& point = dut.angular_msd[dut.angular_msd.size() - 6];
+    EXPECT_GT(point.tau, 10);
+    value.add(point.value);
+    sigma.add(point.sigma);
+  }
+  EXPECT_NEAR(sigma.mean() / value.deviation(), 1, 3 / std::sqrt(300.0) + 0.03);
+}
+
+}  // namespace
+}  // namespace lab::analysis

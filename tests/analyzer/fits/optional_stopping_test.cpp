@@ -1,0 +1,116 @@
+// What it does to an interval that the run ends when the number is known well enough: films that
+// end by the rule of stop_when, looked at as often as the lab does (or every 5 s).
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <optional>
+
+#include "tests/analyzer/recording_ensemble.hpp"
+
+namespace lab::analysis::optional_stopping_test {
+namespace {
+
+constexpr int kFilms = 300;
+
+ProgramLaw figure2b() {
+  ProgramLaw law;
+  law.kind = ProgramKind::kAbp;
+  law.v = 0.03;
+  law.eta = 3;
+  law.epsilon = 0.5;
+  return law;
+}
+
+Estimate rotational(const ProgramAnalysis& analysis) {
+  for (const Estimate& estimate : estimate(analysis.law(), analysis.data())) {
+    if (estimate.name == "D_r") return estimate;
+  }
+  return {};
+}
+
+/// Films and what their intervals hold.
+struct Coverage {
+  Scatter value;
+  Scatter length;
+  int films = 0;
+  int covered = 0;
+  int missed_low = 0;  ///< The truth is above the interval.
+
+  void add(const Estimate& estimate, double seconds) {
+    value.add(estimate.value / estimate.theory);
+    length.add(seconds);
+    ++films;
+    covered += estimate.low95 <= estimate.theory && estimate.theory <= estimate.high95 ? 1 : 0;
+    missed_low += estimate.high95 < estimate.theory ? 1 : 0;
+  }
+  [[nodiscard]] double share() const { return static_cast<double>(covered) / films; }
+  void print(const char* what) const {
+    std::printf("%-34s %d films, %.0f +- %.0f s: bias %+.2f +- %.2f %%, covered %.1f %%, "
+                "too low in %.1f %%\n",
+                what, films, length.mean(), length.deviation(), 100 * (value.mean() - 1),
+                100 * value.deviation() / std::sqrt(value.n), 100 * share(),
+                100.0 * missed_low / films);
+  }
+};
+
+struct Stopped {
+  Coverage by_rule;
+  Coverage fixed;  ///< Films of the mean length of the others.
+};
+
+/// @param every s between two looks at the estimate
+/// @param fixed length of the films that end by the clock, s
+Stopped measure(double wanted, double at_least, double longest, double every, double fixed) {
+  Stopped result;
+  for (int i = 0; i < kFilms; ++i) {
+    Film film;
+    film.law = figure2b();
+    film.duration = longest;
+    film.fps = 10.07;
+    film.sigma_theta = 0.01;
+    film.sigma = 0.0005;
+    film.seed = 7000 + static_cast<std::uint64_t>(i);
+    const StitchedFilm stitched = stitch(film);
+    ProgramAnalysis analysis(film.law, 1 / film.fps, 100);
+    double next = every;
+    std::optional<Estimate> stopped;
+    std::optional<Estimate> ended;
+    double when = longest;
+    for (const Sample& sample : stitched.samples) {
+      analysis.add(sample);
+      if (sample.time < next) continue;
+      next += every;
+      if (!ended && sample.time >= fixed) ended = rotational(analysis);
+      if (stopped || sample.time < at_least) continue;
+      const Estimate now = rotational(analysis);
+      if (!std::isfinite(now.value) || !(now.sigma > 0)) continue;
+      if (now.sigma > wanted * std::abs(now.value)) continue;
+      stopped = now;
+      when = sample.time;
+      if (ended) break;
+    }
+    result.by_rule.add(stopped.value_or(rotational(analysis)), when);
+    if (ended) result.fixed.add(*ended, fixed);
+  }
+  return result;
+}
+
+TEST(OptionalStopping, KeepsItsIntervalsNearly) {
+  const Stopped ten = measure(0.10, 0, 500, 1, 160);
+  ten.by_rule.print("D_r to 10 %");
+  std::fflush(stdout);
+  ten.fixed.print("by the clock");
+  const Stopped later = measure(0.10, 120, 500, 1, 160);
+  later.by_rule.print("D_r to 10 %, at_least_s = 120");
+  const Stopped five = measure(0.05, 0, 1200, 5, 630);
+  five.by_rule.print("D_r to 5 %");
+  five.fixed.print("by the clock");
+  // The rule prefers films that happen to scatter little.
+  EXPECT_GT(ten.by_rule.share(), 0.87);
+  EXPECT_GT(five.by_rule.share(), 0.90);
+  EXPECT_LT(std::abs(ten.by_rule.value.mean() - 1), 0.05);
+  EXPECT_LT(std::abs(five.by_rule.value.mean() - 1), 0.025);
+}
+
+}  // namespace
+}  // namespace lab::analysis::optional_stopping_test

@@ -1,0 +1,175 @@
+#include "analyzer/report/figures/figures.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cmath>
+#include <sstream>
+#include <thread>
+
+#include "analyzer/report/figures/figure_files.hpp"
+#include "analyzer/report/figures/gnuplot.hpp"
+#include "analyzer/report_error.hpp"
+#include "analyzer/report/figures/thinning.hpp"
+#include "tests/analyzer/report/synthetic_lab.hpp"
+
+namespace lab::report::figures_test {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+RunRecord recordOf(const Experiment& experiment) {
+  const TemporaryFolder folder;
+  SyntheticLab(folder.path() / "log.lcmlog", experiment).run();
+  return readRun(logFiles(folder.path()));
+}
+
+std::size_t pointsOf(const PlotTracks& plot) {
+  std::size_t points = 0;
+  for (const PlotLine& line : plot.lines) points += line.points.size();
+  return points;
+}
+
+TEST(Figures, GiveASentenceWhereThereIsNothingToDraw) {
+  const TemporaryFolder scratch;
+
+  for (const Figure& figure : drawFigures({}, scratch.path())) {
+    EXPECT_FALSE(figure.sentence.empty()) << figure.name;
+    EXPECT_TRUE(figure.svg.empty()) << figure.name;
+  }
+}
+
+TEST(Figures, StayModestInSizeForALongRun) {
+  const TemporaryFolder scratch;
+  const RunRecord record = recordOf(syntheticExperiment(10, 300, 20, {paperAbp(), paperRtp()}, 30));
+
+  for (const Figure& figure : drawFigures(record, scratch.path())) {
+    EXPECT_THAT(figure.svg, HasSubstr("<svg")) << figure.name;
+    EXPECT_LT(figure.svg.size(), 160'000U) << figure.name;
+  }
+  EXPECT_TRUE(std::filesystem::is_empty(scratch.path()));
+}
+
+TEST(Figures, AreDrawnForPaperToTheSameBytes) {
+  const TemporaryFolder scratch;
+  const RunRecord record = recordOf(syntheticExperiment(1, 30, 20, {paperAbp()}, 30));
+
+  const std::vector<Figure> first = drawFigures(record, scratch.path());
+  std::this_thread::sleep_for(std::chrono::milliseconds(1100));  // another second, another date
+  const std::vector<Figure> again = drawFigures(record, scratch.path());
+
+  ASSERT_EQ(first.size(), again.size());
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    EXPECT_THAT(first[i].pdf, testing::StartsWith("%PDF")) << first[i].name;
+    EXPECT_TRUE(first[i].pdf == again[i].pdf) << first[i].name;
+    EXPECT_EQ(first[i].pdf.find("CreationDate"), std::string::npos) << first[i].name;
+  }
+}
+
+/// Width of a PDF's page [cm].
+double widthOf(const std::string& pdf) {
+  const std::size_t at = pdf.find("/MediaBox [ 0 0 ");
+  return at == std::string::npos ? 0 : std::stod(pdf.substr(at + 16)) / 72 * 2.54;
+}
+
+TEST(Figures, AreAsWideAsAJournalPrintsThem) {
+  const TemporaryFolder scratch;
+  const RunRecord record = recordOf(syntheticExperiment(1, 30, 20, {paperAbp()}, 30));
+
+  for (const Figure& figure : drawFigures(record, scratch.path())) {
+    const bool curve = figure.name.find("msd") != std::string::npos;
+    EXPECT_NEAR(widthOf(figure.pdf), curve ? 8.6 : 17.8, 0.05) << figure.name;
+  }
+}
+
+TEST(Figures, HaveTheirDataWithUnits) {
+  const TemporaryFolder scratch;
+  const RunRecord record = recordOf(syntheticExperiment(1, 60, 20, {paperAbp()}, 60));
+  const auto& points = record.results.at(0).result.curves.msd;
+
+  for (const Figure& figure : drawFigures(record, scratch.path())) {
+    ASSERT_FALSE(figure.csv.empty()) << figure.name;
+    if (figure.name != "msd_abp") continue;
+    std::istringstream csv(figure.csv);
+    std::string line;
+    std::getline(csv, line);
+    EXPECT_EQ(line, "lag_s,value_cm2,standard_error_cm2,noise_cm2,exact_cm2,paper_cm2,z,windows,"
+                    "judged");
+    std::getline(csv, line);
+    EXPECT_THAT(line, testing::StartsWith(fmt::format("{:.7g},{:.7g},", points.at(0).tau,
+                                                      points.at(0).value * 1e4)));
+  }
+}
+
+TEST(Figures, QuoteWordsOfTheirData) {
+  CsvText dut("name,value_cm,judged");
+  dut.row("a \"b\", c", 1.5, true);
+  dut.row("d", std::nan(""), false);
+
+  EXPECT_EQ(dut.text(), "name,value_cm,judged\n\"a \"\"b\"\", c\",1.5,1\nd,,0\n");
+}
+
+TEST(Figures, KeepMarkupInNamesOutOfThePicture) {
+  const TemporaryFolder scratch;
+  RunRecord record = recordOf(syntheticExperiment(1, 20, 20, {paperAbp()}, 30));
+  record.programs[0].name = "a_b <script> 'x' & \\n $y";
+
+  for (const Figure& figure : drawFigures(record, scratch.path())) {
+    EXPECT_THAT(figure.svg, Not(HasSubstr("<script"))) << figure.name;
+  }
+}
+
+TEST(Thinning, DrawsTheWholeOfAShortRun) {
+  const PlotTracks dut =
+      thinnedTracks(recordOf(syntheticExperiment(1, 30, 20, {paperAbp()}, 30)), 4000, false);
+
+  EXPECT_TRUE(dut.whole_run);
+  EXPECT_GE(pointsOf(dut), 600U);
+  EXPECT_NEAR(dut.end - dut.begin, 30, 0.1);
+}
+
+TEST(Thinning, DrawsTheLatestStretchOfALongRun) {
+  const PlotTracks dut =
+      thinnedTracks(recordOf(syntheticExperiment(4, 200, 10, {paperAbp()}, 30)), 300, false);
+
+  EXPECT_FALSE(dut.whole_run);
+  EXPECT_NEAR(dut.end, 200, 1);
+  EXPECT_GT(dut.begin, 100);
+  EXPECT_LE(pointsOf(dut), 340U);
+}
+
+TEST(Thinning, LeavesRoomForEveryProgram) {
+  const RunRecord record = recordOf(syntheticExperiment(1, 200, 10, {paperAbp(), paperRtp()}, 100));
+
+  const PlotTracks dut = thinnedTracks(record, 200, true);
+
+  std::size_t points[2] = {0, 0};
+  for (const PlotLine& line : dut.lines) {
+    if (line.program >= 0) points[line.program] += line.points.size();
+  }
+  EXPECT_GT(points[0], 90U);
+  EXPECT_GT(points[1], 90U);
+}
+
+TEST(Gnuplot, SaysWhatItDidNotUnderstand) {
+  const TemporaryFolder scratch;
+
+  EXPECT_THROW(runGnuplot(scratch.path(), "plot nonsense nonsense\n"), ReportError);
+}
+
+TEST(Gnuplot, QuotesTextOnOneLineWithoutMarkup) {
+  EXPECT_EQ(gnuplotText("a'b\n<c>&"), "'a’b ‹c›+'");
+}
+
+TEST(Gnuplot, MakesIdsOfSeveralFiguresDifferent) {
+  const std::string dut =
+      inlineSvg("<?xml?>\n<svg><g id=\"a\"/><use xlink:href='#a'/></svg>", "f1_");
+
+  EXPECT_EQ(dut, "<svg role=\"img\"><g id=\"f1_a\"/><use xlink:href='#f1_a'/></svg>");
+}
+
+}  // namespace
+}  // namespace lab::report::figures_test

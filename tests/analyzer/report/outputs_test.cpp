@@ -1,0 +1,185 @@
+/// summary.json, trajectories.csv and report.html of the same record.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "analyzer/report/html/report_page.hpp"
+#include "analyzer/report/summary/summary.hpp"
+#include "analyzer/report/summary/trajectories.hpp"
+#include "tests/analyzer/report/synthetic_lab.hpp"
+
+namespace lab::report {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+RunRecord recordOf(const Experiment& experiment) {
+  const TemporaryFolder folder;
+  SyntheticLab(folder.path() / "log.lcmlog", experiment).run();
+  return readRun(logFiles(folder.path()));
+}
+
+const RunRecord& smallRun() {
+  static const RunRecord record =
+      recordOf(syntheticExperiment(2, 60, 20, {paperAbp(), paperRtp()}, 15));
+  return record;
+}
+
+TEST(Trajectories, BeginsWithTheColumnsOfTrackpy) {
+  std::istringstream dut(trajectoriesCsv(smallRun()));
+  std::string header;
+  std::string first;
+  std::getline(dut, header);
+  std::getline(dut, first);
+
+  EXPECT_EQ(header, "frame,particle,x,y,t,theta,program,segment");
+  EXPECT_THAT(first, testing::MatchesRegex(
+                         "1,1,[0-9]+\\.[0-9][0-9][0-9][0-9],[0-9]+\\.[0-9][0-9][0-9][0-9],"
+                         "0\\.050000,-?[0-9]\\.[0-9]+,abp,[0-9]+"));
+}
+
+TEST(Trajectories, HasARowForEachRobotInEachFrame) {
+  const std::string dut = trajectoriesCsv(smallRun());
+
+  EXPECT_EQ(std::count(dut.begin(), dut.end(), '\n'), 1 + 2 * 1200);
+}
+
+TEST(Trajectories, WritesPlacesInCentimetresToTheMicrometre) {
+  RunRecord record;
+  record.tracks.frames.push_back({-250'000, 7, 0});
+  record.tracks.rows.push_back({3, 0.5F, -0.000004F, -3.0F, -1, -1});
+
+  EXPECT_EQ(trajectoriesCsv(record),
+            "frame,particle,x,y,t,theta,program,segment\n"
+            "7,3,50.0000,-0.0004,-0.250000,-3.000000,standing,-1\n");
+}
+
+TEST(Trajectories, WritesNanForWhatIsNoNumber) {
+  RunRecord record;
+  record.tracks.frames.push_back({0, 1, 0});
+  record.tracks.rows.push_back({1, std::numeric_limits<float>::quiet_NaN(),
+                                std::numeric_limits<float>::infinity(), 1e30F, -1, -1});
+
+  EXPECT_THAT(trajectoriesCsv(record), HasSubstr("\n1,1,nan,nan,0.000000,nan,standing,-1\n"));
+}
+
+TEST(Trajectories, QuotesProgramNamesThatNeedIt) {
+  RunRecord record;
+  record.programs.push_back({{}, "a,\"b\""});
+  record.tracks.frames.push_back({0, 1, 0});
+  record.tracks.rows.push_back({1, 0, 0, 0, 0, 2});
+
+  EXPECT_THAT(trajectoriesCsv(record), HasSubstr(",\"a,\"\"b\"\"\",2\n"));
+}
+
+TEST(Summary, HoldsWhatTheRunShows) {
+  const auto dut = nlohmann::json::parse(summaryJson(smallRun()));
+
+  EXPECT_EQ(dut["experiment"], "synthetic");
+  EXPECT_EQ(dut["seed"], 7);
+  EXPECT_EQ(dut["contract_version"], 4);
+  EXPECT_DOUBLE_EQ(dut["duration_s"], 60);
+  ASSERT_EQ(dut["programs"].size(), 2U);
+  const auto& abp = dut["programs"][0];
+  EXPECT_EQ(abp["name"], "abp");
+  EXPECT_EQ(abp["pool"]["robots"], 2);
+  EXPECT_EQ(abp["each_robot"].size(), 2U);
+  EXPECT_NEAR(abp["pool"]["estimates"]["v_cm_s"]["value"], 3, 0.1);
+  EXPECT_DOUBLE_EQ(abp["pool"]["estimates"]["D_r_rad2_s"]["theory"], 0.75);
+  EXPECT_EQ(abp["pool"]["msd"]["lag_s"].size(), abp["pool"]["msd"]["value_cm2"].size());
+  EXPECT_EQ(dut["steps"].size(), 4U);
+  EXPECT_DOUBLE_EQ(dut["latency"]["presented"]["p50_ms"], 17);
+  for (const auto& stream : dut["losses"]["log"]) EXPECT_EQ(stream["lost"], 0);
+}
+
+TEST(Summary, IsTheSameForTheSameRunElsewhere) {
+  const Experiment experiment = syntheticExperiment(1, 15, 20, {paperAbp()}, 15);
+
+  EXPECT_EQ(summaryJson(recordOf(experiment)), summaryJson(recordOf(experiment)));
+}
+
+TEST(Summary, WritesNullForWhatWasNotDetermined) {
+  const std::string dut = summaryJson(recordOf(syntheticExperiment(1, 1, 20, {paperAbp()}, 15)));
+
+  EXPECT_THAT(dut, HasSubstr("null"));
+  EXPECT_THAT(dut, Not(HasSubstr("nan")));
+  EXPECT_THAT(dut, Not(HasSubstr("inf")));
+}
+
+TEST(Summary, SurvivesTextThatIsNoUtf8) {
+  RunRecord record;
+  record.faults.push_back({0, "\xff\xfe broken"});
+
+  EXPECT_TRUE(nlohmann::json::accept(summaryJson(record)));
+}
+
+TEST(Html, EscapesEverythingThatComesFromTheLog) {
+  const std::string hostile = "<script>alert('x')</script>&\"";
+  RunRecord record = smallRun();
+  record.experiment->name = hostile;
+  record.experiment->description = hostile;
+  record.experiment_text = hostile;
+  record.experiment_problem = hostile;
+  record.version = hostile;
+  record.calibration = hostile;
+  record.programs[0].name = hostile;
+  record.faults.push_back({record.start_utime, hostile});
+  record.marks.push_back({record.start_utime, hostile});
+  for (StepRecord& step : record.steps) step.label = hostile;
+  record.services[0].name = hostile;
+  record.services[0].last_error = hostile;
+  record.services[0].version = hostile;
+  record.log.streams[0].sender = hostile;
+  record.log.streams[0].channel = hostile;
+  record.log.decode_errors[hostile] = 1;
+  record.listeners.push_back({hostile, hostile, hostile, 1, 1});
+
+  const std::string dut = reportHtml(record, {{"x", hostile, hostile, hostile, "", "", ""}});
+
+  EXPECT_THAT(dut, Not(HasSubstr("<script")));
+  EXPECT_THAT(dut, HasSubstr("&lt;script&gt;alert(&#39;x&#39;)&lt;/script&gt;&amp;&quot;"));
+}
+
+TEST(Html, RefersToNothingOutsideItself) {
+  const std::string dut = reportHtml(smallRun(), {});
+
+  for (const char* reference : {"http", "src=", "url(", "@import", "<link", "file:"}) {
+    EXPECT_THAT(dut, Not(HasSubstr(reference)));
+  }
+}
+
+TEST(Html, SaysFaultsBeforeAnythingElse) {
+  RunRecord record = smallRun();
+  record.faults.push_back({record.start_utime + 2'500'000, "robot 1 has two owners"});
+
+  const std::string dut = reportHtml(record, {});
+
+  const std::size_t fault = dut.find("<b>Fault at 2.5 s:</b> robot 1 has two owners");
+  ASSERT_NE(fault, std::string::npos);
+  EXPECT_LT(fault, dut.find("<h2>"));
+}
+
+TEST(Html, SaysThatAMessageWasLost) {
+  RunRecord record = smallRun();
+  EXPECT_THAT(reportHtml(record, {}), HasSubstr("Every message that was sent is in the log."));
+
+  record.log.streams[0].lost = 3;
+  EXPECT_THAT(reportHtml(record, {}), HasSubstr("<b>Lost:</b> 3 of "));
+
+  record.log.streams[0].at_least = true;
+  EXPECT_THAT(reportHtml(record, {}), HasSubstr("<p>At least 3 of "));
+}
+
+TEST(Html, HasAPageForALogWithNothingInIt) {
+  const std::string dut = reportHtml({}, {});
+
+  EXPECT_THAT(dut, HasSubstr("No camera frame is in the log"));
+  EXPECT_THAT(dut, HasSubstr("</html>"));
+}
+
+}  // namespace
+}  // namespace lab::report

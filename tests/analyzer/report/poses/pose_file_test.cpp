@@ -1,0 +1,235 @@
+#include "analyzer/report/poses/pose_file.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <sstream>
+
+#include "analyzer/report_error.hpp"
+#include "tests/analyzer/report/synthetic_lab.hpp"
+
+namespace lab::report::pose_file_test {
+namespace {
+
+using testing::HasSubstr;
+
+PoseFile read(const std::string& text, const PoseFileOptions& options = {}) {
+  std::istringstream stream(text);
+  return readPoses(stream, "poses.csv", options);
+}
+
+std::string problemOf(const std::string& text, const PoseFileOptions& options = {}) {
+  try {
+    static_cast<void>(read(text, options));
+  } catch (const ReportError& error) {
+    return error.what();
+  }
+  return "none";
+}
+
+TEST(PoseFile, ReadsWhatLabTrackWrites) {
+  const PoseFile dut = read(
+      "frame,id,x_cm,y_cm,theta_rad,u,v,confidence,t_s\n"
+      "0,1,10.5,20,1.5,640.1,360.2,0.98,0.0\n"
+      "0,2,30,40,-3.1,1,2,0.3,0.0\n"
+      "1,1,11,20,1.6,641,360,0.97,0.033333\n");
+
+  ASSERT_EQ(dut.frames.size(), 2U);
+  ASSERT_EQ(dut.frames[0].poses.size(), 2U);
+  EXPECT_DOUBLE_EQ(dut.frames[0].poses[0].x, 0.105);
+  EXPECT_DOUBLE_EQ(dut.frames[0].poses[0].y, 0.2);
+  EXPECT_DOUBLE_EQ(dut.frames[0].poses[0].theta, 1.5);
+  EXPECT_TRUE(dut.frames[0].poses[0].valid);
+  EXPECT_FALSE(dut.frames[0].poses[1].valid);
+  EXPECT_DOUBLE_EQ(dut.frames[1].time, 0.033333);
+  EXPECT_DOUBLE_EQ(dut.frame_period, 0.033333);
+  EXPECT_TRUE(dut.headings);
+  EXPECT_TRUE(dut.in_arena);
+}
+
+TEST(PoseFile, ReadsWhatTrackpyWrites) {
+  const PoseFile dut = read(
+      ",y,x,mass,frame,particle\n"
+      "0,200.5,100.0,331.2,0.0,7\n"
+      "1,300,400,331.2,0.0,8\n"
+      "0,201,101,330.1,2.0,7\n",
+      {.scale = 0.001, .fps = 10});
+
+  ASSERT_EQ(dut.frames.size(), 2U);
+  EXPECT_EQ(dut.frames[0].poses[0].robot, 7);
+  EXPECT_DOUBLE_EQ(dut.frames[0].poses[0].x, 0.1);
+  EXPECT_DOUBLE_EQ(dut.frames[0].poses[0].y, 0.2005);
+  EXPECT_DOUBLE_EQ(dut.frames[1].time, 0.2);
+  EXPECT_FALSE(dut.headings);
+  EXPECT_FALSE(dut.in_arena);
+}
+
+TEST(PoseFile, SortsRowsThatComeRobotByRobot) {
+  const PoseFile dut = read(
+      "frame\tid\tx_cm\ty_cm\tt\n0\t1\t1\t1\t0\n1\t1\t2\t1\t0.1\n0\t2\t5\t5\t0\n1\t2\t6\t5\t0.1\n");
+
+  ASSERT_EQ(dut.frames.size(), 2U);
+  EXPECT_EQ(dut.frames[0].poses.size(), 2U);
+  EXPECT_EQ(dut.frames[1].poses.size(), 2U);
+}
+
+TEST(PoseFile, ReadsWindowsLineEndsAndMarks) {
+  const PoseFile dut = read(
+      "\xEF\xBB\xBF"
+      "frame;id;x_cm;y_cm;t\r\n0;1;1;2;0\r\n\r\n1;1;1;3;0.5\r\n");
+
+  EXPECT_EQ(dut.frames.size(), 2U);
+  EXPECT_DOUBLE_EQ(dut.frames[1].poses[0].y, 0.03);
+}
+
+TEST(PoseFile, LeavesOutRowsThatKnowNothing) {
+  const PoseFile dut =
+      read("frame,id,x_cm,y_cm,t\n0,1,1,1,0\n0,2,,,0\n1,1,nan,nan,0.1\n1,0,4,4,0.1\n2,1,3,1,0.2\n");
+
+  EXPECT_EQ(dut.rows, 5);
+  EXPECT_EQ(dut.without_pose, 2);
+  EXPECT_EQ(dut.without_id, 1);
+  EXPECT_EQ(dut.frames.size(), 2U);
+  EXPECT_EQ(dut.missing_frames, 0);
+}
+
+TEST(PoseFile, CountsFramesThatAreMissing) {
+  const std::string rows = "0,1,1,1,0\n2,1,1,1,0.2\n4,1,1,1,0.4\n10,1,1,1,1.0\n";
+
+  // Every second picture was tracked: 6 and 8 are missing, the odd ones are not.
+  EXPECT_EQ(read("frame,id,x_cm,y_cm,t\n" + rows).missing_frames, 2);
+}
+
+TEST(PoseFile, NamesLineColumnFoundAndExpected) {
+  const std::string head = "frame,id,x_cm,y_cm,t\n0,1,1,1,0\n";
+
+  EXPECT_EQ(problemOf(head + "1,1,abc,1,0.1\n"),
+            "poses.csv:3: x_cm: found \"abc\", expected a number");
+  EXPECT_THAT(problemOf("frame;id;x_cm;y_cm;t\n0;1;1,5;1;0\n"),
+              HasSubstr("x_cm: found \"1,5\", expected a number with a point, not a comma"));
+  EXPECT_THAT(problemOf(std::string("f\0r\0a\0m\0e\0\n", 11)), HasSubstr("UTF-16"));
+  EXPECT_EQ(problemOf(head + "1.5,1,1,1,0.1\n"),
+            "poses.csv:3: frame: found \"1.5\", expected a whole number");
+  EXPECT_EQ(problemOf(head + "1,1,1\n"),
+            "poses.csv:3: found 3 fields, expected 5 as in the first line");
+  EXPECT_THAT(problemOf(head + "1,1,1,1,0\n"), HasSubstr("poses.csv:3: t: found 0 s in frame 1"));
+  EXPECT_THAT(problemOf(head + "0,2,1,1,7\n"),
+              HasSubstr("poses.csv:3: t: found 7 s, expected 0 s"));
+}
+
+TEST(PoseFile, RefusesTimesThatAreNoSeconds) {
+  const std::string head = "frame,id,x_cm,y_cm,t_s\n";
+
+  EXPECT_EQ(problemOf(head + "0,1,2,3,1.76e9\n1,1,2,3,1760000001\n"), "none");
+  EXPECT_EQ(problemOf(head + "0,1,2,3,1.76e18\n1,1,2,3,1.7600000001e18\n"),
+            "poses.csv:2: t_s: found 1.76e+18 s, expected less than 1e11 s; times in other units: leave "
+            "the column out and give --fps");
+  EXPECT_EQ(
+      problemOf("frame,id,x_cm,y_cm\n2,1,2,3\n3,1,2,3\n", {.scale = std::nullopt, .fps = 1e-12}),
+      "poses.csv:2: --fps: found 2000000000000 s, expected less than 1e11 s");
+  EXPECT_EQ(problemOf(head + "0,1,2,3,0\n1,1,2,3,1e-9\n"),
+            "poses.csv:1: t_s: found 1e-09 s from frame to frame, expected 1e-6 s or more; times in "
+            "other units: leave the column out and give --fps");
+}
+
+TEST(PoseFile, ReadsWhatTrexExports) {
+  // As TRex writes it: the frame twice, units in brackets, inf for what it does not know.
+  const std::string text =
+      "frame,X#wcentroid (cm),Y#wcentroid (cm),X (cm),Y (cm),ANGLE,time,missing,frame\n"
+      "0,10.5,20,11,20,0.5,0.0,0,0\n"
+      "1,inf,inf,inf,inf,inf,0.04,1,1\n"
+      "2,10.9,20.1,11.4,20.1,0.6,0.08,0,2,,\n"
+      "3,11,20.2,11.5,20.2,0.6,0.12,1,3\n";
+  const PoseFile dut = read(text);
+
+  ASSERT_EQ(dut.frames.size(), 2U);
+  EXPECT_DOUBLE_EQ(dut.frames[0].poses[0].x, 0.105);
+  EXPECT_DOUBLE_EQ(dut.frames[1].poses[0].y, 0.201);
+  EXPECT_DOUBLE_EQ(dut.frames[1].poses[0].theta, 0.6);
+  EXPECT_EQ(dut.without_pose, 2);
+  EXPECT_TRUE(dut.headings);
+  EXPECT_FALSE(dut.in_arena);
+}
+
+TEST(PoseFile, ReadsAFolderOfTrex) {
+  const TemporaryFolder folder;
+  for (const int fish : {0, 1, 10}) {
+    std::ofstream file(folder.path() / ("film_fish" + std::to_string(fish) + ".csv"));
+    file << "frame,X#wcentroid,Y#wcentroid,time\n0," << fish << ",1,0\n1," << fish << ",2,0.1\n";
+  }
+  std::ofstream(folder.path() / "notes.csv") << "nothing\n";
+
+  const PoseFile dut = readPoses(folder.path());
+
+  ASSERT_EQ(dut.frames.size(), 2U);
+  ASSERT_EQ(dut.frames[0].poses.size(), 3U);
+  EXPECT_EQ(dut.frames[0].poses[2].robot, 10);
+  EXPECT_DOUBLE_EQ(dut.frames[1].poses[2].x, 0.1);
+}
+
+TEST(PoseFile, LeavesOutFramesWhoseTimeDoesNotGoOn) {
+  std::string text = "frame,id,x_cm,y_cm,t\n";
+  for (int i = 0; i < 100; ++i) {
+    text += std::to_string(i) + ",1,1,1," + std::to_string(i == 50 ? 4.9 : 0.1 * i) + "\n";
+  }
+  const PoseFile dut = read(text);
+
+  EXPECT_EQ(dut.bad_times, 1);
+  EXPECT_EQ(dut.frames.size(), 99U);
+  EXPECT_EQ(dut.missing_frames, 0);
+  EXPECT_TRUE(dut.clock_steps.empty());
+}
+
+TEST(PoseFile, CountsARobotOnceAFrame) {
+  std::string text = "frame,id,x_cm,y_cm,t\n";
+  for (int i = 0; i < 100; ++i) {
+    const std::string row = std::to_string(i) + ",1," + std::to_string(i) + ",1," +
+                            std::to_string(0.1 * i) + "\n";
+    text += row;
+    if (i % 2 == 0) text += row;
+    if (i == 50) text += std::to_string(i) + ",1,2,2,5\n";
+  }
+  const PoseFile dut = read(text);
+
+  EXPECT_EQ(dut.repeated, 49);
+  EXPECT_EQ(dut.contradicted, 1);
+  EXPECT_EQ(dut.frames.size(), 99U);
+  for (const analysis::Frame& frame : dut.frames) EXPECT_EQ(frame.poses.size(), 1U);
+}
+
+TEST(PoseFile, RefusesRobotsThatAreInTwoPlaces) {
+  std::string text = "frame,id,x_cm,y_cm,t\n";
+  for (int i = 0; i < 20; ++i) {
+    for (const char* place : {"1,1", "50,50"}) {
+      text += std::to_string(i) + ",7," + place + "," + std::to_string(0.1 * i) + "\n";
+    }
+  }
+  EXPECT_THAT(problemOf(text), HasSubstr("poses.csv:3: id: found 7 twice, and not alike, in frame 0"));
+  EXPECT_THAT(problemOf(text), HasSubstr("20 of 20 poses"));
+}
+
+TEST(PoseFile, TellsStepsOfTheClock) {
+  std::string text = "frame,id,x_cm,y_cm,t\n";
+  for (int i = 0; i < 100; ++i) {
+    text += std::to_string(i) + ",1,1,1," + std::to_string(0.1 * i + (i < 60 ? 0 : 5)) + "\n";
+  }
+  const PoseFile dut = read(text);
+
+  ASSERT_EQ(dut.clock_steps.size(), 1U);
+  EXPECT_DOUBLE_EQ(dut.clock_steps[0], 11);
+}
+
+TEST(PoseFile, NamesWhatTheFirstLineLacks) {
+  EXPECT_THAT(problemOf("frame,id,x_cm\n0,1,1\n"), HasSubstr("poses.csv:1: found the columns"));
+  EXPECT_THAT(problemOf("frame,particle,x,y,t\n0,1,1,1,0\n"), HasSubstr("--scale-cm"));
+  EXPECT_THAT(problemOf("frame,X (px),Y (px),time\n0,1,1,0\n"),
+              HasSubstr("X (px): found a place that is not in cm"));
+  EXPECT_THAT(problemOf("frame,particle,x,y\n0,1,1,1\n", {.scale = 0.01, .fps = {}}),
+              HasSubstr("--fps"));
+  EXPECT_THAT(problemOf(""), HasSubstr("poses.csv:1"));
+  EXPECT_THAT(problemOf("frame,id,x_cm,y_cm,t\n"), HasSubstr("no pose"));
+}
+
+}  // namespace
+}  // namespace lab::report::pose_file_test

@@ -1,0 +1,354 @@
+#include "analyzer/report/poses/pose_run.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <numbers>
+#include <random>
+
+#include "common/experiment/experiment_file.hpp"
+#include "analyzer/analyze_run.hpp"
+#include "analyzer/report/summary/findings.hpp"
+#include "tests/analyzer/report/synthetic_lab.hpp"
+
+namespace lab::report {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr double kSpeed = 0.03;   // [m/s]
+constexpr double kEpsilon = 0.5;  // [s]
+constexpr double kEta = 3;        // [rad/s]
+constexpr double kNoise = 2e-5;   // [m]
+constexpr double kPeriod = 1.0 / 30;
+
+/// Active Brownian particles in an endless arena: the paper's ABP, and nothing else.
+PoseFile film(int robots, double duration, bool headings = true, double sigma = kNoise) {
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<double> turning(-kEta, kEta);
+  std::normal_distribution<double> noise(0, sigma);
+  PoseFile poses;
+  poses.headings = headings;
+  poses.frame_period = kPeriod;
+  struct Robot {
+    double x, y, theta, omega, left;
+  };
+  std::vector<Robot> all;
+  for (int i = 0; i < robots; ++i) all.push_back({i * 50.0, 0, i * 1.0, turning(random), kEpsilon});
+  for (std::int64_t k = 0; static_cast<double>(k) * kPeriod < duration; ++k) {
+    analysis::Frame frame{static_cast<double>(k) * kPeriod, k, {}};
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      Robot& robot = all[i];
+      frame.poses.push_back({static_cast<int>(i) + 1, robot.x + noise(random),
+                             robot.y + noise(random),
+                             headings ? std::remainder(robot.theta, 2 * std::numbers::pi) : 0});
+      for (double left = kPeriod; left > 1e-12;) {
+        const double step = std::min(left, robot.left);
+        const double turn = robot.omega * step;
+        // The chord of an arc.
+        const double chord =
+            std::abs(turn) > 1e-9 ? kSpeed * step * std::sin(turn / 2) / (turn / 2) : kSpeed * step;
+        robot.x += chord * std::cos(robot.theta + turn / 2);
+        robot.y += chord * std::sin(robot.theta + turn / 2);
+        robot.theta += turn;
+        left -= step;
+        robot.left -= step;
+        if (robot.left <= 1e-12) {
+          robot.left = kEpsilon;
+          robot.omega = turning(random);
+        }
+      }
+    }
+    poses.frames.push_back(frame);
+  }
+  poses.rows = static_cast<std::int64_t>(poses.frames.size()) * robots;
+  return poses;
+}
+
+PoseProgram abp() { return {"abp", {"v_cm_s=3", "epsilon_s=0.5", "eta_rad_s=3"}}; }
+
+const analysis::Estimate& estimateOf(const RunRecord& record, const std::string& name) {
+  for (const analysis::Estimate& estimate : record.results.front().result.estimates) {
+    if (estimate.name == name) return estimate;
+  }
+  throw std::runtime_error("no " + name);
+}
+
+TEST(PoseRun, FindsTheLawThatTheRobotsFollow) {
+  const RunRecord dut = poseRun(film(4, 300), "film", abp());
+
+  ASSERT_EQ(dut.results.size(), 5U);
+  EXPECT_EQ(dut.results.front().result.verdict.kind, analysis::VerdictKind::kAgrees);
+  const analysis::Estimate& turning = estimateOf(dut, "D_r");
+  EXPECT_LT(std::abs(turning.value - kEpsilon * kEta * kEta / 6), 4 * turning.sigma);
+  EXPECT_EQ(dut.robots.size(), 4U);
+  EXPECT_EQ(dut.tracks.rows.size(), 4U * 9000U);
+  EXPECT_EQ(dut.tracks.rows.front().segment, dut.tracks.rows[400].segment);
+  EXPECT_GE(dut.tracks.rows.front().segment, 0);
+}
+
+TEST(PoseRun, DisagreesWithAnotherLaw) {
+  PoseProgram other = abp();
+  other.set.back() = "eta_rad_s=4";
+
+  const RunRecord dut = poseRun(film(4, 300), "film", other);
+
+  EXPECT_EQ(dut.results.front().result.verdict.kind, analysis::VerdictKind::kDisagrees);
+}
+
+TEST(PoseRun, HasCurvesWithoutALaw) {
+  const RunRecord dut = poseRun(film(2, 60), "film", {});
+
+  const analysis::ProgramResult& pool = dut.results.front().result;
+  ASSERT_FALSE(pool.curves.msd.empty());
+  EXPECT_NEAR(pool.curves.msd.front().value, kSpeed * kSpeed * kPeriod * kPeriod,
+              10 * kNoise * kNoise);
+  EXPECT_TRUE(std::isnan(pool.curves.msd.front().exact));
+  EXPECT_GT(pool.curves.msd.front().sigma, 0);
+  EXPECT_EQ(pool.verdict.judged, 0);
+  EXPECT_EQ(verdictText(pool), "no law to compare with");
+  EXPECT_NEAR(estimateOf(dut, "v").value, kSpeed, 1e-5);
+}
+
+TEST(PoseRun, ComparesTheMsdAloneWhereThereAreNoHeadings) {
+  const RunRecord dut = poseRun(film(4, 300, false), "film", abp());
+
+  const analysis::ProgramResult& pool = dut.results.front().result;
+  EXPECT_EQ(pool.verdict.kind, analysis::VerdictKind::kAgrees);
+  for (const analysis::CurvePoint& point : pool.curves.angular_msd) EXPECT_EQ(point.windows, 0);
+  EXPECT_TRUE(std::isnan(estimateOf(dut, "D_r").value));
+  EXPECT_TRUE(std::isnan(estimateOf(dut, "v").value));
+}
+
+// Of two frames side by side 0.3 mm of noise is a fifth of the way driven.
+TEST(PoseRun, TakesTheFitsNoiseOutWhereThereAreNoHeadings) {
+  const RunRecord dut = poseRun(film(4, 300, false, 3e-4), "film", abp());
+
+  const analysis::ProgramResult& pool = dut.results.front().result;
+  EXPECT_EQ(pool.verdict.kind, analysis::VerdictKind::kAgrees) << pool.verdict.max_z;
+  EXPECT_NEAR(pool.curves.msd.front().noise, 4 * 3e-4 * 3e-4, 0.1 * 4 * 3e-4 * 3e-4);
+
+  PoseProgram other = abp();
+  other.set.back() = "eta_rad_s=4";
+  const RunRecord wrong = poseRun(film(4, 300, false, 3e-4), "film", other);
+  EXPECT_EQ(wrong.results.front().result.verdict.kind, analysis::VerdictKind::kDisagrees);
+}
+
+// Between two frames 0.2 rad of noise are more than wheels can turn, and no jump all the same.
+TEST(PoseRun, TellsNoisyHeadingsFromJumps) {
+  PoseFile noisy = film(4, 300);
+  std::mt19937_64 random(11);
+  std::normal_distribution<double> noise(0, 0.2);
+  for (analysis::Frame& frame : noisy.frames) {
+    for (analysis::FramePose& pose : frame.poses) pose.theta += noise(random);
+  }
+
+  const RunRecord dut = poseRun(noisy, "film", abp());
+
+  const analysis::ProgramResult& pool = dut.results.front().result;
+  EXPECT_EQ(pool.lost, 0);
+  EXPECT_EQ(pool.segments, 4);
+  EXPECT_EQ(pool.verdict.kind, analysis::VerdictKind::kAgrees) << pool.verdict.max_z;
+  EXPECT_NEAR(pool.curves.angular_msd.front().noise, 2 * 0.2 * 0.2, 0.1 * 2 * 0.2 * 0.2);
+}
+
+TEST(PoseRun, SaysWhereMostOfAFilmIsNotJudged) {
+  PoseFile wrong_unit = film(2, 60);
+  for (analysis::Frame& frame : wrong_unit.frames) {
+    for (analysis::FramePose& pose : frame.poses) {
+      pose.x *= 30;
+      pose.y *= 30;
+    }
+  }
+  const RunRecord jumps = poseRun(wrong_unit, "film", abp());
+  EXPECT_THAT(headlines(jumps), testing::Contains(HasSubstr("faster than wheels")));
+  EXPECT_THAT(headlines(jumps).front(), testing::Not(HasSubstr("D_r")));
+  EXPECT_THAT(headlines(poseRun(film(2, 60), "film", abp())),
+              testing::Not(testing::Contains(HasSubstr("faster than wheels"))));
+
+  PoseFile at_walls = film(1, 60);
+  at_walls.in_arena = true;
+  for (analysis::Frame& frame : at_walls.frames) {
+    frame.poses[0].x += 0.1;
+    frame.poses[0].y += 0.1;
+  }
+  const RunRecord walls = poseRun(at_walls, "film", abp());
+  EXPECT_THAT(headlines(walls), testing::Contains(HasSubstr("wall of the 120 x 90 cm arena")));
+}
+
+TEST(PoseRun, LeavesTheTumblesOpenWhereThePosesShowNone) {
+  const RunRecord dut = poseRun(
+      film(2, 60), "film",
+      {"rtp", {"v_cm_s=3", "gamma_per_s=1", "tau_t_s=0.05", "robot.max_wheel_speed_cm_s=300"}});
+
+  EXPECT_TRUE(std::isnan(estimateOf(dut, "gamma").value));
+  EXPECT_THAT(estimateOf(dut, "gamma").note, HasSubstr("fewer than three frames in a tumble"));
+}
+
+/// Run-and-tumble particles in an endless arena.
+PoseFile tumblers(int robots, double duration) {
+  constexpr double kTumble = 0.5;  // [s]
+  std::mt19937_64 random(9);
+  std::uniform_real_distribution<double> turn(-std::numbers::pi, std::numbers::pi);
+  std::exponential_distribution<double> run(1);
+  std::normal_distribution<double> noise(0, 3e-4);
+  PoseFile poses;
+  poses.headings = true;
+  poses.frame_period = kPeriod;
+  struct Robot {
+    double x, y, theta, left, omega;
+  };
+  std::vector<Robot> all;
+  for (int i = 0; i < robots; ++i) all.push_back({i * 50.0, 0, i * 1.0, run(random), 0});
+  for (std::int64_t k = 0; static_cast<double>(k) * kPeriod < duration; ++k) {
+    analysis::Frame frame{static_cast<double>(k) * kPeriod, k, {}};
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      Robot& robot = all[i];
+      frame.poses.push_back({static_cast<int>(i) + 1, robot.x + noise(random),
+                             robot.y + noise(random),
+                             std::remainder(robot.theta, 2 * std::numbers::pi)});
+      for (double left = kPeriod; left > 1e-12;) {
+        const double step = std::min(left, robot.left);
+        if (robot.omega == 0) {
+          robot.x += kSpeed * step * std::cos(robot.theta);
+          robot.y += kSpeed * step * std::sin(robot.theta);
+        }
+        robot.theta += robot.omega * step;
+        left -= step;
+        robot.left -= step;
+        if (robot.left <= 1e-12) {
+          robot.omega = robot.omega == 0 ? turn(random) / kTumble : 0;
+          robot.left = robot.omega == 0 ? run(random) : kTumble;
+        }
+      }
+    }
+    poses.frames.push_back(frame);
+  }
+  poses.rows = static_cast<std::int64_t>(poses.frames.size()) * robots;
+  return poses;
+}
+
+TEST(PoseRun, FindsTheTumblesInThePoses) {
+  const RunRecord dut =
+      poseRun(tumblers(3, 300), "film", {"rtp", {"v_cm_s=3", "gamma_per_s=1", "tau_t_s=0.5"}},
+              {.depth = analysis::Depth::kLive});
+
+  for (const char* name : {"gamma", "tau_r", "v", "D", "L_s"}) {
+    const analysis::Estimate& estimate = estimateOf(dut, name);
+    EXPECT_LT(std::abs(estimate.value - estimate.theory), 4 * estimate.sigma) << name;
+  }
+  ASSERT_TRUE(dut.results.front().result.runs);
+  const analysis::RunStatistics& runs = *dut.results.front().result.runs;
+  EXPECT_NEAR(runs.find("tau_t")->value, 0.5, 4 * runs.find("tau_t")->sigma);
+  EXPECT_GT(runs.uniform.p, 1e-3);
+  EXPECT_GT(runs.exponential.p, 1e-3);
+}
+
+TEST(AnalyzePoses, ShowsRunsAndTumbles) {
+  const TemporaryFolder folder;
+  {
+    std::ofstream file(folder.path() / "poses.csv");
+    file << "frame,particle,x,y,theta,t\n";
+    for (const analysis::Frame& frame : tumblers(2, 120).frames) {
+      for (const analysis::FramePose& pose : frame.poses) {
+        file << frame.frame << ',' << pose.robot << ',' << pose.x * 100 << ',' << pose.y * 100
+             << ',' << pose.theta << ',' << frame.time << '\n';
+      }
+    }
+  }
+  const AnalyzedRun dut = analyzePoses(folder.path() / "poses.csv", folder.path() / "out",
+                                       {.scale = 0.01, .fps = {}},
+                                       {"rtp", {"v_cm_s=3", "gamma_per_s=1", "tau_t_s=0.5"}});
+
+  const std::string page = readFile(dut.report);
+  EXPECT_THAT(page, HasSubstr("Runs and tumbles"));
+  EXPECT_THAT(page, HasSubstr("Are run times exponential?"));
+  const std::string summary = readFile(folder.path() / "out" / "summary.json");
+  EXPECT_THAT(summary, HasSubstr("\"run_time_distribution\""));
+  EXPECT_THAT(summary, HasSubstr("\"gamma_truncated_per_s\""));
+  EXPECT_THAT(readFile(folder.path() / "out" / "run_times_rtp.svg"), HasSubstr("<svg"));
+  EXPECT_THAT(readFile(folder.path() / "out" / "tumble_angles_rtp.svg"), HasSubstr("<svg"));
+}
+
+TEST(PoseRun, CutsWhereRobotsTouch) {
+  PoseFile poses = film(2, 10);
+  for (analysis::Frame& frame : poses.frames) {
+    if (frame.time < 4 || frame.time > 5) continue;
+    frame.poses[1].x = frame.poses[0].x + 0.075;
+    frame.poses[1].y = frame.poses[0].y;
+  }
+
+  const RunRecord dut = poseRun(poses, "film", abp());
+
+  EXPECT_GT(dut.results.front().result.contact_share, 0.09);
+  EXPECT_EQ(dut.tracks.rows[2 * 135].segment, -1);
+  EXPECT_NE(dut.tracks.rows[2 * 100].segment, dut.tracks.rows[2 * 200].segment);
+}
+
+TEST(PoseRun, CutsAtAJumpThatNoWheelMakes) {
+  PoseFile poses = film(1, 20);
+  for (analysis::Frame& frame : poses.frames) {
+    if (frame.time > 10) frame.poses[0].x += 0.5;
+  }
+
+  const RunRecord dut = poseRun(poses, "film", abp());
+
+  EXPECT_EQ(dut.results.front().result.segments, 2);
+}
+
+TEST(PoseRun, BridgesFramesThatAreMissing) {
+  PoseFile poses = film(1, 20);
+  std::erase_if(poses.frames, [](const analysis::Frame& frame) { return frame.frame % 10 == 5; });
+
+  const RunRecord dut = poseRun(poses, "film", abp());
+
+  EXPECT_EQ(dut.results.front().result.segments, 1);
+}
+
+TEST(PoseRun, RefusesAProgramThatIsNone) {
+  EXPECT_THROW((void)poseRun(film(1, 1), "film", {"abb", {}}), ExperimentError);
+  EXPECT_THROW((void)poseRun(film(1, 1), "film", {"abp", {"v_cm_s=3"}}), ExperimentError);
+  EXPECT_THROW((void)poseRun(film(1, 1), "film", {"", {"v_cm_s=3"}}), ExperimentError);
+  const auto problemOf = [](const PoseProgram& program) -> std::string {
+    try {
+      static_cast<void>(poseRun(film(1, 1), "film", program));
+    } catch (const ExperimentError& error) {
+      return error.problems().front();
+    }
+    return "none";
+  };
+  EXPECT_THAT(problemOf({"zig", {}}),
+              "--program: found \"zig\", expected one of abp, noisy_abp, bp, rtp");
+  EXPECT_THAT(problemOf({"abp", {"v_cm_s=3", "eta_rad_s=3"}}),
+              testing::StartsWith("--set epsilon_s: found nothing, allowed 0.001"));
+}
+
+TEST(AnalyzePoses, WritesSummaryFiguresAndReport) {
+  const TemporaryFolder folder;
+  {
+    std::ofstream file(folder.path() / "poses.csv");
+    file << "frame,particle,x,y,theta,t\n";
+    for (const analysis::Frame& frame : film(2, 60).frames) {
+      for (const analysis::FramePose& pose : frame.poses) {
+        file << frame.frame << ',' << pose.robot << ',' << pose.x * 100 << ',' << pose.y * 100
+             << ',' << pose.theta << ',' << frame.time << '\n';
+      }
+    }
+  }
+
+  const AnalyzedRun dut = analyzePoses(folder.path() / "poses.csv", folder.path() / "out",
+                                       {.scale = 0.01, .fps = {}}, abp());
+
+  const std::string page = readFile(dut.report);
+  EXPECT_THAT(page, HasSubstr("from poses alone"));
+  EXPECT_THAT(page, testing::Not(HasSubstr("cut short")));
+  EXPECT_THAT(readFile(folder.path() / "out" / "summary.json"), HasSubstr("\"poses\""));
+  EXPECT_THAT(readFile(folder.path() / "out" / "msd_abp.svg"), HasSubstr("<svg"));
+  ASSERT_FALSE(dut.headline.empty());
+  EXPECT_THAT(dut.headline.front(), HasSubstr("abp: "));
+}
+
+}  // namespace
+}  // namespace lab::report

@@ -1,0 +1,146 @@
+#include "analyzer/report/poses/pose_units.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <random>
+#include <sstream>
+
+#include "analyzer/report/summary/findings.hpp"
+#include "analyzer/report/poses/pose_run.hpp"
+
+namespace lab::report::pose_units_test {
+namespace {
+
+using std::numbers::pi;
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+constexpr double kPeriod = 1.0 / 20;
+constexpr double kSpeed = 0.03;  // [m/s]
+constexpr double kDegrees = 180 / pi;
+
+double wrapped(double theta) { return std::remainder(theta, 2 * pi); }
+
+/// A minute of one robot that drives along its heading.
+/// @param turn [rad] in one frame
+PoseFile film(const std::function<double()>& turn, double speed = kSpeed) {
+  PoseFile poses;
+  poses.headings = poses.times = true;
+  poses.frame_period = kPeriod;
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> noise(0, 2e-4);
+  double x = 0.5;
+  double y = 0.5;
+  double theta = 2;
+  for (std::int64_t k = 0; k < 1200; ++k) {
+    const double time = static_cast<double>(k) * kPeriod;
+    poses.frames.push_back({time, k, {{1, x + noise(random), y + noise(random), theta}}});
+    x += speed * kPeriod * std::cos(theta);
+    y += speed * kPeriod * std::sin(theta);
+    theta += turn();
+  }
+  poses.rows = 1200;
+  return poses;
+}
+
+/// Turns at random, as an active Brownian robot with D_r = 0.75 rad^2/s does.
+PoseFile activeFilm() {
+  return film([random = std::mt19937_64(5), turn = std::normal_distribution<double>(
+                                                0, std::sqrt(2 * 0.75 * kPeriod))]() mutable {
+    return turn(random);
+  });
+}
+
+/// Turns so slowly that its degrees look like an unwrapped angle.
+PoseFile slowFilm() {
+  return film([] { return 0.02; });
+}
+
+PoseFile with(PoseFile poses, const std::function<double(double)>& written) {
+  for (analysis::Frame& frame : poses.frames) {
+    for (analysis::FramePose& pose : frame.poses) pose.theta = written(pose.theta);
+  }
+  return poses;
+}
+
+PoseFile slowed(PoseFile poses, double factor) {
+  for (analysis::Frame& frame : poses.frames) frame.time *= factor;
+  poses.frame_period *= factor;
+  return poses;
+}
+
+TEST(PoseUnits, TellDegreesByTheirSteps) {
+  const auto doubts =
+      unitDoubts(with(activeFilm(), [](double theta) { return wrapped(theta) * kDegrees; }));
+
+  EXPECT_THAT(doubts, ElementsAre(AllOf(HasSubstr("headings cannot be radians"),
+                                        HasSubstr("they are in degrees"))));
+}
+
+TEST(PoseUnits, TellDegreesThatTurnSlowlyByTheMotion) {
+  const auto unwrapped =
+      unitDoubts(with(slowFilm(), [](double theta) { return theta * kDegrees; }));
+  const auto backwards =
+      unitDoubts(with(slowFilm(), [](double theta) { return wrapped(theta + pi) * kDegrees; }));
+
+  EXPECT_THAT(unwrapped, ElementsAre(HasSubstr("the motion is along theta pi / 180")));
+  EXPECT_THAT(backwards, ElementsAre(HasSubstr("the motion is along theta pi / 180")));
+}
+
+TEST(PoseUnits, LeaveRadiansAlone) {
+  const auto same = [](double theta) { return theta; };
+  const auto positive = [](double theta) { return wrapped(theta) + pi; };
+  for (const auto& written :
+       {std::function<double(double)>(same), std::function<double(double)>(wrapped),
+        std::function<double(double)>(positive)}) {
+    EXPECT_THAT(unitDoubts(with(activeFilm(), written)), IsEmpty());
+    EXPECT_THAT(unitDoubts(with(slowFilm(), written)), IsEmpty());
+    EXPECT_THAT(unitDoubts(with(film([] { return 1.0; }), written)), IsEmpty()) << "spins fast";
+    EXPECT_THAT(unitDoubts(with(film([] { return 0.3; }, 0), written)), IsEmpty()) << "on the spot";
+  }
+}
+
+TEST(PoseUnits, LeaveFilmsWithoutHeadingsAlone) {
+  PoseFile poses = with(activeFilm(), [](double theta) { return theta * kDegrees; });
+  poses.headings = false;
+
+  EXPECT_THAT(unitDoubts(poses), IsEmpty());
+}
+
+TEST(PoseUnits, DoubtTimesThatNoCameraKeeps) {
+  EXPECT_THAT(unitDoubts(slowed(slowFilm(), 1000)),
+              ElementsAre(AllOf(HasSubstr("0.02 frames a second"), HasSubstr("in ms?"))));
+  EXPECT_THAT(unitDoubts(slowed(slowFilm(), 1e6)), ElementsAre(HasSubstr("in us?")));
+  EXPECT_THAT(unitDoubts(slowed(slowFilm(), 1.0 / 60)), ElementsAre(HasSubstr("in minutes")));
+  EXPECT_THAT(unitDoubts(slowed(slowFilm(), 40)), IsEmpty()) << "a picture every two seconds";
+  PoseFile by_hand = slowed(slowFilm(), 1000);
+  by_hand.times = false;  // --fps 0.02
+  EXPECT_THAT(unitDoubts(by_hand), IsEmpty());
+}
+
+TEST(PoseUnits, AreDoubtedInTheFirstLine) {
+  std::string text = "frame,id,x_cm,y_cm,theta_rad,t_s\n";
+  for (const analysis::Frame& frame : slowFilm().frames) {
+    const analysis::FramePose& pose = frame.poses.front();
+    text += fmt::format("{},1,{},{},{},{}\n", frame.frame, pose.x * 100, pose.y * 100,
+                        pose.theta * kDegrees, frame.time * 1000);
+  }
+  std::istringstream file(text);
+
+  const std::vector<std::string> dut =
+      headlines(poseRun(readPoses(file, "poses.csv"), "poses", {}));
+
+  ASSERT_GE(dut.size(), 3U);
+  EXPECT_THAT(dut[0], HasSubstr("are in degrees"));
+  EXPECT_THAT(dut[1], HasSubstr("in ms?"));
+}
+
+}  // namespace
+}  // namespace lab::report::pose_units_test

@@ -1,0 +1,174 @@
+#include "analyzer/report/record/message_loss.hpp"
+
+#include <gtest/gtest.h>
+
+#include "common/bus/channels.hpp"
+
+namespace lab::report {
+namespace {
+
+constexpr std::int64_t kSecond = 1'000'000;
+constexpr std::int64_t kLogBegins = 1000 * kSecond;
+
+/// Speaks to a ledger as one start of one service.
+class Sender {
+ public:
+  Sender(LossLedger& ledger, std::string name, std::int64_t instance, std::int64_t start_utime)
+      : ledger_(ledger), name_(std::move(name)), instance_(instance), start_utime_(start_utime) {}
+
+  void say(std::string_view channel, std::int64_t seq, std::int64_t received_utime = kLogBegins,
+           std::int64_t age_us = 0) {
+    Header header;
+    header.utime = received_utime - age_us;
+    header.sender = name_;
+    header.instance = instance_;
+    header.seq = seq;
+    ledger_.count(channel, header, received_utime);
+  }
+
+  void status(std::int64_t seq, const std::vector<std::pair<std::string, std::int64_t>>& sent,
+              bool ended) {
+    say(channels::kServiceStatus, seq);
+    service_status_t status{};
+    status.sender = name_;
+    status.instance = instance_;
+    status.start_utime = start_utime_;
+    status.state = ended ? service_status_t::ENDED : service_status_t::READY;
+    for (const auto& [channel, messages] : sent) status.sent.push_back({channel, messages});
+    ledger_.take(status);
+  }
+
+ private:
+  LossLedger& ledger_;
+  std::string name_;
+  std::int64_t instance_;
+  std::int64_t start_utime_;
+};
+
+StreamLoss find(const LossLedger& ledger, const std::string& sender, std::string_view channel,
+                int start = 1) {
+  for (const StreamLoss& loss : ledger.streams()) {
+    if (loss.sender == sender && loss.channel == channel && loss.start == start) return loss;
+  }
+  ADD_FAILURE() << "no stream " << channel << " of " << sender;
+  return {};
+}
+
+TEST(LossLedger, CountsWhatASenderThatStartedInTheLogSaysItSent) {
+  LossLedger dut;
+  Sender service(dut, "sim_svc", 7, kLogBegins);
+
+  for (std::int64_t seq = 3; seq <= 98; ++seq) service.say("TRACKED_FRAME", seq);
+  service.status(1, {{"TRACKED_FRAME", 100}, {"SERVICE_STATUS", 1}}, true);
+
+  // The first two and the last two left no gap that could be seen from inside.
+  EXPECT_EQ(find(dut, "sim_svc", "TRACKED_FRAME").lost, 4);
+  EXPECT_EQ(find(dut, "sim_svc", "TRACKED_FRAME").received, 96);
+  EXPECT_FALSE(find(dut, "sim_svc", "TRACKED_FRAME").at_least);
+}
+
+TEST(LossLedger, CountsAStreamOfWhichNothingArrived) {
+  LossLedger dut;
+  Sender service(dut, "sim_svc", 7, kLogBegins);
+
+  service.status(1, {{"SIM_TRUTH", 40}, {"SERVICE_STATUS", 1}}, true);
+
+  EXPECT_EQ(find(dut, "sim_svc", "SIM_TRUTH").lost, 40);
+}
+
+TEST(LossLedger, CountsFromTheFirstMessageOfASenderThatWasThereBefore) {
+  LossLedger dut;
+  Sender service(dut, "sim_svc", 7, kLogBegins - 60 * kSecond);
+
+  service.say("TRACKED_FRAME", 501);
+  service.status(61, {{"TRACKED_FRAME", 501}, {"SERVICE_STATUS", 61}}, false);
+  service.say("TRACKED_FRAME", 503);
+  service.status(62, {{"TRACKED_FRAME", 503}, {"SERVICE_STATUS", 62}}, true);
+
+  EXPECT_EQ(find(dut, "sim_svc", "TRACKED_FRAME").lost, 1);
+  EXPECT_EQ(find(dut, "sim_svc", "SERVICE_STATUS").lost, 0);
+}
+
+TEST(LossLedger, CountsAChannelThatBeganAfterTheLogFromItsFirstMessage) {
+  LossLedger dut;
+  Sender service(dut, "lab", 7, kLogBegins - 2 * kSecond);
+
+  service.status(3, {{"SERVICE_STATUS", 3}}, false);
+  service.say("EXPERIMENT_EVENT", 2);
+  service.status(4, {{"EXPERIMENT_EVENT", 2}, {"SERVICE_STATUS", 4}}, true);
+
+  EXPECT_EQ(find(dut, "lab", "EXPERIMENT_EVENT").lost, 1);
+}
+
+TEST(LossLedger, GivesALowerBoundForAKilledSender) {
+  LossLedger dut;
+  Sender service(dut, "sim_svc", 7, kLogBegins);
+
+  service.status(1, {{"TRACKED_FRAME", 0}, {"SERVICE_STATUS", 1}}, false);
+  for (const std::int64_t seq : {1, 2, 5, 6}) service.say("TRACKED_FRAME", seq);
+
+  EXPECT_EQ(find(dut, "sim_svc", "TRACKED_FRAME").lost, 2);
+  EXPECT_TRUE(find(dut, "sim_svc", "TRACKED_FRAME").at_least);
+}
+
+TEST(LossLedger, CountsCommandsThoughTheirNumbersRepeat) {
+  LossLedger dut;
+  Sender service(dut, "lab", 7, kLogBegins);
+
+  for (int i = 0; i < 9; ++i) service.say(channels::kRobotCommand, 1);
+  service.say(channels::kRobotCommand, 2);
+  service.status(1, {{"ROBOT_COMMAND", 12}, {"SERVICE_STATUS", 1}}, true);
+
+  EXPECT_EQ(find(dut, "lab", "ROBOT_COMMAND").lost, 2);
+}
+
+TEST(LossLedger, CountsCommandsOfASenderThatWasThereBeforeFromItsFirstStatus) {
+  LossLedger dut;
+  Sender service(dut, "lab", 7, kLogBegins - 60 * kSecond);
+
+  service.say(channels::kRobotCommand, 1);
+  service.status(61, {{"ROBOT_COMMAND", 300}, {"SERVICE_STATUS", 61}}, false);
+  for (int i = 0; i < 3; ++i) service.say(channels::kRobotCommand, 1);
+  service.status(62, {{"ROBOT_COMMAND", 305}, {"SERVICE_STATUS", 62}}, true);
+
+  EXPECT_EQ(find(dut, "lab", "ROBOT_COMMAND").lost, 2);
+}
+
+TEST(LossLedger, KeepsTheStartsOfOneServiceApart) {
+  LossLedger dut;
+  Sender first(dut, "sim_svc", 7, kLogBegins);
+  Sender second(dut, "sim_svc", 9, kLogBegins + kSecond);
+
+  first.say("TRACKED_FRAME", 1);
+  second.say("TRACKED_FRAME", 2);
+  second.status(1, {{"TRACKED_FRAME", 2}, {"SERVICE_STATUS", 1}}, true);
+
+  EXPECT_EQ(find(dut, "sim_svc", "TRACKED_FRAME", 1).lost, 0);
+  EXPECT_TRUE(find(dut, "sim_svc", "TRACKED_FRAME", 1).at_least);
+  EXPECT_EQ(find(dut, "sim_svc", "TRACKED_FRAME", 2).lost, 1);
+  EXPECT_FALSE(find(dut, "sim_svc", "TRACKED_FRAME", 2).at_least);
+}
+
+TEST(LossLedger, DoesNotCallALateMessageLost) {
+  LossLedger dut;
+  Sender service(dut, "sim_svc", 7, kLogBegins);
+
+  for (const std::int64_t seq : {2, 1, 4, 3}) service.say("TRACKED_FRAME", seq);
+  service.status(1, {{"TRACKED_FRAME", 4}, {"SERVICE_STATUS", 1}}, true);
+
+  EXPECT_EQ(find(dut, "sim_svc", "TRACKED_FRAME").lost, 0);
+}
+
+TEST(LossLedger, RemembersTheLargestAge) {
+  LossLedger dut;
+  Sender service(dut, "sim_svc", 7, kLogBegins);
+
+  service.say("TRACKED_FRAME", 1, kLogBegins, 20'000);
+  service.say("TRACKED_FRAME", 2, kLogBegins + 1, 35'000);
+  service.say("TRACKED_FRAME", 3, kLogBegins + 2, 10'000);
+
+  EXPECT_DOUBLE_EQ(find(dut, "sim_svc", "TRACKED_FRAME").largest_age, 0.035);
+}
+
+}  // namespace
+}  // namespace lab::report

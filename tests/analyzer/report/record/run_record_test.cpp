@@ -1,0 +1,309 @@
+#include "analyzer/report/record/run_record.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <utility>
+
+#include "common/bus/channels.hpp"
+#include "common/bus/codec.hpp"
+#include "common/bus/message_header.hpp"
+#include "analyzer/report_error.hpp"
+#include "tests/analyzer/report/synthetic_lab.hpp"
+
+namespace lab::report {
+namespace {
+
+using testing::HasSubstr;
+
+class RunRecordTest : public testing::Test {
+ protected:
+  [[nodiscard]] std::filesystem::path log() const { return folder_.path() / "log.lcmlog"; }
+  [[nodiscard]] RunRecord read() const { return readRun(logFiles(log())); }
+  [[nodiscard]] std::string problem() const {
+    try {
+      static_cast<void>(read());
+    } catch (const ReportError& error) {
+      return error.what();
+    }
+    return "none";
+  }
+
+  TemporaryFolder folder_;
+  Experiment experiment_ =
+      syntheticExperiment(2, 20, 20, {paperAbp(), paperRtp()}, 5);  // 4 steps of light
+};
+
+StreamLoss streamOf(const RunRecord& record, const std::string& sender, std::string_view channel,
+                    int start = 1) {
+  for (const StreamLoss& loss : record.log.streams) {
+    if (loss.sender == sender && loss.channel == channel && loss.start == start) return loss;
+  }
+  ADD_FAILURE() << "no stream " << channel << " of " << sender;
+  return {};
+}
+
+TEST_F(RunRecordTest, TellsAnUndisturbedRun) {
+  SyntheticLab(log(), experiment_).run();
+
+  const RunRecord dut = read();
+
+  ASSERT_TRUE(dut.experiment.has_value()) << dut.experiment_problem;
+  EXPECT_EQ(dut.experiment->seed, experiment_.seed);
+  EXPECT_TRUE(dut.ended);
+  EXPECT_NEAR(dut.duration(), 20, 1e-6);
+  EXPECT_EQ(dut.log.frames, 400);
+  EXPECT_EQ(dut.tracks.rows.size(), 800U);
+  EXPECT_EQ(dut.missing_frames, 0);
+  ASSERT_EQ(dut.steps.size(), 4U);  // each was said three times
+  EXPECT_EQ(dut.steps[1].label, "light for rtp");
+  EXPECT_EQ(dut.steps[1].presented_utime - dut.steps[1].commanded_utime, 17'000);
+  ASSERT_EQ(dut.light.size(), 4U);
+  EXPECT_DOUBLE_EQ(dut.light[1].low, 0.75);
+  EXPECT_TRUE(dut.light[1].uniform);
+  ASSERT_EQ(dut.programs.size(), 2U);
+  EXPECT_EQ(dut.programs[0].name, "abp");
+  EXPECT_TRUE(dut.log.virtual_time);
+  for (const StreamLoss& loss : dut.log.streams) {
+    EXPECT_EQ(loss.lost, 0) << loss.channel << " of " << loss.sender;
+    EXPECT_FALSE(loss.at_least) << loss.channel << " of " << loss.sender;
+  }
+}
+
+TEST_F(RunRecordTest, KnowsWhichProgramEveryRobotRanWhen) {
+  SyntheticLab(log(), experiment_).run();
+
+  const RunRecord dut = read();
+
+  ASSERT_EQ(dut.robots.size(), 2U);
+  std::vector<int> programs;
+  for (const ProgramSpan& span : dut.robots.at(1).programs) {
+    if (span.program >= 0) programs.push_back(span.program);
+  }
+  EXPECT_THAT(programs, testing::ElementsAre(0, 1, 0, 1));
+  // 10 s after the start: the third step, and every row says so.
+  for (std::size_t i = 0; i < dut.tracks.frames.size(); ++i) {
+    const double t = dut.seconds(dut.tracks.frames[i].utime);
+    if (t < 10.1 || t > 14.9) continue;
+    EXPECT_EQ(dut.tracks.rows[dut.tracks.frames[i].first_row].program, 0) << t;
+  }
+}
+
+TEST_F(RunRecordTest, CountsWhatTheLoggerMissedToTheMessage) {
+  std::int64_t frames_lost = 0;
+  std::int64_t statuses_lost = 0;
+  SyntheticLab(log(), experiment_, [&](const Packet& packet) {
+    const auto header = peekHeader(packet.data);
+    // The first, some in the middle, and the last ones, which leave no gap.
+    const bool lose_frame = packet.channel == channels::kTrackedFrame &&
+                            (header->seq == 1 || header->seq % 50 == 7 || header->seq > 397);
+    // Four of the five closing messages of sim_svc: 21 beats and one of READY come before.
+    const bool lose_status = packet.channel == channels::kServiceStatus &&
+                             header->sender == "sim_svc" && header->seq > 23;
+    frames_lost += lose_frame ? 1 : 0;
+    statuses_lost += lose_status ? 1 : 0;
+    return !lose_frame && !lose_status;
+  }).run();
+
+  const RunRecord dut = read();
+
+  ASSERT_GT(frames_lost, 8);
+  ASSERT_GT(statuses_lost, 0);
+  EXPECT_EQ(streamOf(dut, "sim_svc", channels::kTrackedFrame).lost, frames_lost);
+  EXPECT_EQ(streamOf(dut, "sim_svc", channels::kServiceStatus).lost, statuses_lost);
+  EXPECT_FALSE(streamOf(dut, "sim_svc", channels::kTrackedFrame).at_least);
+  EXPECT_EQ(streamOf(dut, "sim_svc", channels::kRobotStatus).lost, 0);
+}
+
+TEST_F(RunRecordTest, CutsAndCountsApartWhereAServiceWasRestarted) {
+  {
+    SyntheticLab lab(log(), experiment_);
+    lab.begin();
+    lab.runUntil(8.02);
+    lab.restartSimulation();
+    lab.runUntil(20);
+    lab.end();
+  }
+
+  const RunRecord dut = read();
+
+  EXPECT_TRUE(streamOf(dut, "sim_svc", channels::kTrackedFrame, 1).at_least);
+  EXPECT_FALSE(streamOf(dut, "sim_svc", channels::kTrackedFrame, 2).at_least);
+  EXPECT_EQ(streamOf(dut, "sim_svc", channels::kTrackedFrame, 1).received +
+                streamOf(dut, "sim_svc", channels::kTrackedFrame, 2).received,
+            400);
+  EXPECT_EQ(dut.robots.at(1).boots, 2);
+  EXPECT_EQ(dut.missing_frames, 0);
+  // No piece of free motion spans the restart, where the robots began again elsewhere.
+  std::int32_t before = -1;
+  std::int32_t after = -1;
+  for (std::size_t i = 0; i < dut.tracks.frames.size(); ++i) {
+    const TrackRow& row = dut.tracks.rows[dut.tracks.frames[i].first_row];
+    if (row.segment < 0) continue;
+    (dut.seconds(dut.tracks.frames[i].utime) < 8.02 ? before : after) = row.segment;
+    if (after >= 0) break;
+  }
+  EXPECT_GE(before, 0);
+  EXPECT_GT(after, before);
+}
+
+TEST_F(RunRecordTest, KeepsFaultsAndMarksOnceEach) {
+  {
+    SyntheticLab lab(log(), experiment_);
+    lab.begin();
+    lab.runUntil(3);
+    lab.fault("sim_svc died");
+    lab.mark("door opened");
+    lab.runUntil(20);
+    lab.end();
+  }
+
+  const RunRecord dut = read();
+
+  ASSERT_EQ(dut.faults.size(), 1U);
+  EXPECT_EQ(dut.faults[0].text, "sim_svc died");
+  EXPECT_NEAR(dut.seconds(dut.faults[0].utime), 3, 1e-6);
+  ASSERT_EQ(dut.marks.size(), 1U);
+}
+
+TEST_F(RunRecordTest, CountsWhatCommandsByHandLostAndTakesThemForNoServices) {
+  {
+    bool dropped = false;
+    SyntheticLab lab(log(), experiment_, [&](const Packet& packet) {
+      return packet.channel != channels::kExperimentCommand || std::exchange(dropped, true);
+    });
+    lab.begin();
+    lab.runUntil(3);
+    lab.markByHand("hello");
+    lab.runUntil(experiment_.duration);
+    lab.end();
+  }
+
+  const RunRecord dut = read();
+
+  const StreamLoss wishes = streamOf(dut, "lab_mark", channels::kExperimentCommand);
+  EXPECT_EQ(wishes.received, 1);
+  EXPECT_EQ(wishes.lost, 1);
+  EXPECT_EQ(totalOf(dut.log.streams).lost, 1);
+  EXPECT_FALSE(totalOf(dut.log.streams).at_least);
+  std::vector<std::string> services;
+  for (const ServiceRecord& service : dut.services) services.push_back(service.name);
+  EXPECT_THAT(services, testing::ElementsAre("lab", "projector_ctl", "sim_svc"));
+}
+
+TEST_F(RunRecordTest, SaysThatAKilledRunHasNoEnd) {
+  {
+    SyntheticLab unfinished(log(), experiment_);
+    unfinished.begin();
+    unfinished.runUntil(12);
+  }
+
+  const RunRecord dut = read();
+
+  EXPECT_FALSE(dut.ended);
+  EXPECT_NEAR(dut.duration(), 12, 0.1);
+  EXPECT_TRUE(streamOf(dut, "sim_svc", channels::kTrackedFrame).at_least);
+}
+
+TEST_F(RunRecordTest, ReadsATruncatedAndDamagedLog) {
+  SyntheticLab(log(), experiment_).run();
+  const std::string whole = readFile(log());
+  std::string damaged = whole.substr(0, whole.size() - 11);
+  damaged.replace(damaged.size() / 2, 40, 40, 'x');
+  std::filesystem::remove(log());
+  std::ofstream(log(), std::ios::binary) << damaged;
+
+  const RunRecord dut = read();
+
+  EXPECT_GT(dut.log.frames, 390);
+  std::int64_t missing = 0;
+  for (const StreamLoss& loss : dut.log.streams) missing += loss.lost;
+  for (const auto& [channel, errors] : dut.log.decode_errors) missing += errors;
+  EXPECT_GT(missing + dut.log.damaged_places, 0);
+}
+
+TEST_F(RunRecordTest, FollowsTheLogOverItsContinuations) {
+  SyntheticLab(log(), experiment_).run();
+  const std::string whole = readFile(log());
+  // lcm-logger was restarted: the rest stands in a second file.
+  const std::string sync = "\xed\xa1\xda\x01";
+  const std::size_t cut = whole.find(sync, whole.size() / 2);
+  std::ofstream(log(), std::ios::binary) << whole.substr(0, cut);
+  std::ofstream(log().string() + ".01", std::ios::binary) << whole.substr(cut);
+
+  const RunRecord dut = read();
+
+  EXPECT_EQ(dut.log.frames, 400);
+  for (const StreamLoss& loss : dut.log.streams) EXPECT_EQ(loss.lost, 0);
+}
+
+TEST_F(RunRecordTest, RefusesALogOfAnotherContractVersion) {
+  {
+    LogWriter writer(log());
+    experiment_event_t start{};
+    start.kind = experiment_event_t::START;
+    start.sender = "lab";
+    start.contract_version = 7;
+    start.version = "9.9.9";
+    const auto bytes = encode(start);
+    writer.write({channels::kExperimentEvent, bytes, 1'000'000});
+  }
+
+  EXPECT_THAT(problem(), HasSubstr("Active Lab 9.9.9 under contract version 7"));
+  EXPECT_THAT(problem(), HasSubstr("reads contract versions 1 to 4"));
+}
+
+TEST_F(RunRecordTest, NamesAnUnknownTypeHash) {
+  {
+    LogWriter writer(log());
+    tracked_frame_t frame{};
+    frame.sender = "tracker_svc";
+    auto bytes = encode(frame);
+    bytes[0] ^= 0x55;
+    writer.write({channels::kTrackedFrame, bytes, 1'000'000});
+  }
+
+  EXPECT_THAT(problem(), HasSubstr("TRACKED_FRAME carries messages of an unknown type (hash "));
+}
+
+TEST_F(RunRecordTest, CallsASingleForeignMessageADecodeError) {
+  {
+    LogWriter writer(log());
+    tracked_frame_t frame{};
+    frame.sender = "sim_svc";
+    const auto good = encode(frame);
+    auto bad = good;
+    bad[0] ^= 0x55;
+    const std::vector<std::uint8_t> nonsense{1, 2, 3};
+    writer.write({channels::kTrackedFrame, good, 1'000'000});
+    writer.write({channels::kTrackedFrame, bad, 1'000'001});
+    writer.write({channels::kTrackedFrame, nonsense, 1'000'002});
+    writer.write({"SOMETHING_ELSE", nonsense, 1'000'003});
+  }
+
+  const RunRecord dut = read();
+
+  EXPECT_EQ(dut.log.decode_errors.at("TRACKED_FRAME"), 2);
+  EXPECT_EQ(dut.log.other_channels.at("SOMETHING_ELSE"), 1);
+  EXPECT_EQ(dut.log.frames, 1);
+}
+
+TEST_F(RunRecordTest, SeesWhereTheLightDependsOnPlace) {
+  experiment_.light.steps[1].layers[0].kind = 3;  // a disk
+  experiment_.light.steps[1].layers[0].x = 0.6;
+  experiment_.light.steps[1].layers[0].y = 0.45;
+  experiment_.light.steps[1].layers[0].size = 0.3;
+  SyntheticLab(log(), experiment_).run();
+
+  const RunRecord dut = read();
+
+  ASSERT_GE(dut.light.size(), 2U);
+  EXPECT_TRUE(dut.light[0].uniform);
+  EXPECT_FALSE(dut.light[1].uniform);
+  EXPECT_DOUBLE_EQ(dut.light[1].low, 0);
+  EXPECT_DOUBLE_EQ(dut.light[1].high, 0.75);
+}
+
+}  // namespace
+}  // namespace lab::report

@@ -1,0 +1,140 @@
+#include "analyzer/report/reproduction/reproduction_plan.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+
+#include "common/experiment/experiment_file.hpp"
+#include "analyzer/report_error.hpp"
+
+namespace lab::report {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+std::vector<std::string> idsOf(const std::vector<PaperPanel>& panels) {
+  std::vector<std::string> ids;
+  for (const PaperPanel& panel : panels) ids.push_back(panel.id);
+  return ids;
+}
+
+const PaperPanel& panel(const std::string& id) {
+  for (const PaperPanel& one : paperPanels()) {
+    if (one.id == id) return one;
+  }
+  throw std::out_of_range(id);
+}
+
+std::set<double> values(const std::vector<std::string>& ids, double ProgramSpec::*key) {
+  std::set<double> all;
+  for (const std::string& id : ids) all.insert(paperSet(id).program.*key);
+  return all;
+}
+
+TEST(ReproductionPlan, HasEveryPanelOfTheFigures) {
+  EXPECT_THAT(idsOf(paperPanels()), ElementsAre("2a", "2b", "2c", "2d", "2e", "3a", "3b", "3c",
+                                                "3d", "4b", "4c", "4d", "4e"));
+}
+
+TEST(ReproductionPlan, HasWhatThePaperPrints) {
+  const ProgramSpec& b2 = paperSet(panel("2b").curves.at(0)).program;
+  EXPECT_DOUBLE_EQ(b2.v, 0.03);
+  EXPECT_DOUBLE_EQ(b2.epsilon, 0.5);
+  EXPECT_DOUBLE_EQ(b2.eta, 3);
+  EXPECT_EQ(panel("2a").curves, panel("2b").curves);
+  EXPECT_EQ(values(panel("2c").points, &ProgramSpec::eta), (std::set<double>{3}));
+  EXPECT_EQ(values(panel("2d").points, &ProgramSpec::epsilon), (std::set<double>{0.25}));
+  EXPECT_EQ(values(panel("2e").curves, &ProgramSpec::epsilon), (std::set<double>{0.25}));
+
+  const ProgramSpec& b3 = paperSet(panel("3b").curves.at(0)).program;
+  EXPECT_EQ(b3.model, Model::kNoisyAbp);
+  EXPECT_DOUBLE_EQ(b3.va, 0.01);
+  EXPECT_DOUBLE_EQ(b3.V, 0.10);
+  EXPECT_DOUBLE_EQ(b3.epsilon, 0.1);
+  const ProgramSpec& c3 = paperSet(panel("3c").curves.at(0)).program;
+  EXPECT_EQ(c3.model, Model::kBp);
+  EXPECT_DOUBLE_EQ(c3.V, 0.07);
+  EXPECT_DOUBLE_EQ(c3.epsilon, 0.2);
+  EXPECT_EQ(values(panel("3d").curves, &ProgramSpec::epsilon), (std::set<double>{0.2}));
+
+  const PaperSet& b4 = paperSet(panel("4b").curves.at(0));
+  EXPECT_TRUE(b4.short_film);
+  EXPECT_DOUBLE_EQ(b4.program.v, 0.05);
+  EXPECT_DOUBLE_EQ(b4.program.gamma, 3);
+  EXPECT_DOUBLE_EQ(b4.program.tau_t, 0.5);
+  EXPECT_EQ(panel("4c").curves, panel("4b").curves);
+  EXPECT_EQ(values(panel("4d").curves, &ProgramSpec::tau_t), (std::set<double>{0.5}));
+  EXPECT_EQ(values(panel("4e").curves, &ProgramSpec::gamma), (std::set<double>{1}));
+}
+
+TEST(ReproductionPlan, SaysWhatWasChosen) {
+  EXPECT_EQ(values(panel("2c").curves, &ProgramSpec::epsilon), (std::set<double>{0.1, 0.5, 0.9}));
+  EXPECT_EQ(values(panel("2c").points, &ProgramSpec::epsilon),
+            (std::set<double>{0.1, 0.25, 0.5, 0.7, 0.9}));
+  EXPECT_EQ(values(panel("2d").curves, &ProgramSpec::eta), (std::set<double>{1, 3, 6}));
+  EXPECT_EQ(values(panel("2e").curves, &ProgramSpec::eta), (std::set<double>{1, 2, 3, 4, 5, 6}));
+  EXPECT_EQ(panel("3d").points.size(), 9U);
+  EXPECT_EQ(values(panel("4d").curves, &ProgramSpec::gamma), (std::set<double>{0.5, 1, 2, 3}));
+  EXPECT_EQ(values(panel("4e").curves, &ProgramSpec::tau_t), (std::set<double>{0.5, 1, 2}));
+  for (const char* id : {"2c", "2d", "2e", "3d", "4d", "4e"}) {
+    EXPECT_FALSE(panel(id).chosen.empty()) << id;
+  }
+  for (const char* id : {"2a", "2b", "3a", "3b", "3c", "4b", "4c"}) {
+    EXPECT_TRUE(panel(id).chosen.empty()) << id;
+  }
+}
+
+TEST(ReproductionPlan, FilmsEachSetOnce) {
+  std::set<std::string> ids;
+  for (const PaperSet& set : paperSets()) EXPECT_TRUE(ids.insert(set.id).second) << set.id;
+  EXPECT_EQ(setsOf(paperPanels()).size(), paperSets().size()) << "a set that no panel shows";
+  EXPECT_EQ(setsOf(choosePanels("2a,2b")).size(), 1U);
+}
+
+TEST(ReproductionPlan, MakesValidExperimentsWithSeedsOfTheirOwn) {
+  std::set<std::uint64_t> seeds;
+  for (const PaperSet& set : paperSets()) {
+    for (const bool firmware : {false, true}) {
+      const FilmOptions options{.hours = 0.5, .seed = 7, .through_firmware = firmware};
+      const Experiment dut = parseExperiment(experimentText(set, options), set.id);
+
+      const auto programs = dut.programs;
+      ASSERT_EQ(programs.size(), 1U);
+      EXPECT_EQ(programs.begin()->second, set.program) << set.id;
+      EXPECT_DOUBLE_EQ(dut.duration, set.short_film ? 180 : 1800);
+      EXPECT_GE(dut.camera.fps, 50);
+      EXPECT_GT(dut.camera.position_noise, 0);
+      EXPECT_DOUBLE_EQ(dut.reversal.distance, 0.40);
+      EXPECT_EQ(dut.robots.at(0).body, firmware ? Body::kFirmware : Body::kSim);
+      if (!firmware) {
+        EXPECT_TRUE(seeds.insert(dut.seed).second);
+      }
+    }
+    const FilmOptions second{.seed = 7, .member = 1};
+    EXPECT_TRUE(seeds.insert(parseExperiment(experimentText(set, second), set.id).seed).second);
+  }
+}
+
+TEST(ReproductionPlan, ChoosesPanelsAndWholeFigures) {
+  EXPECT_THAT(idsOf(choosePanels("3d, 2b")), ElementsAre("2b", "3d"));
+  EXPECT_THAT(idsOf(choosePanels("4")), ElementsAre("4b", "4c", "4d", "4e"));
+  EXPECT_THAT(idsOf(choosePanels("fig3")), ElementsAre("3a", "3b", "3c", "3d"));
+  EXPECT_EQ(choosePanels("").size(), paperPanels().size());
+}
+
+TEST(ReproductionPlan, NamesWhatIsNoPanel) {
+  for (const char* wrong : {"5", "2b,", "4a", "b", "2bb"}) {
+    try {
+      static_cast<void>(choosePanels(wrong));
+      FAIL() << wrong;
+    } catch (const ReportError& error) {
+      EXPECT_THAT(error.what(), HasSubstr("allowed a list of 2a, 2b")) << wrong;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace lab::report

@@ -1,0 +1,100 @@
+#pragma once
+
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <random>
+#include <vector>
+
+#include "analyzer/runs/run_finder.hpp"
+#include "tests/analyzer/walker.hpp"
+
+namespace lab::analysis {
+
+/// A film of a robot that runs and tumbles, with what it really did; laws other than RTP's too.
+struct RunFilm {
+  using Draw = std::function<double(std::mt19937_64&)>;
+
+  ProgramLaw law;
+  double duration = 3600;  ///< s.
+  double fps = 49.7;
+  double sigma = 0.0005;       ///< m.
+  double sigma_theta = 0.025;  ///< rad.
+  double missing = 0;          ///< Share of frames that are lost.
+  std::uint64_t seed = 1;
+  Draw run{};               ///< s; none: exponential.
+  Draw turn{};              ///< rad; none: uniform on (-pi, pi].
+  double speed_factor = 1;  ///< Of the real robot.
+  double tumble_factor = 1;
+};
+
+struct RunTruth {
+  std::vector<double> runs;
+  std::vector<double> turns;
+  double run_time = 0;
+};
+
+/// The samples of a film in an endless plane.
+inline std::vector<Sample> filmRuns(const RunFilm& film, RunTruth* truth = nullptr) {
+  std::mt19937_64 random(film.seed);
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> uniform(0, 1);
+  const double v = film.law.v * film.speed_factor;
+  const double tau = film.law.tau_t * film.tumble_factor;
+  const auto draw_run = [&] {
+    return film.run ? film.run(random)
+                    : std::exponential_distribution<double>(film.law.gamma)(random);
+  };
+  const auto draw_turn = [&] {
+    return film.turn ? film.turn(random) : (2 * uniform(random) - 1) * std::numbers::pi;
+  };
+  double x = 0;
+  double y = 0;
+  double theta = 0;
+  // Long enough before the film for the stationary state.
+  double time = -20 * (1 / film.law.gamma + tau) * uniform(random);
+  bool run = true;
+  double left = draw_run();
+  double turning = 0;
+  double next = uniform(random) / film.fps;
+  std::vector<Sample> samples;
+  while (time < film.duration) {
+    const bool is_frame = next < time + left;
+    const double dt = is_frame ? next - time : left;
+    if (run) {
+      x += v * dt * std::cos(theta);
+      y += v * dt * std::sin(theta);
+      if (truth != nullptr) truth->run_time += std::max(0.0, std::min(dt, time + dt));
+    } else {
+      theta += turning * dt;
+    }
+    time += dt;
+    left -= dt;
+    if (is_frame) {
+      Sample sample;
+      sample.time = sample.free_time = time;
+      sample.x = x + film.sigma * normal(random);
+      sample.y = y + film.sigma * normal(random);
+      sample.theta = theta + film.sigma_theta * normal(random);
+      sample.program = 0;
+      if (uniform(random) >= film.missing) samples.push_back(sample);
+      next += 1 / film.fps;
+      continue;
+    }
+    run = !run;
+    left = run ? draw_run() : tau;
+    if (!run) turning = draw_turn() / tau;
+    if (truth != nullptr && time > 0) {
+      (run ? truth->runs : truth->turns).push_back(run ? left : turning * tau);
+    }
+  }
+  return samples;
+}
+
+inline FoundRuns findRuns(const RunFilm& film, const std::vector<Sample>& samples) {
+  RunFinder finder(film.law, 1 / film.fps);
+  for (const Sample& sample : samples) finder.add(sample);
+  return finder.find();
+}
+
+}  // namespace lab::analysis

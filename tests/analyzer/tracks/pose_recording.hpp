@@ -1,0 +1,82 @@
+#pragma once
+
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <vector>
+
+#include "analyzer/tracks/reversal_finder.hpp"
+#include "tests/analyzer/recording_ensemble.hpp"
+#include "tests/analyzer/walker.hpp"
+
+namespace lab::analysis {
+
+/// A film of which only the poses are known.
+struct PoseFilm {
+  std::vector<TrackPoint> track;
+  std::vector<FoundReversal> truth;
+};
+
+inline PoseFilm posesOf(const Film& film) {
+  PoseFilm result;
+  Walker walker(film);
+  walker.on_frame = [&](const TrackPoint& point) {
+    result.track.push_back(point);
+    result.track.back().sigma = 0;  // a CSV file says nothing of it
+    result.track.back().sigma_theta = 0;
+  };
+  walker.on_telemetry = [&](const RobotTelemetry& told) {
+    const auto count = static_cast<std::size_t>(told.reversal_count);
+    if (count > result.truth.size()) result.truth.resize(count);
+    if (count > 0 && !told.reversing) {
+      result.truth[count - 1].start = told.reversal_start;
+      result.truth[count - 1].end = told.reversal_end;
+    }
+  };
+  walker.run();
+  return result;
+}
+
+/// Stitched by what the poses tell alone.
+inline StitchedFilm stitchPoses(const Film& film, std::vector<TrackPoint> track,
+                                TrackFindings* findings = nullptr) {
+  StitchedFilm result;
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  TrackFindings found = examineTrack(track, reversalSearch(film.law, film.walls ? nan : 0.1, 0.4));
+  if (findings != nullptr) *findings = found;
+  TrackStitcher stitcher{StitcherConfig{}};
+  ReversalTeller teller(found.reversals);
+  for (const TrackPoint& point : track) {
+    RobotTelemetry telemetry;
+    telemetry.time = point.time;
+    telemetry.program = 0;
+    telemetry.sense_distance = senseDistance(film.law);
+    teller.tell(telemetry);
+    telemetry.run_time = point.time - teller.removed();
+    stitcher.addTelemetry(telemetry, result.samples);
+    stitcher.addFrame(point, result.samples);
+  }
+  stitcher.flush(result.samples);
+  result.counters = stitcher.counters();
+  result.tally = stitcher.tally(0);
+  return result;
+}
+
+/// The exact law plus what the tracker's noise adds; the heading noise to the angular MSD.
+inline double withNoise(const Film& film, double exact, bool angular) {
+  return exact + (angular ? 2 * film.sigma_theta * film.sigma_theta : 4 * film.sigma * film.sigma);
+}
+
+inline void expectUnbiasedWithNoise(const Film& film, const EnsembleCurves& curves, double films) {
+  for (const bool angular : {false, true}) {
+    for (const LagScatter& lag : angular ? curves.angular : curves.msd) {
+      if (lag.value.n != films) continue;
+      const double expected = withNoise(film, lag.exact, angular);
+      EXPECT_LT(std::abs(lag.value.z(expected)), 4)
+          << (angular ? "angular MSD" : "MSD") << " at " << lag.tau
+          << " s: " << lag.value.mean() / expected;
+    }
+  }
+}
+
+}  // namespace lab::analysis

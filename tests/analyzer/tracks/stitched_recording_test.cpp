@@ -1,0 +1,115 @@
+// Reversals from walls, removed and joined, against the exact law of the endless plane.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "tests/analyzer/recording_ensemble.hpp"
+#include "tests/analyzer/paper_programs.hpp"
+
+namespace lab::analysis::stitched_film_test {
+namespace {
+
+Film walled(const ProgramLaw& law, double duration) {
+  Film film;
+  film.law = law;
+  film.duration = duration;
+  film.walls = true;
+  return film;
+}
+
+struct Case {
+  std::string name;
+  ProgramLaw law;
+  double reversals_per_hour;  ///< At least.
+};
+
+class WalledFilm : public testing::TestWithParam<Case> {};
+
+TEST_P(WalledFilm, FollowsTheExactLawOfTheFreeMotion) {
+  constexpr int kFilms = 24;
+  EnsembleCurves curves;
+  double reversals = 0;
+  for (int i = 0; i < kFilms; ++i) {
+    Film film = walled(GetParam().law, 600);
+    film.seed = 100U + static_cast<unsigned>(i);
+    const StitchedFilm stitched = stitch(film);
+    EXPECT_EQ(stitched.counters.lost_reversals, 0);
+    EXPECT_EQ(stitched.counters.jumps, 0);
+    EXPECT_EQ(stitched.tally.segments, 1);
+    reversals += static_cast<double>(stitched.tally.reversals);
+    curves.add(analyseFilm(film, stitched));
+  }
+  EXPECT_GT(reversals / kFilms * 6, GetParam().reversals_per_hour);
+  expectUnbiased(curves.msd, kFilms, "MSD");
+  expectUnbiased(curves.angular, kFilms, "angular MSD");
+}
+
+INSTANTIATE_TEST_SUITE_P(Programs, WalledFilm,
+                         testing::Values(Case{"AbpFig2b", abpLaw(3, 0.5), 30},
+                                         Case{"AbpEta1", abpLaw(1, 0.25), 100},
+                                         Case{"NoisyAbp", noisyLaw(0.01, 0.1, 0.1), 20},
+                                         Case{"Bp", noisyLaw(0, 0.07, 0.2), 1},
+                                         Case{"Rtp", rtpLaw(1, 0.5), 30}),
+                         [](const auto& parameter) { return parameter.param.name; });
+
+TEST(NaiveCutting, AtReversalsIsBiasedAgainstStraightMotion) {
+  constexpr int kFilms = 40;
+  EnsembleCurves curves;
+  for (int i = 0; i < kFilms; ++i) {
+    Film film = walled(abpLaw(1, 0.25), 600);
+    film.seed = 500U + static_cast<unsigned>(i);
+    StitchedFilm stitched = stitch(film);
+    for (Sample& sample : stitched.samples) {
+      sample.segment = sample.piece;  // a window may not cross a reversal
+      sample.angular_segment = sample.piece;
+    }
+    curves.add(analyseFilm(film, stitched));
+  }
+  double worst = 0;
+  for (const LagScatter& lag : curves.msd) {
+    if (lag.value.n == kFilms) {
+      worst = std::min(worst, lag.value.z(lag.exact));
+    }
+  }
+  EXPECT_LT(worst, -4);
+}
+
+TEST(LostMessages, LeaveTheStitchedMotionUnbiased) {
+  constexpr int kFilms = 24;
+  EnsembleCurves curves;
+  double joined = 0;
+  double cut = 0;
+  for (int i = 0; i < kFilms; ++i) {
+    Film film = walled(abpLaw(1, 0.25), 600);
+    film.seed = 900U + static_cast<unsigned>(i);
+    std::mt19937_64 random(film.seed);
+    std::bernoulli_distribution lost(0.1);
+    StitchedFilm stitched;
+    TrackStitcher stitcher{StitcherConfig{}};
+    Walker walker(film);
+    walker.on_frame = [&](const TrackPoint& point) {
+      if (!lost(random)) {
+        stitcher.addFrame(point, stitched.samples);
+      }
+    };
+    walker.on_telemetry = [&](const RobotTelemetry& telemetry) {
+      if (!lost(random)) {
+        stitcher.addTelemetry(telemetry, stitched.samples);
+      }
+    };
+    walker.run();
+    stitcher.flush(stitched.samples);
+    stitched.tally = stitcher.tally(0);
+    joined += static_cast<double>(stitcher.counters().reversals);
+    cut += static_cast<double>(stitcher.counters().lost_reversals);
+    curves.add(analyseFilm(film, stitched));
+  }
+  EXPECT_GT(joined, 24 * 15);
+  EXPECT_LT(cut, 0.01 * joined);
+  expectUnbiased(curves.msd, kFilms, "MSD");
+  expectUnbiased(curves.angular, kFilms, "angular MSD");
+}
+
+}  // namespace
+}  // namespace lab::analysis::stitched_film_test
