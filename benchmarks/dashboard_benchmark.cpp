@@ -10,7 +10,7 @@
 
 #include "common/bus/channels.hpp"
 #include "common/experiment/experiment_messages.hpp"
-#include "dashboard/lab_view.hpp"
+#include "dashboard/views/lab_view.hpp"
 
 namespace lab::dashboard {
 namespace {

@@ -16,7 +16,7 @@
 #include <thread>
 #include <vector>
 
-#include "dashboard/web_server.hpp"
+#include "dashboard/web/web_server.hpp"
 
 namespace {
 

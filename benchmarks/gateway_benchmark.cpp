@@ -20,10 +20,10 @@
 
 #include "common/bus/channels.hpp"
 #include "common/bus/lcm_bus.hpp"
-#include "dds/configuration.hpp"
-#include "dds/domain.hpp"
-#include "dds/endpoint.hpp"
-#include "ros_types/ros_type.hpp"
+#include "dds_gateway/dds/configuration.hpp"
+#include "dds_gateway/dds/domain.hpp"
+#include "dds_gateway/dds/endpoint.hpp"
+#include "dds_gateway/ros/ros_type.hpp"
 
 namespace {
 

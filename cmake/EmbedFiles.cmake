@@ -1,6 +1,6 @@
 # lab_embed_files(library NAMESPACE function FILES file... [NAMES name...])
 # Puts files into a library as they are. `function` of `NAMESPACE` lists them by name
-# (dashboard/page_files.hpp); a name is the file's own, unless NAMES gives others, one a file.
+# (dashboard/web/page_files.hpp); a name is the file's own, unless NAMES gives others, one a file.
 function(lab_embed_files library namespace function)
   cmake_parse_arguments(ARG "" "" "FILES;NAMES" ${ARGN})
   set(bytes)
@@ -22,7 +22,7 @@ function(lab_embed_files library namespace function)
   endforeach()
   set(source "${CMAKE_CURRENT_BINARY_DIR}/${function}.cpp")
   file(CONFIGURE OUTPUT "${source}" @ONLY CONTENT "// Made by cmake/EmbedFiles.cmake.
-#include \"dashboard/page_files.hpp\"
+#include \"dashboard/web/page_files.hpp\"
 
 @bytes@
 extern \"C\" {

@@ -11,7 +11,7 @@
 #include "common/process/installation.hpp"
 #include "common/experiment/light_messages.hpp"
 #include "common/math/units.hpp"
-#include "dashboard/address_file.hpp"
+#include "dashboard/web/address_file.hpp"
 
 namespace lab::dashboard {
 namespace {

@@ -7,11 +7,11 @@
 #include <string>
 
 #include "common/service/service_main.hpp"
-#include "dashboard/hub.hpp"
-#include "dashboard/lab_inbox.hpp"
-#include "dashboard/lab_view.hpp"
-#include "dashboard/process_meter.hpp"
-#include "dashboard/web_server.hpp"
+#include "dashboard/web/hub.hpp"
+#include "dashboard/control/request_queue.hpp"
+#include "dashboard/views/lab_view.hpp"
+#include "dashboard/health/process_meter.hpp"
+#include "dashboard/web/web_server.hpp"
 
 namespace lab::dashboard {
 

@@ -4,8 +4,8 @@
 #include <iterator>
 
 #include "common/experiment/experiment_file.hpp"
-#include "dds/configuration.hpp"
-#include "dds/error.hpp"
+#include "dds_gateway/dds/configuration.hpp"
+#include "dds_gateway/dds/error.hpp"
 
 namespace lab::gateway {
 namespace fs = std::filesystem;

@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "common/experiment/experiment.hpp"
-#include "dds/domain.hpp"
+#include "dds_gateway/dds/domain.hpp"
 
 namespace lab::gateway {
 

@@ -7,7 +7,7 @@
 
 #include "common/experiment/experiment_file.hpp"
 #include "common/experiment/service_placement.hpp"
-#include "dds/error.hpp"
+#include "dds_gateway/dds/error.hpp"
 
 namespace lab::gateway {
 namespace {

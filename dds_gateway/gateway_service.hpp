@@ -5,8 +5,8 @@
 #include <optional>
 
 #include "common/service/service_main.hpp"
-#include "dds_gateway/bus_link.hpp"
-#include "dds_gateway/ros_bridge.hpp"
+#include "dds_gateway/link/bus_link.hpp"
+#include "dds_gateway/ros/ros_bridge.hpp"
 
 namespace lab::gateway {
 

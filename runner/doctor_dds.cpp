@@ -8,8 +8,8 @@
 #include <set>
 #include <thread>
 
-#include "dds/domain.hpp"
-#include "dds/error.hpp"
+#include "dds_gateway/dds/domain.hpp"
+#include "dds_gateway/dds/error.hpp"
 #include "dds_gateway/gateway_domain.hpp"
 #include "runner/services.hpp"
 

@@ -1,6 +1,6 @@
 #include "runner/host_files.hpp"
 
-#include "dds/configuration.hpp"
+#include "dds_gateway/dds/configuration.hpp"
 #include "runner/run_directory.hpp"
 
 namespace lab::runner {

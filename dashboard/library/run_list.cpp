@@ -1,0 +1,197 @@
+#include "dashboard/library/run_list.hpp"
+
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <regex>
+
+#include "dashboard/library/summary_scan.hpp"
+
+namespace lab::dashboard {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr const char* kSummary = "summary.json";
+constexpr const char* kProvenance = "provenance.json";
+constexpr const char* kThumbnail = "trajectory_program.svg";
+constexpr std::uintmax_t kMostOfSummary = 64 << 20;  // bytes
+constexpr std::array<std::string_view, 6> kEndings{".html", ".svg",  ".csv",
+                                                   ".json", ".toml", ".pdf"};
+
+/// [ns]; 0: there is no such file.
+std::int64_t changeTime(const fs::path& path) {
+  struct stat facts {};
+  if (stat(path.c_str(), &facts) != 0) return 0;
+  return facts.st_mtim.tv_sec * 1'000'000'000 + facts.st_mtim.tv_nsec;
+}
+
+std::optional<std::string> readFile(const fs::path& path) {
+  std::error_code error;
+  const std::uintmax_t size = fs::file_size(path, error);
+  if (error || size > kMostOfSummary) return std::nullopt;
+  std::ifstream file(path, std::ios::binary);
+  std::string text(static_cast<std::size_t>(size), '\0');
+  file.read(text.data(), static_cast<std::streamsize>(size));
+  if (static_cast<std::uintmax_t>(file.gcount()) != size) return std::nullopt;
+  return text;
+}
+
+bool isRun(const fs::path& folder) {
+  std::error_code error;
+  return fs::exists(folder / "experiment.toml", error) || fs::exists(folder / kSummary, error) ||
+         fs::exists(folder / "log.lcmlog", error);
+}
+
+/// By the name that the runner gives: abp-20260131T120000Z.
+std::string startOfName(const std::string& name) {
+  static const std::regex form(R"(-(\d{4})(\d\d)(\d\d)T(\d\d)(\d\d)(\d\d)Z(-\d+)?$)");
+  std::smatch found;
+  if (!std::regex_search(name, found, form)) return {};
+  return found.format("$1-$2-$3T$4:$5:$6Z");
+}
+
+void takeProvenance(const fs::path& folder, PastRun& run) {
+  const std::optional<std::string> text = readFile(folder / kProvenance);
+  if (!text) return;
+  const auto json = nlohmann::json::parse(*text, nullptr, false);
+  if (!json.is_object()) {
+    run.problem = "its provenance.json cannot be read";
+    return;
+  }
+  const auto started = json.find("started");
+  if (started != json.end() && started->is_string()) run.start_utc = started->get<std::string>();
+  const auto faults = json.find("faults");
+  if (faults != json.end() && faults->is_array() && !faults->empty()) run.marked = true;
+}
+
+void takeSummary(const fs::path& folder, PastRun& run) {
+  const std::optional<std::string> text = readFile(folder / kSummary);
+  if (!text) {
+    run.problem =
+        "no summary.json: it still runs or was cut short; lab analyze makes one from its log";
+    return;
+  }
+  std::optional<SummaryFacts> facts = scanSummary(*text);
+  if (!facts) {
+    run.problem = "its summary.json cannot be read; lab analyze makes it again from the log";
+    return;
+  }
+  run.experiment = std::move(facts->experiment);
+  run.duration_s = facts->duration_s;
+  run.marked = run.marked || facts->faults > 0;
+  run.lost = facts->lost;
+  for (SummaryFacts::Program& program : facts->programs) {
+    run.verdicts.push_back({std::move(program.name), std::move(program.verdict), program.max_z});
+  }
+}
+
+template <class T>
+nlohmann::ordered_json orNull(const std::optional<T>& value) {
+  return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json();
+}
+
+nlohmann::ordered_json orNull(const std::string& text) {
+  return text.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(text);
+}
+
+nlohmann::ordered_json toJson(const PastRun& run) {
+  auto verdicts = nlohmann::ordered_json::array();
+  for (const RunVerdict& verdict : run.verdicts) {
+    verdicts.push_back({{"program", verdict.program},
+                        {"verdict", verdict.verdict},
+                        {"max_z", orNull(verdict.max_z)}});
+  }
+  return {{"name", run.name},
+          {"experiment", orNull(run.experiment)},
+          {"start_utc", orNull(run.start_utc)},
+          {"duration_s", orNull(run.duration_s)},
+          {"marked", run.marked},
+          {"lost", orNull(run.lost)},
+          {"verdicts", std::move(verdicts)},
+          {"thumbnail", orNull(run.thumbnail)},
+          {"report", run.report},
+          {"problem", orNull(run.problem)}};
+}
+
+}  // namespace
+
+PastRun readRun(const fs::path& folder) {
+  PastRun run;
+  run.name = folder.filename().string();
+  run.start_utc = startOfName(run.name);
+  takeProvenance(folder, run);
+  takeSummary(folder, run);
+  std::error_code error;
+  if (fs::is_regular_file(folder / kThumbnail, error)) run.thumbnail = kThumbnail;
+  run.report = fs::is_regular_file(folder / "report.html", error);
+  return run;
+}
+
+std::vector<PastRun> RunList::runs() {
+  const std::lock_guard lock(mutex_);
+  std::map<std::string, Known> now;
+  std::error_code error;
+  for (fs::directory_iterator entry(folder_, error), end; !error && entry != end;
+       entry.increment(error)) {
+    const fs::path& path = entry->path();
+    const std::string name = path.filename().string();
+    std::error_code unreadable;
+    if (name.starts_with('.') || !entry->is_directory(unreadable)) continue;
+    const Stamps stamps{changeTime(path), changeTime(path / kSummary),
+                        changeTime(path / kProvenance)};
+    const auto known = known_.find(name);
+    if (known != known_.end() && known->second.stamps == stamps) {
+      now.insert(known_.extract(known));
+    } else if (isRun(path)) {
+      now.emplace(name, Known{stamps, readRun(path)});
+    }
+  }
+  known_ = std::move(now);
+  std::vector<PastRun> all;
+  all.reserve(known_.size());
+  for (const auto& [name, known] : known_) all.push_back(known.run);
+  std::ranges::sort(all, [](const PastRun& one, const PastRun& other) {
+    return std::tie(one.start_utc, one.name) > std::tie(other.start_utc, other.name);
+  });
+  return all;
+}
+
+std::string RunList::json() {
+  auto all = nlohmann::ordered_json::array();
+  for (const PastRun& run : runs()) all.push_back(toJson(run));
+  return all.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+std::optional<fs::path> RunList::folderOf(std::string_view run) const {
+  const bool tricky = run.empty() || run.starts_with('.') ||
+                      run.find_first_of(std::string_view("/\\\0", 3)) != std::string_view::npos;
+  if (tricky) return std::nullopt;
+  fs::path path = folder_ / run;
+  std::error_code error;
+  if (!fs::is_directory(path, error) || !isRun(path)) return std::nullopt;
+  return path;
+}
+
+std::optional<fs::path> RunList::file(std::string_view run, std::string_view name) const {
+  const std::optional<fs::path> folder = folderOf(run);
+  constexpr std::string_view kFigures = "figures/";
+  const std::string_view last = name.starts_with(kFigures) ? name.substr(kFigures.size()) : name;
+  const bool known = std::ranges::any_of(
+      kEndings, [last](std::string_view ending) { return last.ends_with(ending); });
+  const bool tricky = last.starts_with('.') ||
+                      last.find_first_of(std::string_view("/\\\0", 3)) != std::string_view::npos;
+  if (!folder || !known || tricky) return std::nullopt;
+  std::error_code error;
+  const fs::path path = fs::canonical(*folder / name, error);
+  if (error || !fs::is_regular_file(path, error)) return std::nullopt;
+  // A link may lead out of the run.
+  const fs::path home = fs::canonical(*folder, error);
+  const auto [rest, ignored] = std::ranges::mismatch(home, path);
+  if (error || rest != home.end()) return std::nullopt;
+  return path;
+}
+
+}  // namespace lab::dashboard

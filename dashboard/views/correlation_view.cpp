@@ -1,0 +1,175 @@
+#include "dashboard/views/correlation_view.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "common/experiment/experiment_messages.hpp"
+#include "common/math/units.hpp"
+
+namespace lab::dashboard {
+namespace {
+
+using units::kNan;
+
+constexpr double kFrame = 0.05;       // [s] between the frames that are taken
+constexpr double kLeastStep = 2 * kFrame;
+constexpr double kTolerance = 0.3;    // of a step, for the time between two headings
+constexpr double kFirstBlock = 2;     // times the longest lag
+constexpr std::size_t kFewestBlocks = 6;  // for an error
+constexpr double kFewestPairs = 10;
+
+bool isPersistent(const analysis::ProgramLaw& law) {
+  return law.kind == analysis::ProgramKind::kAbp && law.v > 0 &&
+         analysis::rotationalDiffusivity(law) > 0;
+}
+
+/// A whole number of frames, so that lags are what they are taken for.
+double stepOf(const analysis::ProgramLaw& law) {
+  const double step =
+      HeadingCorrelation::kReach / analysis::rotationalDiffusivity(law) / HeadingCorrelation::kLags;
+  return std::max(kLeastStep, std::round(step / kFrame) * kFrame);
+}
+
+}  // namespace
+
+HeadingCorrelation::HeadingCorrelation(const analysis::ProgramLaw& law)
+    : law_(law),
+      step_(stepOf(law)),
+      block_(kFirstBlock * step_ * kLags) {}
+
+void HeadingCorrelation::Sums::add(const Sums& other) {
+  for (std::size_t k = 0; k < kLags; ++k) {
+    cosines[k] += other.cosines[k];
+    times[k] += other.times[k];
+    pairs[k] += other.pairs[k];
+  }
+}
+
+HeadingCorrelation::Row& HeadingCorrelation::rowAt(double time) {
+  if (begin_ < 0) begin_ = time;
+  const auto number = [&] {
+    return static_cast<std::size_t>(std::max(0.0, (time - begin_) / block_));
+  };
+  while (number() >= kMostTimes) {
+    for (std::size_t i = 0; 2 * i < rows_.size(); ++i) {
+      Row merged = rows_[2 * i];
+      for (std::size_t g = 0; g < kGroups && 2 * i + 1 < rows_.size(); ++g) {
+        merged[g].add(rows_[2 * i + 1][g]);
+      }
+      rows_[i] = merged;
+    }
+    rows_.resize((rows_.size() + 1) / 2);
+    block_ *= 2;
+  }
+  if (rows_.size() <= number()) rows_.resize(number() + 1);
+  return rows_[number()];
+}
+
+void HeadingCorrelation::add(int robot, const analysis::Sample& sample) {
+  if (!std::isfinite(sample.theta)) return;
+  std::deque<Heading>& before = headings_[robot];
+  const Heading now{sample.free_time, sample.theta, sample.angular_segment};
+  if (!before.empty() && before.back().segment != now.segment) before.clear();
+  constexpr double kJitter = 0.02;  // [s] a frame may come a little early
+  if (!before.empty() && now.time - before.back().time < step_ - kJitter) return;
+  Sums& sums = rowAt(sample.time)[static_cast<std::size_t>(robot < 0 ? -robot : robot) % kGroups];
+  for (const Heading& then : before) {
+    const double steps = (now.time - then.time) / step_;
+    const double nearest = std::round(steps);
+    if (nearest < 1 || nearest > kLags || std::abs(steps - nearest) > kTolerance) continue;
+    const auto k = static_cast<std::size_t>(nearest) - 1;
+    sums.cosines[k] += std::cos(now.theta - then.theta);
+    sums.times[k] += now.time - then.time;
+    sums.pairs[k] += 1;
+  }
+  before.push_back(now);
+  if (before.size() > kLags) before.pop_front();
+}
+
+LengthCurve HeadingCorrelation::curve(double speed) const {
+  Sums all;
+  std::vector<const Sums*> blocks;
+  for (const Row& row : rows_) {
+    for (const Sums& sums : row) {
+      if (sums.pairs[0] == 0) continue;
+      all.add(sums);
+      blocks.push_back(&sums);
+    }
+  }
+  LengthCurve curve;
+  const double programmed = law_.program().v;
+  for (std::size_t k = 0; k < kLags; ++k) {
+    if (all.pairs[k] < kFewestPairs) continue;
+    const double value = all.cosines[k] / all.pairs[k];
+    const double lag = all.times[k] / all.pairs[k];
+    // The jackknife, for blocks of unequal sizes: sum over blocks of (what it adds to the mean)^2.
+    double sum = 0;
+    std::size_t used = 0;
+    for (const Sums* block : blocks) {
+      if (block->pairs[k] == 0) continue;
+      const double off = (block->cosines[k] - value * block->pairs[k]) / all.pairs[k];
+      sum += off * off;
+      ++used;
+    }
+    const double count = static_cast<double>(used);
+    curve.length.push_back(speed * lag);
+    curve.value.push_back(value);
+    curve.sigma.push_back(used < kFewestBlocks ? kNan : std::sqrt(sum * count / (count - 1)));
+    curve.exact.push_back(law_.velocityCorrelation(speed * lag / programmed) /
+                          (programmed * programmed));
+    curve.windows.push_back(all.pairs[k]);
+  }
+  return curve;
+}
+
+analysis::AnalysisFeed* CorrelationView::feed() {
+  if (feed_ || !wanted_ || !sheet_.known()) return feed_.get();
+  const Experiment& experiment = sheet_.experiment();
+  const double wheel_base = experiment.hardware.diameter;
+  std::vector<std::pair<analysis::ProgramLaw, std::string>> laws;
+  for (const auto& [name, program] : experiment.programs) {
+    const analysis::ProgramLaw law = analysis::toLaw(toMessage(program), wheel_base);
+    if (isPersistent(law)) laws.emplace_back(law, name);
+  }
+  wanted_ = !laws.empty();
+  if (!wanted_) return nullptr;
+  feed_ = std::make_unique<analysis::AnalysisFeed>(experiment);
+  feed_->samplesOnly([this, laws = std::move(laws)](int robot, const analysis::ProgramLaw& law,
+                                                    const analysis::Sample& sample) {
+    for (const auto& [known, name] : laws) {
+      if (!(known == law)) continue;
+      programs_.try_emplace(name, law).first->second.add(robot, sample);
+      return;
+    }
+  });
+  return feed_.get();
+}
+
+void CorrelationView::take(const robot_status_t& status) {
+  if (auto* const to = feed()) to->take(status);
+}
+
+void CorrelationView::take(const tracked_frame_t& frame) {
+  if (auto* const to = feed()) to->take(frame);
+}
+
+void CorrelationView::clear() {
+  feed_.reset();
+  programs_.clear();
+  wanted_ = true;
+}
+
+std::optional<LengthCurve> CorrelationView::curve(const std::string& program, double speed) const {
+  const auto found = programs_.find(program);
+  if (found == programs_.end()) return std::nullopt;
+  const auto& programs = sheet_.experiment().programs;
+  const auto spec = programs.find(program);
+  if (spec == programs.end()) return std::nullopt;  // of an experiment before
+  LengthCurve curve = found->second.curve(speed > 0 ? speed : spec->second.v);
+  if (curve.length.empty()) return std::nullopt;
+  return curve;
+}
+
+}  // namespace lab::dashboard

@@ -1,0 +1,123 @@
+/// The lab as the page shows it: from messages to topics. No bus, no clock.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <lab/experiment_status_t.hpp>
+#include <lab/light_delivery_t.hpp>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+
+#include "common/bus/bus.hpp"
+#include "dashboard/control/controls.hpp"
+#include "dashboard/views/correlation_view.hpp"
+#include "dashboard/views/curves_view.hpp"
+#include "dashboard/health/health_view.hpp"
+#include "dashboard/views/history_view.hpp"
+#include "dashboard/web/hub.hpp"
+#include "dashboard/views/run_info.hpp"
+#include "dashboard/views/light_picture.hpp"
+#include "dashboard/health/process_meter.hpp"
+#include "dashboard/views/robots_view.hpp"
+#include "dashboard/views/run_times.hpp"
+#include "dashboard/views/timeline_view.hpp"
+#include "dashboard/views/tracks_view.hpp"
+#include "dashboard/web/web_server.hpp"
+
+namespace lab::dashboard {
+
+/// What topic `health` says of the server itself.
+struct ServerFacts {
+  std::string host;
+  std::int32_t pid = 0;
+  int viewers = 0;
+  Refusals refusals;
+  std::map<std::int32_t, ProcessUse> uses;  ///< of processes on this host
+};
+
+/// Takes every message of the bus, and puts what follows from it into the hub. Its memory is
+/// bounded, however long the lab runs. Times are us since 1970.
+class LabView {
+ public:
+  static constexpr std::int64_t kFrame_us = 50'000;    ///< 20 Hz
+  static constexpr std::int64_t kTrails_us = 500'000;  ///< one answer for all who ask within it
+
+  /// The images of an experiment's light, by the name of its run.
+  using Images = std::function<light::ImageStore(const Experiment&, const std::string& run)>;
+
+  /// @param sender, instance of the dashboard itself: its own messages come back from the bus
+  LabView(Hub& hub, std::string sender, std::int64_t instance, Images images);
+
+  /// The experiment by its file, before anything was heard.
+  void begin(const Experiment& experiment, const std::string& run);
+
+  void take(const Packet& packet, std::int64_t now);
+
+  /// At 40 Hz: what moves, at 20 Hz at most, and what changed.
+  /// @param watched somebody looks at the page
+  void publishMoving(std::int64_t now, bool watched);
+
+  /// Every second: what adds up.
+  void publishSums(std::int64_t now, const ServerFacts& server);
+
+  /// Of LabPort::ask().
+  [[nodiscard]] std::optional<std::string> ask(std::string_view what, std::string_view which,
+                                               std::int64_t now);
+
+  [[nodiscard]] Controls& controls() { return controls_; }
+  [[nodiscard]] const HealthView& health() const { return health_; }
+
+ private:
+  using Take = std::function<bool(Bytes, std::int64_t now)>;
+
+  template <class Message>
+  void on(std::string_view channel,
+          std::function<void(const Message&, std::int64_t now)> handler);
+  void subscribe();
+  [[nodiscard]] bool isWanted(std::string_view channel, const Header& header);
+  void take(const experiment_event_t& event, std::int64_t now);
+  void take(const experiment_status_t& status, std::int64_t now);
+  void clearRun();
+  void useExperiment();
+  void publish(std::string_view topic, std::string text);
+  void publishPart(const std::string& kind, const std::string& name, std::string text);
+  void publishPools();
+  [[nodiscard]] Json healthJson(std::int64_t now, const ServerFacts& server) const;
+  [[nodiscard]] std::string cameraJson() const;
+
+  Hub& hub_;
+  std::string sender_;
+  std::int64_t instance_;
+  Images images_;
+  std::map<std::string, Take, std::less<>> takes_;
+
+  LabSheet sheet_;
+  RobotsView robots_{sheet_};
+  TracksView tracks_;
+  RunTimes run_times_{sheet_};
+  CurvesView curves_;
+  CorrelationView correlation_{sheet_};
+  HistoryView history_;
+  TimelineView timeline_;
+  HealthView health_;
+  LightPicture light_;
+  Controls controls_;
+  std::optional<experiment_status_t> script_;
+  std::optional<light_delivery_t> delivery_;
+
+  std::map<std::string, std::int64_t, std::less<>> frames_;  ///< number of the last one, by sender
+  std::set<std::string> parts_;                              ///< topics with a name in them
+  std::string trails_;                                       ///< the last answer, empty: none
+  std::int64_t trails_utime_ = 0;
+  std::int64_t bus_utime_ = 0;  ///< others were heard, 0: never
+  std::int64_t light_utime_ = 0;
+  std::int64_t frame_utime_ = 0;  ///< when topic `frame` was made
+  std::uint64_t frame_count_ = 0;
+  std::uint64_t timeline_version_ = 0;
+  bool sheet_changed_ = true;
+};
+
+}  // namespace lab::dashboard

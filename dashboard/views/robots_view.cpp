@@ -1,0 +1,244 @@
+#include "dashboard/views/robots_view.hpp"
+
+#include <fmt/compile.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include "common/experiment/experiment_messages.hpp"
+#include "common/math/units.hpp"
+#include "dashboard/views/json.hpp"
+#include "dashboard/views/plausible_pose.hpp"
+
+namespace lab::dashboard {
+namespace {
+
+constexpr std::int64_t kSeen_us = 1'000'000;
+constexpr std::int64_t kErrorSpan_us = 10'000'000;
+constexpr std::size_t kMostUnidentified = 100;
+
+double degrees(double angle) { return angle / units::kDegree; }
+
+/// Standard error of a place [m], 0: not known.
+double sigmaOf(const tracked_pose_t& pose) {
+  const double variance = (pose.covariance[0] + pose.covariance[3]) / 2;
+  return variance > 0 && std::isfinite(variance) ? std::sqrt(variance) : 0;
+}
+
+/// To three figures, as people read; null where it is no number.
+Json readable(double value) {
+  constexpr int kFigures = 3;
+  return std::isfinite(value) ? Json(std::stod(fmt::format("{:.{}g}", value, kFigures))) : Json();
+}
+
+/// To the tenth: of places and angles, whose figures before the point count.
+Json tenths(double value) {
+  constexpr double kTenth = 0.1;
+  // Adding 0 takes the sign from a zero.
+  return std::isfinite(value) ? Json(std::round(value / kTenth) / 10 + 0.0) : Json();
+}
+
+/// What a program's model does not have is 0, and left out.
+Json programJson(const program_t& p) {
+  Json json = {{"model", modelName(p.kind)}};
+  const auto tell = [&json](const char* key, double value) {
+    if (value != 0) json[key] = readable(value);
+  };
+  tell("v_cm_s", cm(p.v));
+  tell("va_cm_s", cm(p.va));
+  tell("V_cm_s", cm(p.V));
+  tell("epsilon_s", p.epsilon);
+  tell("eta_rad_s", p.eta);
+  tell("gamma_per_s", p.gamma);
+  tell("tau_t_s", p.tau_t);
+  tell("wheel_left_cm_s", cm(p.wheel_left));
+  tell("wheel_right_cm_s", cm(p.wheel_right));
+  return json;
+}
+
+}  // namespace
+
+bool RobotRow::batteryIsLow() const {
+  constexpr double kLowCell = 3.4;  // [V] of a lithium cell
+  constexpr double kTwoCells = 5;   // [V] more is a pack of two
+  const double volts = static_cast<double>(state.battery);
+  return volts > 0 && volts < (volts > kTwoCells ? 2 : 1) * kLowCell;
+}
+
+std::string RobotsView::nameOf(const RobotRow& row) const {
+  return row.program < 0 ? modelName(row.state.program.kind)
+                         : sheet_.programs()[static_cast<std::size_t>(row.program)];
+}
+
+RobotRow* RobotsView::rowOf(std::int32_t id) {
+  const auto found = rows_.find(id);
+  if (found != rows_.end()) return &found->second;
+  if (rows_.size() >= kMostRobots) {
+    ++left_out_;
+    return nullptr;
+  }
+  return &rows_[id];
+}
+
+void RobotsView::take(const robot_status_t& status, std::int64_t now) {
+  for (const robot_state_t& state : status.robots) {
+    RobotRow* row = rowOf(state.robot_id);
+    if (row == nullptr) continue;
+    if (row->owner.empty() || !sameProgram(row->state.program, state.program)) {
+      row->program = sheet_.indexOf(state.program);
+    }
+    if (row->owner != status.sender) {
+      const bool other_is_alive = !row->owner.empty() && now - row->heard_utime < kSeen_us;
+      if (other_is_alive) {
+        row->rival = row->owner;
+        row->rival_utime = now;
+      }
+      row->owner = status.sender;
+    }
+    if (row->errors_utime == 0 || now - row->errors_utime >= kErrorSpan_us) {
+      row->new_errors =
+          row->errors_utime == 0 ? 0 : std::max(0, state.link_errors - row->errors_before);
+      row->errors_before = state.link_errors;
+      row->errors_utime = now;
+    }
+    row->state = state;
+    row->heard_utime = now;
+  }
+}
+
+void RobotsView::take(const tracked_frame_t& frame, std::int64_t now) {
+  ++frames_;
+  frame_utime_ = frame.utime;
+  for (const tracked_pose_t& pose : frame.robots) {
+    if (!isPlace(pose)) continue;
+    RobotRow* row = rowOf(pose.robot_id);
+    if (row == nullptr) continue;
+    row->pose = pose;
+    row->pose_origin = frame.origin;
+    row->seen_utime = now;
+  }
+  unidentified_ = frame.unidentified;
+  std::erase_if(unidentified_, [](const tracked_pose_t& pose) { return !isPlace(pose); });
+  if (unidentified_.size() > kMostUnidentified) unidentified_.resize(kMostUnidentified);
+  unidentified_utime_ = now;
+}
+
+void RobotsView::clear() {
+  rows_.clear();
+  unidentified_.clear();
+  frame_utime_ = 0;
+  left_out_ = 0;
+  ++frames_;
+}
+
+void RobotsView::renumber() {
+  for (auto& [id, row] : rows_) row.program = sheet_.indexOf(row.state.program);
+}
+
+std::string RobotsView::frameJson(std::int64_t now) const {
+  std::string text;
+  text.reserve(64 + 64 * rows_.size());
+  const auto out = std::back_inserter(text);
+  fmt::format_to(out, FMT_COMPILE("{{\"t_us\":{},\"robots\":["), frame_utime_);
+  const auto close = [&text] {
+    if (text.back() == ',') text.pop_back();
+    text += ']';
+  };
+  for (const auto& [id, row] : rows_) {
+    if (row.seen_utime == 0 || now - row.seen_utime > kSeen_us) continue;
+    const double confidence =
+        std::isfinite(row.pose.confidence) ? static_cast<double>(row.pose.confidence) : 0;
+    fmt::format_to(out, FMT_COMPILE("[{},{:.2f},{:.2f},{:.1f},{},{},{},{:.2f},{:.3f}],"), id,
+                   cm(row.pose.x), cm(row.pose.y), degrees(row.pose.theta), row.program,
+                   row.state.flags, row.origin(), confidence, cm(sigmaOf(row.pose)));
+  }
+  close();
+  text += ",\"unidentified\":[";
+  if (now - unidentified_utime_ <= kSeen_us) {
+    for (const tracked_pose_t& pose : unidentified_) {
+      fmt::format_to(out, FMT_COMPILE("[{:.2f},{:.2f},{:.1f}],"), cm(pose.x), cm(pose.y),
+                     degrees(pose.theta));
+    }
+  }
+  close();
+  text += '}';
+  return text;
+}
+
+std::string RobotsView::robotsJson(std::int64_t now) const {
+  Json robots = Json::array();
+  for (const auto& [id, row] : rows_) {
+    const robot_state_t& state = row.state;
+    const bool heard = !row.owner.empty();
+    const double light = static_cast<double>(state.light_front + state.light_back) / 2;
+    robots.push_back({{"id", id},
+                      {"origin", row.origin()},
+                      {"owner", row.owner},
+                      {"program", heard ? Json(nameOf(row)) : Json()},
+                      {"battery_V", heard && state.battery > 0 ? number(state.battery) : Json()},
+                      {"battery_low", row.batteryIsLow()},
+                      {"link_sent", state.link_sent},
+                      {"link_received", state.link_received},
+                      {"link_errors", state.link_errors},
+                      {"age_s", age(row.heard_utime, now)},
+                      {"flags", state.flags},
+                      {"light", heard ? number(light) : Json()},
+                      {"reversals", state.reversal_count},
+                      {"tumbles", state.tumble_count},
+                      {"stopped", (state.flags & robot_state_t::FLAG_STOPPED) != 0}});
+  }
+  return toText(robots);
+}
+
+std::optional<std::string> RobotsView::robotJson(std::int32_t id, std::int64_t now) const {
+  const auto found = rows_.find(id);
+  if (found == rows_.end()) return std::nullopt;
+  const RobotRow& row = found->second;
+  const robot_state_t& s = row.state;
+  const bool heard = !row.owner.empty();
+  const bool seen = row.seen_utime != 0;
+  const auto since = [now](std::int64_t then) {
+    return then == 0 ? Json() : tenths(units::seconds(now - then));
+  };
+  const auto ofPose = [seen](Json value) { return seen ? std::move(value) : Json(); };
+  Json json = {{"id", id},
+               {"program", heard ? Json(nameOf(row)) : Json()},
+               {"x_cm", ofPose(tenths(cm(row.pose.x)))},
+               {"y_cm", ofPose(tenths(cm(row.pose.y)))},
+               {"theta_deg", ofPose(tenths(degrees(row.pose.theta)))},
+               {"sigma_cm", ofPose(readable(cm(sigmaOf(row.pose))))},
+               {"sigma_theta_deg", ofPose(readable(degrees(std::sqrt(row.pose.covariance[5]))))},
+               {"confidence", ofPose(readable(static_cast<double>(row.pose.confidence)))},
+               {"seen_age_s", since(row.seen_utime)},
+               {"age_s", since(row.heard_utime)},
+               {"origin", row.origin()},
+               {"owner", row.owner},
+               {"uid", s.uid},
+               {"flags", s.flags},
+               {"program_running", heard ? programJson(s.program) : Json()},
+               {"band", s.band},
+               {"program_age_s", since(s.program_start_utime)},
+               {"wheel_left_cm_s", readable(cm(s.wheel_left))},
+               {"wheel_right_cm_s", readable(cm(s.wheel_right))},
+               {"program_left_cm_s", readable(cm(s.program_left))},
+               {"program_right_cm_s", readable(cm(s.program_right))},
+               {"light_front", readable(static_cast<double>(s.light_front))},
+               {"light_back", readable(static_cast<double>(s.light_back))},
+               {"ir", s.ir},
+               {"reversals", s.reversal_count},
+               {"reversal_age_s", since(s.reversal_start_utime)},
+               {"tumbles", s.tumble_count},
+               {"run_time_s", tenths(s.run_time)},
+               {"battery_V", s.battery > 0 ? readable(static_cast<double>(s.battery)) : Json()},
+               {"program_epoch", s.program_epoch},
+               {"command_seq", s.command_seq},
+               {"stop_seq", s.stop_seq},
+               {"link_sent", s.link_sent},
+               {"link_received", s.link_received},
+               {"link_errors", s.link_errors}};
+  return toText(json);
+}
+
+}  // namespace lab::dashboard

@@ -1,0 +1,151 @@
+#include "dashboard/views/run_info.hpp"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "common/experiment/experiment_file.hpp"
+#include "common/experiment/experiment_messages.hpp"
+#include "common/experiment/script_plan.hpp"
+#include "common/math/units.hpp"
+#include "common/process/version.hpp"
+#include "dashboard/views/json.hpp"
+
+namespace lab::dashboard {
+namespace {
+
+const char* bodyName(Body body) {
+  switch (body) {
+    case Body::kSim: return "sim";
+    case Body::kSerial: return "serial";
+    case Body::kFirmware: return "firmware";
+    case Body::kReplay: return "replay";
+    case Body::kWire: return "wire";
+  }
+  return "";
+}
+
+std::string parameters(const ProgramSpec& p) {
+  switch (p.model) {
+    case Model::kAbp:
+      return fmt::format("v {:.4g} cm/s, ε {:.4g} s, η {:.4g} rad/s", cm(p.v), p.epsilon, p.eta);
+    case Model::kNoisyAbp:
+      return fmt::format("va {:.4g} cm/s, V {:.4g} cm/s, ε {:.4g} s", cm(p.va), cm(p.V), p.epsilon);
+    case Model::kBp:
+      return fmt::format("V {:.4g} cm/s, ε {:.4g} s", cm(p.V), p.epsilon);
+    case Model::kRtp:
+      return fmt::format("v {:.4g} cm/s, γ {:.4g} /s, τt {:.4g} s", cm(p.v), p.gamma, p.tau_t);
+    case Model::kWheels:
+      return fmt::format("left {:.4g} cm/s, right {:.4g} cm/s", cm(p.wheel_left),
+                         cm(p.wheel_right));
+    default: return "";
+  }
+}
+
+Json programsJson(const Experiment& experiment) {
+  Json programs = Json::array();
+  for (const auto& [name, program] : experiment.programs) {
+    programs.push_back({{"name", name},
+                        {"model", modelName(static_cast<std::int8_t>(program.model))},
+                        {"text", parameters(program)},
+                        {"color", programs.size()}});
+  }
+  return programs;
+}
+
+Json scriptJson(const Experiment& experiment) {
+  Json script = Json::array();
+  for (const LightStep& step : experiment.light.steps) {
+    script.push_back({{"label", step.label},
+                      {"at_s", number(step.at)},
+                      {"ramp_s", number(step.ramp)},
+                      {"until", step.until.given() ? untilText(step.until) : ""}});
+  }
+  return script;
+}
+
+}  // namespace
+
+void LabSheet::set(const Experiment& experiment, const std::string& run) {
+  use(experiment, writeExperiment(experiment));
+  run_ = run;
+  version_ = kVersion;
+}
+
+void LabSheet::use(Experiment experiment, std::string text) {
+  names_.clear();
+  messages_.clear();
+  for (const auto& [name, program] : experiment.programs) {
+    names_.push_back(name);
+    messages_.push_back(toMessage(program));
+  }
+  experiment_ = std::move(experiment);
+  text_ = std::move(text);
+  trouble_.clear();
+}
+
+LabSheet::News LabSheet::take(const experiment_event_t& start) {
+  const bool other = start.sender != conductor_ || start.instance != instance_;
+  const bool first = conductor_.empty();
+  if (!other && start.text == text_) return News::kNone;
+  conductor_ = start.sender;
+  instance_ = start.instance;
+  version_ = start.version;
+  if (start.text != text_) {
+    try {
+      use(parseExperiment(start.text, "experiment of the run"), start.text);
+    } catch (const ExperimentError& error) {
+      experiment_.reset();
+      names_.clear();
+      messages_.clear();
+      text_ = start.text;
+      trouble_ = error.what();
+    }
+  }
+  return first ? News::kFirst : News::kOtherRun;
+}
+
+void LabSheet::setRun(const std::string& run, bool replay) {
+  run_ = run;
+  replay_ = replay;
+}
+
+const Experiment& LabSheet::experiment() const {
+  static const Experiment kDefault{};
+  return experiment_ ? *experiment_ : kDefault;
+}
+
+int LabSheet::indexOf(const program_t& program) const {
+  for (std::size_t i = 0; i < messages_.size(); ++i) {
+    if (sameProgram(messages_[i], program)) return static_cast<int>(i);
+  }
+  return -1;
+}
+
+std::string LabSheet::json() const {
+  const Experiment& e = experiment();
+  Json robots = Json::array();
+  for (const RobotSpec& robot : e.robots) {
+    robots.push_back({{"id", robot.id}, {"body", bodyName(robot.body)}});
+  }
+  Json bands = Json::array();
+  for (const LightBand& band : e.light_table.bands) {
+    bands.push_back(
+        {{"low", number(band.low)}, {"high", number(band.high)}, {"program", band.program}});
+  }
+  return toText({{"run", run_},
+                 {"name", e.name},
+                 {"description", e.description},
+                 {"version", version_},
+                 {"replay", replay_},
+                 {"arena_cm", {number(cm(e.arena_width)), number(cm(e.arena_height))}},
+                 {"robot_diameter_cm", number(cm(e.hardware.diameter))},
+                 {"duration_s", number(e.duration)},
+                 {"robots", std::move(robots)},
+                 {"programs", programsJson(e)},
+                 {"bands", std::move(bands)},
+                 {"script", scriptJson(e)},
+                 {"file", text_}});
+}
+
+}  // namespace lab::dashboard

@@ -1,0 +1,60 @@
+#include "dashboard/web/http_response.hpp"
+
+#include <array>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+namespace lab::dashboard {
+
+httplib::Headers commonHeaders() {
+  return {
+      {"Content-Security-Policy",
+       "default-src 'self'; img-src 'self' data: blob:; style-src 'self' 'unsafe-inline'; "
+       "object-src 'none'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"},
+      {"X-Content-Type-Options", "nosniff"},
+      {"X-Frame-Options", "DENY"},
+      {"Referrer-Policy", "no-referrer"},
+      {"Cross-Origin-Resource-Policy", "same-origin"},
+      {"Cross-Origin-Opener-Policy", "same-origin"},
+      {"Cache-Control", "no-store"},
+  };
+}
+
+void replaceHeader(httplib::Response& response, const std::string& name, const std::string& value) {
+  response.headers.erase(name);
+  response.headers.emplace(name, value);
+}
+
+void answerJson(httplib::Response& response, std::string text, int status) {
+  response.status = status;
+  response.body = std::move(text);
+  replaceHeader(response, "Content-Type", "application/json");
+}
+
+void answerError(httplib::Response& response, int status, std::string_view why) {
+  const nlohmann::json json{{"error", why}};
+  answerJson(response, json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace), status);
+}
+
+std::string contentType(std::string_view name) {
+  constexpr std::array<std::pair<std::string_view, const char*>, 12> kTypes{{
+      {".html", "text/html; charset=utf-8"},
+      {".css", "text/css; charset=utf-8"},
+      {".js", "text/javascript; charset=utf-8"},
+      {".json", "application/json"},
+      {".svg", "image/svg+xml"},
+      {".png", "image/png"},
+      {".jpg", "image/jpeg"},
+      {".ico", "image/x-icon"},
+      {".csv", "text/csv; charset=utf-8"},
+      {".toml", "text/plain; charset=utf-8"},
+      {".txt", "text/plain; charset=utf-8"},
+      {".pdf", "application/pdf"},
+  }};
+  for (const auto& [ending, type] : kTypes) {
+    if (name.ends_with(ending)) return type;
+  }
+  return "application/octet-stream";
+}
+
+}  // namespace lab::dashboard

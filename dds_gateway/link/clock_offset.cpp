@@ -1,0 +1,47 @@
+#include "dds_gateway/link/clock_offset.hpp"
+
+#include <algorithm>
+#include <vector>
+
+namespace lab::gateway {
+namespace {
+
+/// Clocks of computers part by up to 100 ppm: 1 ms in this time [us].
+constexpr std::int64_t kOldest = 10'000'000;
+/// No round trip that ends takes longer [us]: keeps the sums below from overflowing.
+constexpr std::int64_t kLongest = 60'000'000;
+
+bool within(std::int64_t from, std::int64_t to) {
+  return from > 0 && to >= from && to - from <= kLongest;
+}
+
+}  // namespace
+
+void LinkClock::add(std::int64_t sent, std::int64_t there, std::int64_t answered,
+                    std::int64_t came) {
+  if (!within(sent, came) || !within(there, answered)) return;
+  const std::int64_t delay = (came - sent) - (answered - there);
+  if (delay < 0) return;
+  const double offset =
+      0.5 * (static_cast<double>(there - sent) + static_cast<double>(answered - came));
+  // Old ones go when there are others: a clock that was known stays so.
+  while (last_.size() >= kWindow ||
+         (last_.size() >= kEnough && came - last_.front().came > kOldest)) {
+    last_.pop_front();
+  }
+  last_.push_back({came, delay, offset});
+}
+
+ClockOffset LinkClock::estimate() const {
+  if (last_.size() < kEnough) return {};
+  std::vector<std::int64_t> delays;
+  for (const RoundTrip& trip : last_) delays.push_back(trip.delay);
+  const auto middle = delays.begin() + static_cast<std::ptrdiff_t>(delays.size() / 2);
+  std::nth_element(delays.begin(), middle, delays.end());
+  const auto fastest = std::min_element(
+      last_.begin(), last_.end(), [](const auto& a, const auto& b) { return a.delay < b.delay; });
+  return {fastest->offset * 1e-6, 0.5e-6 * static_cast<double>(fastest->delay),
+          1e-6 * static_cast<double>(*middle)};
+}
+
+}  // namespace lab::gateway

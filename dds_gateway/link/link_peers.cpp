@@ -1,0 +1,184 @@
+#include "dds_gateway/link/link_peers.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <utility>
+
+#include "common/bus/fingerprints.hpp"
+#include "common/process/version.hpp"
+
+namespace lab::gateway {
+namespace {
+
+/// Refused clocks are taken again when they are better than needed: no flutter at the limit.
+constexpr double kBetterThanNeeded = 0.9;
+/// Without an answer for so long there is no way back [us].
+constexpr std::int64_t kNoAnswer = 3'000'000;
+
+/// FNV-1a, 64 bit: the same list gives the same number on every host.
+std::string digest(const std::string& text) {
+  std::uint64_t hash = 14695981039346656037U;
+  for (const char letter : text) {
+    hash = (hash ^ static_cast<unsigned char>(letter)) * 1099511628211U;
+  }
+  std::array<char, 17> digits{};
+  std::snprintf(digits.data(), digits.size(), "%016llx", static_cast<unsigned long long>(hash));
+  return digits.data();
+}
+
+std::string inWords(double seconds) {
+  std::array<char, 400> text{};
+  if (seconds < 1) {
+    std::snprintf(text.data(), text.size(), "%.3g ms", seconds * 1e3);
+  } else {
+    std::snprintf(text.data(), text.size(), "%.1f s", seconds);
+  }
+  return text.data();
+}
+
+std::string inWords(const LinkEdition& edition) {
+  return "message contract " + std::to_string(edition.contract) + " (types " +
+         edition.fingerprints + ", version " + edition.version + ")";
+}
+
+}  // namespace
+
+LinkEdition LinkEdition::own() { return {kContractVersion, digest(fingerprintList()), kVersion}; }
+
+LinkPeers::LinkPeers(std::string host, std::int64_t gateway, LinkEdition edition,
+                     double most_offset)
+    : host_(std::move(host)),
+      gateway_(gateway),
+      edition_(std::move(edition)),
+      most_offset_(most_offset) {}
+
+LinkSign LinkPeers::ping(std::int64_t now) const {
+  LinkSign sign;
+  sign.host = host_;
+  sign.gateway = gateway_;
+  sign.edition = edition_;
+  sign.sent = now;
+  return sign;
+}
+
+LinkPeer* LinkPeers::admit(std::int64_t now, const LinkSign& sign) {
+  const auto found = peers_.find(sign.host);
+  if (found == peers_.end() && peers_.size() >= kMostPeers) return nullptr;
+  if (found != peers_.end()) {
+    LinkPeer& old = found->second;
+    if (old.gateway == sign.gateway) return &old;
+    // Started again, or a second one of the same name: the later start counts while both live.
+    if (sign.gateway < old.gateway && now - old.heard <= kSilent) {
+      old.double_heard = now;
+      return nullptr;
+    }
+  }
+  LinkPeer& peer = peers_[sign.host] = {};
+  peer.host = sign.host;
+  peer.gateway = sign.gateway;
+  peer.met = now;
+  changed_ = true;
+  return &peer;
+}
+
+bool LinkPeers::hear(std::int64_t now, const LinkSign& sign, LinkSign& answer) {
+  if (sign.gateway == gateway_ && sign.host == host_) return false;  // ourselves
+  LinkPeer* peer = admit(now, sign);
+  if (peer == nullptr) return false;
+  peer->heard = now;
+  peer->edition = sign.edition;
+  if (sign.to == gateway_) {
+    peer->round_trips.add(sign.sent, sign.there, sign.answered, now);
+    peer->clock = peer->round_trips.estimate();
+    peer->refusal = sign.refusal;
+  }
+  judge(now, *peer);
+  if (sign.to != 0) return false;
+  answer = ping(sign.sent);
+  answer.to = sign.gateway;
+  answer.there = now;
+  answer.answered = now;
+  answer.refusal = refusalOf(*peer);
+  return true;
+}
+
+void LinkPeers::alive(std::int64_t now, const std::string& host, std::int64_t gateway) {
+  const auto found = peers_.find(host);
+  if (found == peers_.end() || found->second.gateway != gateway) return;
+  found->second.heard = now;
+  judge(now, found->second);
+}
+
+bool LinkPeers::tick(std::int64_t now) {
+  // After a pause of our own nobody has been silent: what they said waits to be read.
+  const bool slept = ticked_ != 0 && now - ticked_ > kSilent / 2;
+  ticked_ = now;
+  for (auto& [host, peer] : peers_) {
+    if (slept && peer.state != PeerState::kSilent)
+      peer.heard = std::max(peer.heard, now - kSilent / 2);
+    judge(now, peer);
+  }
+  return std::exchange(changed_, false);
+}
+
+std::string LinkPeers::clockTrouble(const LinkPeer& peer) const {
+  if (std::isnan(peer.clock.offset)) return "";
+  const bool refused = peer.state == PeerState::kRefused;
+  const double most = refused ? kBetterThanNeeded * most_offset_ : most_offset_;
+  // Only what is surely too much: a slow way there says little about a clock.
+  if (std::abs(peer.clock.offset) - peer.clock.error <= most) return "";
+  return "the clock of " + peer.host + " is " + inWords(std::abs(peer.clock.offset)) +
+         (peer.clock.offset > 0 ? " ahead of" : " behind") + " that of " + host_ + " (known to " +
+         inWords(peer.clock.error) + "), expected at most " + inWords(most_offset_) +
+         " (link.max_clock_offset_ms). Set both by the network and start the run again: sudo "
+         "systemctl start chrony on " +
+         peer.host + " and on " + host_;
+}
+
+std::string LinkPeers::refusalOf(const LinkPeer& peer) const {
+  if (peer.host == host_) {
+    return "two hosts call themselves " + host_ +
+           ": each needs a name of its own (--link-host, [hosts.NAME])";
+  }
+  if (!edition_.fits(peer.edition)) {
+    return peer.host + " speaks " + inWords(peer.edition) + ", " + host_ + " speaks " +
+           inWords(edition_) + ": install the same version of the lab on both";
+  }
+  return clockTrouble(peer);
+}
+
+void LinkPeers::judge(std::int64_t now, LinkPeer& peer) {
+  std::string trouble = refusalOf(peer);
+  PeerState state = PeerState::kRefused;
+  if (trouble.empty() && !peer.refusal.empty()) {
+    trouble = peer.host + " refuses us: " + peer.refusal;
+  } else if (trouble.empty()) {
+    const bool clock = !std::isnan(peer.clock.offset);
+    state = clock ? PeerState::kJoined : PeerState::kNew;
+    if (!clock && now - peer.met > kNoAnswer) {
+      trouble = peer.host +
+                " is heard but does not answer: is the way back open (its --link-peer, " +
+                "firewalls: UDP)?";
+    }
+  }
+  if (trouble.empty() && peer.double_heard != 0 && now - peer.double_heard <= kNoAnswer) {
+    trouble = "two gateways call themselves " + peer.host +
+              ": each host needs one gateway and a name of its own (--link-host)";
+  }
+  if (now - peer.heard > kSilent) {
+    state = PeerState::kSilent;
+    if (trouble.empty()) trouble = "nothing heard of " + peer.host + ": cable, host or its gateway";
+  }
+  if (state != peer.state) changed_ = true;
+  peer.state = state;
+  peer.trouble = std::move(trouble);
+}
+
+const LinkPeer* LinkPeers::find(const std::string& host, std::int64_t gateway) const {
+  const auto found = peers_.find(host);
+  return found != peers_.end() && found->second.gateway == gateway ? &found->second : nullptr;
+}
+
+}  // namespace lab::gateway

@@ -1,0 +1,118 @@
+/// Who outside the lab may drive which robot, and what the robots are told: no bus, no clock.
+#pragma once
+
+#include <cstdint>
+#include <lab/program_t.hpp>
+#include <lab/robot_command_t.hpp>
+#include <lab/robot_status_t.hpp>
+#include <lab/robot_stop_t.hpp>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "dds_gateway/dds/endpoint.hpp"
+#include "dds_gateway/ros/from_ros.hpp"
+
+namespace lab::gateway {
+
+/// What became of a wish.
+enum class Answer {
+  kTaken,
+  kClamped,     ///< taken, slowed down to what the wheels can do
+  kNotFinite,   ///< a number is nan or infinite
+  kOutOfRange,  ///< a number makes no sense
+  kNoRobot,     ///< the experiment has no such robot, or nobody may drive it from here
+  kNoProgram,   ///< the experiment has no such program
+  kOwned,       ///< somebody else holds it
+  kStopped,     ///< ROBOT_STOP is in force
+  kLabHolds,    ///< the lab itself makes the robot stand or drives it
+  kFlood,       ///< more messages than anybody reads
+};
+inline constexpr int kAnswers = 10;
+
+/// "held by another publisher"
+[[nodiscard]] std::string textOf(Answer answer);
+
+/// The rule, from the strongest say to the weakest:
+///
+/// 1. ROBOT_STOP: what holds a robot is forgotten, nothing is taken for it until it is released.
+/// 2. ROBOT_COMMAND of another sender that makes a robot stand or drives it (the lab's handshake,
+///    its end): the same.
+/// 3. One publisher. The first that speaks for a robot holds it, until it has been silent for
+///    `timeout`. Meanwhile nobody else is heard for that robot.
+/// 4. The lab's light table.
+///
+/// A robot that is driven stands when its publisher has been silent for `timeout`, and is given
+/// back to the lab when the silence has lasted for kGiveBack_us. A robot that was given a program,
+/// or told to stand, keeps it until somebody gives it back or drives it.
+class CommandDesk {
+ public:
+  static constexpr std::int64_t kGiveBack_us = 5'000'000;
+
+  /// @param robots that may be driven
+  CommandDesk(std::set<std::int32_t> robots, const WheelLimits& wheels, std::int64_t timeout_us)
+      : robots_(std::move(robots)), wheels_(wheels), timeout_us_(timeout_us) {}
+
+  Answer drive(std::int32_t robot, dds::WriterId writer, const ros::Twist& twist, std::int64_t now);
+  /// @param order what they shall do, of mode STAND or TABLE
+  /// @param robots whose orders count as one; each must be one that may be driven
+  /// @return for the first that refuses; the others obey
+  Answer command(const std::vector<std::int32_t>& robots, dds::WriterId writer,
+                 const robot_order_t& order, std::int64_t now);
+  /// Back to the lab.
+  Answer release(const std::vector<std::int32_t>& robots, dds::WriterId writer, std::int64_t now);
+
+  /// ROBOT_COMMAND of anybody else.
+  void take(const robot_command_t& command, std::int64_t now);
+  void take(const robot_status_t& status);
+  void take(const robot_stop_t& stop, std::int64_t now);
+
+  /// The watchdog. To be called at least every 20 ms.
+  void tick(std::int64_t now);
+
+  /// What is to be sent now: new orders at once, at most 50 times a second, and repeats. Headers
+  /// are left empty but for seq.
+  [[nodiscard]] std::vector<robot_command_t> due(std::int64_t now);
+
+  [[nodiscard]] const std::set<std::int32_t>& robots() const { return robots_; }
+  [[nodiscard]] std::size_t held() const { return holds_.size(); }
+  /// How often a driven robot was made to stand because its publisher had fallen silent.
+  [[nodiscard]] std::int64_t silences() const { return silences_; }
+
+ private:
+  struct Hold {
+    dds::WriterId writer = 0;
+    std::int64_t heard_utime = 0;
+    bool driven = false;
+    bool silent = false;   ///< driven, and made to stand
+    robot_order_t order;   ///< without its robots
+    std::int64_t seq = 0;  ///< of an order that is no drive
+    std::int64_t sent_utime = 0;
+  };
+  struct LabOrder {
+    std::int8_t mode = robot_order_t::TABLE;
+    std::int64_t utime = 0;
+  };
+
+  [[nodiscard]] Answer refusal(std::int32_t robot, dds::WriterId writer, std::int64_t now) const;
+  void giveBack(std::int32_t robot);
+  void driveMessage(std::int64_t now, std::vector<robot_command_t>& out);
+  void orderMessages(std::int64_t now, std::vector<robot_command_t>& out);
+
+  std::set<std::int32_t> robots_;
+  WheelLimits wheels_;
+  std::int64_t timeout_us_;
+  std::map<std::int32_t, Hold> holds_;
+  std::map<std::int32_t, LabOrder> lab_;
+  std::set<std::int32_t> latched_;
+  std::map<std::int32_t, std::int64_t> stop_utime_;
+  std::set<std::int32_t> given_back_;
+  std::int64_t seq_ = 0;
+  std::int64_t drive_seq_ = 0;
+  std::int64_t drive_sent_utime_ = 0;
+  bool drive_changed_ = false;
+  std::int64_t silences_ = 0;
+};
+
+}  // namespace lab::gateway

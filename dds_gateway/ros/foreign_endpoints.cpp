@@ -1,0 +1,70 @@
+#include "dds_gateway/ros/foreign_endpoints.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+#include "dds_gateway/dds/error.hpp"
+
+namespace lab::gateway {
+namespace {
+
+dds::Entity watched(const dds::Domain& domain, dds_entity_t topic) {
+  const dds_entity_t reader = dds_create_reader(domain.participant(), topic, nullptr, nullptr);
+  if (reader < 0) {
+    throw dds::DdsError(std::string("the domain's endpoints cannot be read: ") +
+                        dds_strretcode(-reader));
+  }
+  return dds::Entity(reader);
+}
+
+constexpr std::size_t kMost = 4096;  // endpoints that are looked at
+
+/// Calls `look` with what `get` (dds_read_mask, dds_take_mask) finds.
+template <class Get, class Look>
+void forEach(Get get, const dds::Entity& reader, std::uint32_t mask, const Look& look) {
+  std::vector<void*> samples(kMost);
+  std::vector<dds_sample_info_t> infos(kMost);
+  const dds_return_t count = get(reader.get(), samples.data(), infos.data(), kMost,
+                                 static_cast<std::uint32_t>(kMost), mask);
+  if (count <= 0) return;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
+    if (infos[i].valid_data) look(*static_cast<const dds_builtintopic_endpoint_t*>(samples[i]));
+  }
+  dds_return_loan(reader.get(), samples.data(), count);
+}
+
+}  // namespace
+
+ForeignEndpoints::ForeignEndpoints(const dds::Domain& domain)
+    : publications_(watched(domain, DDS_BUILTIN_TOPIC_DCPSPUBLICATION)),
+      subscriptions_(watched(domain, DDS_BUILTIN_TOPIC_DCPSSUBSCRIPTION)) {}
+
+void ForeignEndpoints::look(const std::multimap<std::string, std::string>& types) {
+  count_ = 0;
+  look(publications_, types);
+  look(subscriptions_, types);
+}
+
+void ForeignEndpoints::look(const dds::Entity& reader,
+                            const std::multimap<std::string, std::string>& types) {
+  // Those that have ended are let go; the others stay to be read again, as a topic of ours may come
+  // later than they.
+  forEach(dds_take_mask, reader,
+          DDS_ANY_SAMPLE_STATE | DDS_ANY_VIEW_STATE | DDS_NOT_ALIVE_DISPOSED_INSTANCE_STATE |
+              DDS_NOT_ALIVE_NO_WRITERS_INSTANCE_STATE,
+          [](const dds_builtintopic_endpoint_t&) {});
+  forEach(dds_read_mask, reader,
+          DDS_ANY_SAMPLE_STATE | DDS_ANY_VIEW_STATE | DDS_ALIVE_INSTANCE_STATE,
+          [&](const dds_builtintopic_endpoint_t& endpoint) {
+            const auto [first, last] = types.equal_range(endpoint.topic_name);
+            const bool fits = first == last || std::any_of(first, last, [&](const auto& ours) {
+                                return ours.second == endpoint.type_name;
+                              });
+            if (fits) return;
+            ++count_;
+            last_ = std::string(endpoint.topic_name) + " has " + endpoint.type_name;
+          });
+}
+
+}  // namespace lab::gateway

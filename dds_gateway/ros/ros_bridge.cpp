@@ -1,0 +1,291 @@
+#include "dds_gateway/ros/ros_bridge.hpp"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "common/bus/channels.hpp"
+#include "common/experiment/experiment_file.hpp"
+#include "common/experiment/experiment_messages.hpp"
+#include "common/math/units.hpp"
+#include "dds_gateway/gateway_domain.hpp"
+#include "dds_gateway/dds/error.hpp"
+
+namespace lab::gateway {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr std::int64_t kFresh_us = 1'000'000;  // of wheels, and of poses that count as here
+constexpr const char* kTf = "/tf";
+constexpr const char* kDiagnostics = "/diagnostics";
+constexpr const char* kClock = "/clock";
+
+Mapping mappingOf(const Gateway& gateway, const fs::path& directory) {
+  return gateway.mapping.empty() ? Mapping() : readMappingFile(directory / gateway.mapping);
+}
+
+bool sameLight(const light::Field& a, const light::Field& b) {
+  return a.mix == b.mix && a.layers == b.layers && (a.mix >= 1 || a.previous == b.previous);
+}
+
+const char* originName(std::int8_t origin) {
+  switch (origin) {
+    case robot_state_t::REAL:
+      return "real";
+    case robot_state_t::SIM:
+      return "sim";
+    case robot_state_t::REPLAY:
+      return "replay";
+    default:
+      return "unknown";
+  }
+}
+
+}  // namespace
+
+RosBridge::RosBridge(const ServiceContext& context)
+    : node_(context.node),
+      loop_(context.loop),
+      experiment_(context.experiment),
+      names_(experiment_.gateway.name),
+      mapping_(mappingOf(experiment_.gateway, context.directory)),
+      domain_(joinDomain(experiment_.gateway, context.directory)),
+      outlets_(domain_, mapping_),
+      foreign_(domain_),
+      images_(loadImages(experiment_, context.directory)),
+      arena_(names_.arenaFrame()),
+      grid_(experiment_.arena_width, experiment_.arena_height, arena_),
+      analysis_(arena_) {
+  try {
+    openTopics();
+    if (experiment_.gateway.commands) {
+      commands_ = std::make_unique<RosCommands>(context, domain_, mapping_, names_);
+    }
+  } catch (const std::runtime_error& error) {
+    throw ExperimentError({error.what()});
+  }
+  subscribe();
+  loop_.every(units::kSecond_us, loop_.now(), [this] { everySecond(); });
+}
+
+void RosBridge::openTopics() {
+  tf_ = outlets_.open<ros::TFMessage>(kTf, ros::tfQos(ros::rosType<ros::TFMessage>()));
+  diagnostics_ = outlets_.open<ros::DiagnosticArray>(kDiagnostics);
+  poses_ = outlets_.openLatched<ros::PoseArray>(names_.topic("poses"));
+  light_field_ = outlets_.openLatched<ros::OccupancyGrid>(names_.topic("light_field"));
+  robot_list_ = outlets_.openLatched<ros::String>(names_.topic("robots"));
+  if (!outlets_.trouble().empty()) throw std::runtime_error(outlets_.trouble());
+  // A rule of the mapping that makes a bad name is found now, not when the robot comes.
+  std::vector<std::string> later{"pose", "odom", "light"};
+  for (const auto& [name, program] : experiment_.programs) {
+    later.push_back("analysis/" + namePart(name));
+    static_cast<void>(mapping_.route(names_.topic(later.back())));
+  }
+  for (const RobotSpec& spec : experiment_.robots) {
+    for (const std::string& what : later) {
+      static_cast<void>(mapping_.route(names_.topic(spec.id, what)));
+    }
+  }
+  static_cast<void>(mapping_.route(kClock));
+}
+
+void RosBridge::subscribe() {
+  node_.subscribe<tracked_frame_t>(channels::kTrackedFrame,
+                                   [this](const tracked_frame_t& frame) { take(frame); });
+  node_.subscribe<robot_status_t>(channels::kRobotStatus,
+                                  [this](const robot_status_t& status) { take(status); });
+  node_.subscribe<light_status_t>(channels::kLightStatus,
+                                  [this](const light_status_t& status) { take(status); });
+  node_.subscribe<analysis_t>(channels::kAnalysis,
+                              [this](const analysis_t& analysis) { take(analysis); });
+  node_.subscribe<clock_t>(channels::kClock, [this](const clock_t& clock) { take(clock); });
+  node_.subscribe<service_status_t>(channels::kServiceStatus,
+                                    [this](const service_status_t& status) {
+                                      // Who only says its last counts is a command by hand.
+                                      const bool ended = status.state == service_status_t::ENDED;
+                                      if (ended && !services_.contains(status.sender)) return;
+                                      services_[status.sender] = {status, loop_.now()};
+                                    });
+}
+
+RosBridge::Robot* RosBridge::robot(std::int32_t id) {
+  const auto known = robots_.find(id);
+  if (known != robots_.end()) {
+    known->second.heard_utime = loop_.now();
+    return &known->second;
+  }
+  if (id < 0 || robots_.size() >= kMostRobots) {
+    ++refused_robots_;
+    return nullptr;
+  }
+  Robot robot{.messages = RobotMessages(arena_, names_.robotFrame(id)),
+              .pose = outlets_.openLatched<ros::PoseStamped>(names_.topic(id, "pose")),
+              .odometry = outlets_.open<ros::Odometry>(names_.topic(id, "odom")),
+              .light = outlets_.open<ros::Illuminance>(names_.topic(id, "light")),
+              .analysis = {},
+              .tracked = {},
+              .motion = {},
+              .program = {}};
+  robot.heard_utime = loop_.now();
+  return &robots_.emplace(id, std::move(robot)).first->second;
+}
+
+void RosBridge::take(const tracked_frame_t& frame) {
+  transforms_.clear();
+  const bool tf = tf_ && tf_->admit(frame.utime);
+  for (const tracked_pose_t& pose : frame.robots) {
+    Robot* known = robot(pose.robot_id);
+    if (known == nullptr) continue;
+    known->tracked = pose;
+    known->tracked_utime = frame.utime;
+    if (tf) transforms_.push_back(known->messages.transform(frame.utime, pose));
+    if (known->pose && known->pose->admit(frame.utime)) {
+      const ros::PoseStamped message = known->messages.pose(frame.utime, pose);
+      known->pose->write(&message);
+    }
+    if (known->odometry && known->odometry->admit(frame.utime)) {
+      const bool fresh = std::abs(frame.utime - known->motion_utime) < kFresh_us;
+      const ros::Odometry message =
+          known->messages.odometry(frame.utime, pose, fresh ? &known->motion : nullptr);
+      known->odometry->write(&message);
+    }
+  }
+  if (tf) {
+    ros::TFMessage message{};
+    message.transforms._length = message.transforms._maximum =
+        static_cast<std::uint32_t>(transforms_.size());
+    message.transforms._buffer = transforms_.data();
+    tf_->write(&message);
+  }
+  sendPoses(frame.utime);
+}
+
+/// Of every tracker together, as frames of one know nothing of the robots of another.
+void RosBridge::sendPoses(std::int64_t utime) {
+  if (!poses_ || !poses_->admit(utime)) return;
+  pose_array_.clear();
+  for (const auto& [id, robot] : robots_) {
+    const bool here = robot.tracked && std::abs(utime - robot.tracked_utime) < kFresh_us;
+    if (here) pose_array_.push_back(toPose(*robot.tracked));
+  }
+  ros::PoseArray message{};
+  message.header = {stampOf(utime), cText(arena_)};
+  message.poses._length = message.poses._maximum = static_cast<std::uint32_t>(pose_array_.size());
+  message.poses._buffer = pose_array_.data();
+  poses_->write(&message);
+}
+
+void RosBridge::take(const robot_status_t& status) {
+  for (const robot_state_t& state : status.robots) {
+    Robot* known = robot(state.robot_id);
+    if (known == nullptr) continue;
+    known->motion = motionOf(state.wheel_left, state.wheel_right, experiment_.hardware.diameter);
+    known->motion_utime = state.utime;
+    known->origin = state.origin;
+    known->program = programName(experiment_, state.program);
+    if (known->light && known->light->admit(state.utime)) {
+      const ros::Illuminance message = known->messages.light(state, experiment_.light_table.sensor);
+      known->light->write(&message);
+    }
+  }
+}
+
+void RosBridge::take(const light_status_t& status) {
+  if (!light_field_) return;
+  light::Field field = toField(status, images_.store);
+  const bool news = !shown_ || !sameLight(*shown_, field);
+  // What is thinned now is made good by the next status: at 10 Hz it comes also while nothing
+  // moves.
+  if (!news || !light_field_->admit(status.utime)) return;
+  if (light::validate(field.layers) || light::validate(field.previous)) {
+    node_.noteError("LIGHT_STATUS of " + status.sender + " cannot be painted: ignored");
+    return;
+  }
+  const ros::OccupancyGrid& grid =
+      grid_.paint(light::CompiledField(field), status.utime, status.first_shown_utime);
+  light_field_->write(&grid);
+  shown_ = std::move(field);
+}
+
+void RosBridge::take(const analysis_t& analysis) {
+  const std::string part = namePart(analysis.program_name);
+  Outlets::Handle* outlet = nullptr;
+  std::string topic;
+  if (analysis.robot_id == analysis_t::POOL) {
+    outlet = &pool_analysis_.try_emplace(part).first->second;
+    topic = names_.topic("analysis/" + part);
+  } else if (Robot* known = robot(analysis.robot_id)) {
+    outlet = &known->analysis.try_emplace(part).first->second;
+    topic = names_.topic(analysis.robot_id, "analysis/" + part);
+  }
+  if (outlet == nullptr) return;
+  if (!*outlet) *outlet = outlets_.openLatched<ros::Analysis>(topic);
+  if (!*outlet || !(*outlet)->admit(analysis.utime)) return;
+  (*outlet)->write(&analysis_.make(analysis));
+}
+
+/// Only where the lab's time is not the clock's: with /clock there, use_sim_time has a meaning.
+void RosBridge::take(const clock_t& clock) {
+  if (!clock_) clock_ = outlets_.open<ros::Clock>(kClock);
+  if (!clock_ || !clock_->admit(clock.utime)) return;
+  const ros::Clock message{stampOf(clock.utime)};
+  clock_->write(&message);
+}
+
+void RosBridge::everySecond() {
+  forgetRobots();
+  sendRobots();
+  if (commands_) commands_->everySecond();
+  std::multimap<std::string, std::string> types;
+  if (commands_) {
+    for (const auto& inlet : commands_->inlets()) {
+      types.emplace(ros::topicName(inlet->topic()), inlet->typeName());
+    }
+  }
+  for (const Outlets::Handle& outlet : outlets_.all()) {
+    types.emplace(ros::topicName(outlet->topic()), outlet->typeName());
+  }
+  foreign_.look(types);
+  if (foreign_.count() > 0) {
+    node_.noteError("somebody uses a topic of the lab with another type: " + foreign_.last());
+  }
+  if (!outlets_.trouble().empty()) node_.noteError(outlets_.trouble());
+  const std::string said = dds::takeComplaints();
+  if (!said.empty()) complaints_ = said;
+  sendDiagnostics();
+  // Last, and only when there are more: the other complaints come again each second.
+  const std::int64_t malformed = dds::malformedReceived();
+  if (malformed > malformed_) {
+    node_.noteError("DDS brought what is no message of its topic, dropped: " +
+                    said.substr(0, said.find('\n')));
+  }
+  malformed_ = malformed;
+}
+
+void RosBridge::forgetRobots() {
+  std::erase_if(robots_, [this](const auto& entry) {
+    return loop_.now() - entry.second.heard_utime > kForget_us;
+  });
+}
+
+void RosBridge::sendRobots() {
+  if (!robot_list_) return;
+  nlohmann::json list = nlohmann::json::array();
+  for (const auto& [id, robot] : robots_) {
+    list.push_back({{"id", id},
+                    {"name", robotName(id)},
+                    {"namespace", "/" + names_.lab() + "/" + robotName(id)},
+                    {"frame", names_.robotFrame(id)},
+                    {"origin", originName(robot.origin)},
+                    {"program", robot.program}});
+  }
+  const auto replace = nlohmann::json::error_handler_t::replace;
+  std::string text = list.dump(-1, ' ', false, replace);
+  if (text == robot_text_ || !robot_list_->admit(loop_.now())) return;
+  robot_text_ = std::move(text);
+  const ros::String message{cText(robot_text_)};
+  robot_list_->write(&message);
+}
+
+}  // namespace lab::gateway

@@ -1,0 +1,101 @@
+/// The lab as ROS 2 sees it (docs/ros2.md).
+#pragma once
+
+#include <cstdint>
+#include <lab/clock_t.hpp>
+#include <lab/light_status_t.hpp>
+#include <lab/robot_status_t.hpp>
+#include <lab/service_status_t.hpp>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/experiment/light_messages.hpp"
+#include "common/service/service_main.hpp"
+#include "dds_gateway/dds/domain.hpp"
+#include "dds_gateway/ros/foreign_endpoints.hpp"
+#include "dds_gateway/ros/topic_mapping.hpp"
+#include "dds_gateway/ros/ros_names.hpp"
+#include "dds_gateway/ros/ros_publisher.hpp"
+#include "dds_gateway/ros/ros_commands.hpp"
+#include "dds_gateway/ros/to_ros.hpp"
+
+namespace lab::gateway {
+
+/// Puts what the lab says on DDS as ROS 2 expects it, and takes ROS 2's commands where the
+/// experiment allows them. A robot's topics come with its first word, and go when it has been
+/// silent for kForget_us.
+class RosBridge {
+ public:
+  static constexpr std::int64_t kForget_us = 60'000'000;
+  static constexpr std::size_t kMostRobots = 500;
+
+  /// @throws ExperimentError when the mapping, the configuration or the certificates cannot be used
+  explicit RosBridge(const ServiceContext& context);
+
+ private:
+  struct Robot {
+    RobotMessages messages;
+    Outlets::Handle pose;
+    Outlets::Handle odometry;
+    Outlets::Handle light;
+    std::map<std::string, Outlets::Handle> analysis;  ///< by program
+    std::optional<tracked_pose_t> tracked;
+    std::int64_t tracked_utime = 0;  ///< of its frame
+    Motion motion;
+    std::int64_t motion_utime = 0;
+    std::int64_t heard_utime = 0;  ///< when anything came
+    std::int8_t origin = 0;
+    std::string program;
+  };
+
+  void openTopics();
+  void subscribe();
+  void take(const tracked_frame_t& frame);
+  void take(const robot_status_t& status);
+  void take(const light_status_t& status);
+  void take(const analysis_t& analysis);
+  void take(const clock_t& clock);
+  void sendPoses(std::int64_t utime);
+  void sendRobots();
+  void everySecond();
+  void forgetRobots();
+  void sendDiagnostics();
+  void addServices(Diagnostics& diagnostics) const;
+  void addTopics(Diagnostics& diagnostics);
+  Robot* robot(std::int32_t id);
+
+  Node& node_;
+  Loop& loop_;
+  const Experiment& experiment_;
+  Names names_;
+  Mapping mapping_;
+  dds::Domain domain_;
+  Outlets outlets_;
+  ForeignEndpoints foreign_;
+  ExperimentImages images_;
+
+  std::map<std::int32_t, Robot> robots_;
+  std::int64_t refused_robots_ = 0;
+  std::map<std::string, Outlets::Handle> pool_analysis_;
+  Outlets::Handle tf_, poses_, light_field_, robot_list_, diagnostics_, clock_;
+  std::vector<ros::TransformStamped> transforms_;
+  std::vector<ros::Pose> pose_array_;
+  std::string arena_;
+  LightGrid grid_;
+  std::optional<light::Field> shown_;
+  AnalysisMessage analysis_;
+  std::string robot_text_;  ///< of the list that was sent last
+  struct Heard {
+    service_status_t status;
+    std::int64_t utime = 0;  ///< when it came
+  };
+  std::map<std::string, Heard> services_;
+  std::string complaints_;      ///< of Cyclone, the last
+  std::int64_t malformed_ = 0;  ///< dds::malformedReceived() a second ago
+  std::unique_ptr<RosCommands> commands_;
+};
+
+}  // namespace lab::gateway

@@ -1,0 +1,255 @@
+#include "dds_gateway/ros/ros_commands.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <functional>
+#include <utility>
+
+#include "common/bus/channels.hpp"
+#include "common/experiment/experiment_messages.hpp"
+#include "common/math/units.hpp"
+
+namespace lab::gateway {
+namespace {
+
+constexpr std::int64_t kTick_us = 20'000;
+constexpr std::int64_t kPause_us = 2'000;  // a flood rings five hundred times a second at most
+constexpr const char* kRelease = "release";
+constexpr const char* kStand = "stand";
+
+std::set<std::int32_t> drivable(const Experiment& experiment) {
+  const std::vector<std::int32_t> known = commandedRobots(experiment);
+  const std::vector<std::int32_t>& wanted = experiment.gateway.command_robots;
+  std::set<std::int32_t> robots(known.begin(), known.end());
+  if (wanted.empty()) return robots;
+  std::erase_if(robots, [&wanted](std::int32_t id) {
+    return std::find(wanted.begin(), wanted.end(), id) == wanted.end();
+  });
+  return robots;
+}
+
+robot_order_t tableOf(const Experiment& experiment) {
+  robot_order_t order = lightTableCommand(experiment).orders.front();
+  order.bands.clear();
+  order.num_bands = 0;
+  order.robot_ids.clear();
+  order.num_robots = 0;
+  return order;
+}
+
+robot_order_t standing() {
+  robot_order_t order{};
+  order.mode = robot_order_t::STAND;
+  return order;
+}
+
+/// A reader that every publisher matches, reliable or not.
+template <class Message>
+dds::Qos anyPublisher() {
+  return ros::sensorQos(ros::rosType<Message>());
+}
+
+/// What is said once must arrive: the publisher has to be reliable, as ROS 2's are by default.
+template <class Message>
+dds::Qos reliable() {
+  return ros::defaultQos(ros::rosType<Message>());
+}
+
+template <class Message>
+Message itself(const Message& message) {
+  return message;
+}
+
+}  // namespace
+
+RosCommands::RosCommands(const ServiceContext& context, const dds::Domain& domain,
+                         Mapping& mapping, const Names& names)
+    : node_(context.node),
+      loop_(context.loop),
+      descriptors_(context.descriptors),
+      experiment_(context.experiment),
+      domain_(domain),
+      names_(names),
+      desk_(drivable(experiment_),
+            {experiment_.hardware.max_wheel_speed, experiment_.hardware.diameter},
+            units::microseconds(experiment_.gateway.command_timeout)),
+      light_(units::microseconds(experiment_.gateway.command_timeout)),
+      table_(tableOf(experiment_)) {
+  for (const std::int32_t id : desk_.robots()) openRobot(mapping, id);
+  openLab(mapping);
+  node_.subscribe<robot_command_t>(channels::kRobotCommand, [this](const robot_command_t& command) {
+    if (command.sender != node_.identity().name) desk_.take(command, loop_.now());
+  });
+  node_.subscribe<robot_stop_t>(
+      channels::kRobotStop, [this](const robot_stop_t& stop) { desk_.take(stop, loop_.now()); });
+  node_.subscribe<robot_status_t>(channels::kRobotStatus,
+                                  [this](const robot_status_t& status) { desk_.take(status); });
+  loop_.every(kTick_us, loop_.now(), [this] { send(); });
+  watch();
+}
+
+template <class Message, class Value>
+void RosCommands::open(Mapping& mapping, const std::string& topic, const dds::Qos& qos,
+                       std::function<Value(const Message&)> keep,
+                       std::function<Answer(dds::WriterId, const Value&)> act) {
+  const std::optional<Route> route = mapping.route(topic);
+  if (!route) return;
+  inlets_.push_back(std::make_unique<InletOf<Message, Value>>(domain_, route->topic, qos, waker_,
+                                                              std::move(keep), std::move(act)));
+}
+
+void RosCommands::openRobot(Mapping& mapping, std::int32_t robot) {
+  const std::string drive = names_.topic(robot, "cmd_vel");
+  const auto act = [this, robot](dds::WriterId writer, const ros::Twist& twist) {
+    return desk_.drive(robot, writer, twist, loop_.now());
+  };
+  open<ros::Twist, ros::Twist>(mapping, drive, anyPublisher<ros::Twist>(), itself<ros::Twist>, act);
+  // The stamp is a clock of somebody else: how old a command is, is counted from its arrival.
+  open<ros::TwistStamped, ros::Twist>(
+      mapping, drive, anyPublisher<ros::TwistStamped>(),
+      [](const ros::TwistStamped& message) { return message.twist; }, act);
+  open<ros::String, std::string>(
+      mapping, names_.topic(robot, "program"), reliable<ros::String>(),
+      [](const ros::String& message) { return std::string(message.data); },
+      [this, robot](dds::WriterId writer, const std::string& name) {
+        return program(robot, writer, name);
+      });
+}
+
+void RosCommands::openLab(Mapping& mapping) {
+  struct Group {
+    std::uint8_t mode = 0;
+    std::vector<std::int32_t> robots;
+  };
+  open<ros::ProgramCommand, Group>(
+      mapping, names_.topic("program"), reliable<ros::ProgramCommand>(),
+      [](const ros::ProgramCommand& message) {
+        const auto& ids = message.robot_ids;
+        return Group{message.mode, {ids._buffer, ids._buffer + ids._length}};
+      },
+      [this](dds::WriterId writer, const Group& group) {
+        std::vector<std::int32_t> ids = group.robots;
+        if (ids.empty()) ids.assign(desk_.robots().begin(), desk_.robots().end());
+        switch (group.mode) {
+          case robot_order_t::STAND:
+            return desk_.command(ids, writer, standing(), loop_.now());
+          case robot_order_t::TABLE:
+            return desk_.release(ids, writer, loop_.now());
+          default:
+            return Answer::kOutOfRange;
+        }
+      });
+  const std::string light = names_.topic("light");
+  open<ros::Float64, double>(
+      mapping, light, reliable<ros::Float64>(),
+      [](const ros::Float64& message) { return message.data; },
+      [this](dds::WriterId writer, double intensity) {
+        return light_.show(writer, intensity, 0, "ROS 2", loop_.now());
+      });
+  struct Light {
+    double intensity = 0;
+    double hold = 0;
+    bool release = false;
+    std::string label;
+  };
+  open<ros::LightCommand, Light>(
+      mapping, light, reliable<ros::LightCommand>(),
+      [](const ros::LightCommand& message) {
+        return Light{message.intensity, message.hold, message.release, message.label};
+      },
+      [this](dds::WriterId writer, const Light& wanted) {
+        if (wanted.release) return light_.release(writer, loop_.now());
+        return light_.show(writer, wanted.intensity, wanted.hold, wanted.label, loop_.now());
+      });
+}
+
+Answer RosCommands::program(std::int32_t robot, dds::WriterId writer, const std::string& name) {
+  if (name.empty() || name == kRelease) return desk_.release({robot}, writer, loop_.now());
+  const auto known = experiment_.programs.find(name);
+  if (known == experiment_.programs.end() && name == kStand) {
+    return desk_.command({robot}, writer, standing(), loop_.now());
+  }
+  if (known == experiment_.programs.end()) return Answer::kNoProgram;
+  robot_order_t order = table_;
+  light_band_t everywhere{};
+  everywhere.high = 1;
+  everywhere.program = toMessage(known->second);
+  order.bands = {everywhere};
+  order.num_bands = 1;
+  return desk_.command({robot}, writer, order, loop_.now());
+}
+
+void RosCommands::watch() {
+  watch_ = descriptors_.watch(waker_.fileDescriptor(), [this] { look(); });
+}
+
+void RosCommands::look() {
+  watch_.reset();
+  loop_.at(loop_.now() + kPause_us, [this] { watch(); });
+  waker_.quiet();
+  for (const auto& inlet : inlets_) {
+    if (inlet->read()) waker_.ring();
+  }
+  send();
+}
+
+void RosCommands::send() {
+  const std::int64_t now = loop_.now();
+  desk_.tick(now);
+  for (robot_command_t& command : desk_.due(now)) {
+    node_.publishCommand(channels::kRobotCommand, command);
+  }
+  if (auto light = light_.due(now)) node_.publishCommand(channels::kLightCommand, *light);
+}
+
+/// Texts without numbers: the lab's record takes each once.
+void RosCommands::everySecond() {
+  for (const auto& inlet : inlets_) {
+    inlet->newSecond();
+    for (int i = 0; i < kAnswers; ++i) {
+      const auto answer = static_cast<Answer>(i);
+      const bool fine = answer == Answer::kTaken || answer == Answer::kClamped ||
+                        answer == Answer::kOwned || answer == Answer::kLabHolds ||
+                        answer == Answer::kStopped;
+      if (!fine && inlet->count(answer) > 0) {
+        node_.noteError(inlet->topic() + ": refused: " + textOf(answer));
+      }
+    }
+  }
+}
+
+void RosCommands::addTo(Diagnostics& diagnostics) {
+  Diagnostics::Status status;
+  status.name = names_.lab() + ": commands from ROS 2";
+  std::int64_t refused = 0;
+  for (const auto& inlet : inlets_) {
+    const dds::Matching matching = inlet->reader().matching();
+    if (inlet->reader().received() == 0 && matching.peers == 0 && matching.refused == 0) continue;
+    std::string text =
+        fmt::format("publishers {}, received {}", matching.peers, inlet->reader().received());
+    for (int i = 0; i < kAnswers; ++i) {
+      const auto answer = static_cast<Answer>(i);
+      const std::int64_t count = inlet->count(answer);
+      if (count == 0) continue;
+      text += fmt::format(", {}: {}", textOf(answer), count);
+      if (answer != Answer::kTaken && answer != Answer::kClamped) refused += count;
+    }
+    if (inlet->superseded() > 0)
+      text += fmt::format(", replaced by newer: {}", inlet->superseded());
+    if (inlet->reader().overrun() > 0) text += fmt::format(", lost: {}", inlet->reader().overrun());
+    if (matching.refused > 0) {
+      text += fmt::format(", publishers refused: {} (ROS side offers another {})", matching.refused,
+                          matching.why);
+    }
+    status.values.emplace_back(inlet->topic() + " " + inlet->typeName(), std::move(text));
+  }
+  status.values.emplace_back("robots held", std::to_string(desk_.held()));
+  status.values.emplace_back("made to stand by silence", std::to_string(desk_.silences()));
+  status.level = refused > 0 ? Diagnostics::kWarn : Diagnostics::kOk;
+  status.message = refused > 0 ? fmt::format("{} refused", refused) : "";
+  diagnostics.add(std::move(status));
+}
+
+}  // namespace lab::gateway

@@ -1,0 +1,113 @@
+/// The topics that go out.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "dds_gateway/dds/endpoint.hpp"
+#include "dds_gateway/ros/topic_mapping.hpp"
+#include "dds_gateway/ros/rate_limit.hpp"
+#include "dds_gateway/ros/ros_type.hpp"
+
+namespace lab::gateway {
+
+/// One topic with its writer and its counts.
+class Outlet {
+ public:
+  Outlet(const dds::Domain& domain, const ros::RosType& type, const Route& route,
+         const dds::Qos& qos)
+      : topic_(route.topic),
+        type_name_(type.descriptor->m_typename),
+        limit_(route.rate),
+        writer_(domain, *type.descriptor, ros::topicName(route.topic), qos) {}
+
+  /// Whether a message of this time is to be made at all; counts it.
+  [[nodiscard]] bool admit(std::int64_t utime) {
+    ++offered_;
+    if (!limit_.admit(utime)) return false;
+    utime_ = utime;
+    return true;
+  }
+  void write(const void* message) { writer_.write(message); }
+
+  [[nodiscard]] const std::string& topic() const { return topic_; }
+  [[nodiscard]] const std::string& typeName() const { return type_name_; }
+  [[nodiscard]] std::int64_t offered() const { return offered_; }
+  [[nodiscard]] std::int64_t thinned() const {
+    return offered_ - writer_.written() - writer_.timeouts();
+  }
+  [[nodiscard]] const dds::Writer& writer() const { return writer_; }
+  [[nodiscard]] std::int64_t lastUtime() const { return utime_; }
+
+ private:
+  std::string topic_;
+  std::string type_name_;
+  RateLimit limit_;
+  dds::Writer writer_;
+  std::int64_t offered_ = 0;
+  std::int64_t utime_ = 0;
+};
+
+/// Makes outlets as the mapping says. A topic that it denies, or that cannot be made, has none:
+/// null.
+class Outlets {
+ public:
+  Outlets(const dds::Domain& domain, Mapping& mapping) : domain_(domain), mapping_(mapping) {}
+
+  using Handle = std::shared_ptr<Outlet>;  ///< ends with its last owner
+
+  template <class Message>
+  [[nodiscard]] Handle open(const std::string& topic, const dds::Qos& qos) {
+    return open(ros::rosType<Message>(), topic, qos);
+  }
+  template <class Message>
+  [[nodiscard]] Handle open(const std::string& topic) {
+    return open<Message>(topic, ros::defaultQos(ros::rosType<Message>()));
+  }
+  /// One that late joiners get the last message of.
+  template <class Message>
+  [[nodiscard]] Handle openLatched(const std::string& topic) {
+    return open<Message>(topic, ros::latchedQos(ros::rosType<Message>()));
+  }
+
+  /// Those in use, in the order in which they were made.
+  [[nodiscard]] std::vector<Handle> all();
+
+  /// Why a topic could not be made, the last; empty: all could.
+  [[nodiscard]] const std::string& trouble() const { return trouble_; }
+
+ private:
+  Handle open(const ros::RosType& type, const std::string& topic, const dds::Qos& qos) {
+    try {
+      const std::optional<Route> route = mapping_.route(topic);
+      if (!route) return nullptr;
+      auto outlet = std::make_shared<Outlet>(domain_, type, *route, qos);
+      made_.push_back(outlet);
+      return outlet;
+    } catch (const std::runtime_error& error) {  // of one topic: the others go on
+      trouble_ = error.what();
+      return nullptr;
+    }
+  }
+
+  const dds::Domain& domain_;
+  Mapping& mapping_;
+  std::string trouble_;
+  std::vector<std::weak_ptr<Outlet>> made_;
+};
+
+inline std::vector<Outlets::Handle> Outlets::all() {
+  std::erase_if(made_, [](const auto& outlet) { return outlet.expired(); });
+  std::vector<Handle> open;
+  open.reserve(made_.size());
+  for (const auto& outlet : made_) {
+    if (Handle handle = outlet.lock()) open.push_back(std::move(handle));
+  }
+  return open;
+}
+
+}  // namespace lab::gateway

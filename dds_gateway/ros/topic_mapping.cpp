@@ -1,0 +1,191 @@
+#include "dds_gateway/ros/topic_mapping.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <set>
+
+#include "common/experiment/experiment_file.hpp"
+#include "common/files/file_problems.hpp"
+#include "common/files/toml_document.hpp"
+#include "dds_gateway/ros/ros_names.hpp"
+
+namespace lab::gateway {
+namespace {
+
+constexpr std::size_t kMostProblems = 20;
+constexpr double kHighestRate = 10000;
+constexpr std::int64_t kFileVersion = 1;
+
+// While the light moves LIGHT_STATUS comes with every frame of the projector, and a raster is
+// large.
+constexpr const char* kBuiltIn = R"(
+fileversion = 1
+[[rules]]
+topic = "/[A-Za-z0-9_]+/light_field"
+rate_hz = 5
+)";
+
+}  // namespace
+
+/// Reads the rules of a file, and says all that is wrong with it.
+class MappingReader {
+ public:
+  MappingReader(std::string_view text, const std::string& name)
+      : document_(text, name, {}),
+        problems_([this](const std::string& path) { return document_.place(path); }) {}
+
+  std::vector<Mapping::Rule> read() {
+    checkKeys(document_.root(), "", {"fileversion", "rules"});
+    const auto version = document_.root()["fileversion"].value<std::int64_t>();
+    if (version != kFileVersion) {
+      problems_.add("fileversion", "found " + foundAt(document_.root(), "fileversion") +
+                                       ", expected 1: write fileversion = 1");
+    }
+    std::vector<Mapping::Rule> rules;
+    if (const toml::node* node = document_.root().get("rules")) {
+      const toml::array* array = node->as_array();
+      if (array == nullptr || !array->is_homogeneous(toml::node_type::table)) {
+        problems_.add("rules", "found " + keys::shown(*node) + ", expected [[rules]] tables");
+      } else {
+        for (std::size_t i = 0; i < array->size(); ++i) {
+          rules.push_back(readRule(*(*array)[i].as_table(), fmt::format("rules[{}]", i)));
+        }
+      }
+    }
+    if (!problems_.empty()) throw ExperimentError(problems_.lines(kMostProblems));
+    return rules;
+  }
+
+ private:
+  static std::string foundAt(const toml::table& table, const std::string& key) {
+    const toml::node* node = table.get(key);
+    return node == nullptr ? "nothing" : keys::shown(*node);
+  }
+
+  void checkKeys(const toml::table& table, const std::string& path,
+                 const std::set<std::string, std::less<>>& known) {
+    for (const auto& [key, node] : table) {
+      if (known.contains(key.str())) continue;
+      std::string expected;
+      for (const std::string& name : known) expected += (expected.empty() ? "" : ", ") + name;
+      problems_.addAt(document_.place(key, node),
+                      (path.empty() ? "" : path + ".") + keys::shownKey(key.str()),
+                      "found an unknown key, expected one of " + expected);
+    }
+  }
+
+  Mapping::Rule readRule(const toml::table& table, const std::string& path) {
+    checkKeys(table, path, {"topic", "allow", "rename", "rate_hz"});
+    Mapping::Rule rule;
+    readPattern(table, path + ".topic", rule);
+    if (const toml::node* node = table.get("allow")) {
+      const auto allow = node->value<bool>();
+      if (!node->is_boolean() || !allow) {
+        problems_.add(path + ".allow", "found " + keys::shown(*node) + ", expected true or false");
+      } else {
+        rule.allow = *allow;
+      }
+    }
+    if (const toml::node* node = table.get("rename")) {
+      const auto rename = node->value<std::string>();
+      if (!rename || rename->empty() || rename->front() != '/') {
+        problems_.add(path + ".rename", "found " + keys::shown(*node) +
+                                            ", expected the new name of the topic, as "
+                                            "\"/fleet/$1/pose\" ($1: the first group of topic)");
+      } else {
+        rule.rename = *rename;
+        rule.place = document_.place(path + ".rename").text + ": " + path + ".rename";
+      }
+    }
+    if (const toml::node* node = table.get("rate_hz")) {
+      const auto rate = node->value<double>();
+      if (!rate || !(*rate >= 0 && *rate <= kHighestRate)) {
+        problems_.add(path + ".rate_hz",
+                      fmt::format("found {}, allowed 0 (every message) to {:g} Hz",
+                                  keys::shown(*node), kHighestRate));
+      } else {
+        rule.rate = *rate;
+      }
+    }
+    return rule;
+  }
+
+  void readPattern(const toml::table& table, const std::string& path, Mapping::Rule& rule) {
+    const auto text = table["topic"].value<std::string>();
+    if (!text || text->empty()) {
+      problems_.add(path, "found " + foundAt(table, "topic") +
+                              ", expected a regular expression of whole names, as "
+                              "\"/lab/robot[0-9]+/odom\"");
+      return;
+    }
+    rule.text = *text;
+    try {
+      rule.pattern = std::regex(*text, std::regex::ECMAScript | std::regex::optimize);
+    } catch (const std::regex_error& error) {
+      problems_.add(path, "found " + keys::shown(std::string_view(*text)) +
+                              ", expected a regular expression (ECMAScript): " + error.what());
+    }
+  }
+
+  keys::TomlDocument document_;
+  keys::Problems problems_;
+};
+
+Mapping::Mapping() : rules_(MappingReader(kBuiltIn, "built-in mapping").read()) {}
+
+Mapping::Mapping(std::string_view text, const std::string& name)
+    : rules_(MappingReader(text, name).read()) {
+  for (Rule& rule : Mapping().rules_) rules_.push_back(std::move(rule));
+}
+
+std::optional<Route> Mapping::route(const std::string& topic) {
+  Route route{topic, 0};
+  std::string place;
+  bool decided = false;
+  for (const Rule& rule : rules_) {
+    if (!std::regex_match(topic, rule.pattern)) continue;
+    if (!decided) {
+      if (!rule.allow) return std::nullopt;
+      if (!rule.rename.empty()) {
+        route.topic = std::regex_replace(topic, rule.pattern, rule.rename);
+        place = rule.place;
+        if (!isTopicName(route.topic)) {
+          throw std::runtime_error(fmt::format(
+              "gateway.mapping: the rule {} makes \"{}\" of {}, expected a name of ROS 2: parts of "
+              "letters, digits and _ after each /, none beginning with a digit, no __",
+              rule.text, route.topic, topic));
+        }
+      }
+      decided = true;
+    }
+    if (rule.rate) {
+      route.rate = *rule.rate;
+      break;
+    }
+  }
+  take(route.topic, {topic, place});
+  return route;
+}
+
+void Mapping::take(const std::string& name, const Taken& wanted) {
+  const Taken& owner = taken_.try_emplace(name, wanted).first->second;
+  if (owner.by == wanted.by) return;
+  throw std::runtime_error(fmt::format(
+      "{}: found that {} and {} both become \"{}\", expected a name of its own for each ($1: the "
+      "first group of topic)",
+      wanted.place.empty() ? owner.place : wanted.place, owner.by, wanted.by, name));
+}
+
+Mapping readMappingFile(const std::filesystem::path& file) {
+  std::ifstream stream(file);
+  if (!stream) {
+    throw ExperimentError({file.string() + ": gateway.mapping cannot be read: is it there?"});
+  }
+  const std::string text{std::istreambuf_iterator<char>(stream), {}};
+  return {text, file.string()};
+}
+
+}  // namespace lab::gateway

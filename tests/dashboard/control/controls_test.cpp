@@ -1,0 +1,172 @@
+#include "dashboard/control/controls.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/experiment/light_messages.hpp"
+#include "tests/dashboard/message_samples.hpp"
+
+namespace lab::dashboard {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+experiment_status_t conducted(std::int8_t phase = experiment_status_t::SCRIPT) {
+  experiment_status_t status{};
+  status.sender = "lab";
+  status.phase = phase;
+  return status;
+}
+
+struct Desk {
+  Desk() { dut.take(conducted(), kNow); }
+
+  void answer(const experiment_command_t& command, const std::string& refusal = "") {
+    experiment_status_t status = conducted();
+    status.commander = command.sender;
+    status.command_instance = command.instance;
+    status.command_seq = command.seq;
+    status.refusal = refusal;
+    dut.take(status, kNow);
+  }
+  std::string note() { return dut.noteJson(); }
+
+  Controls dut{"dashboard", 9};
+};
+
+TEST(Controls, AWishIsRepeatedAtFiveHertzUntilItIsAnswered) {
+  Desk desk;
+  ASSERT_EQ(desk.dut.wish(MarkRun{"a fly"}, kNow), "");
+  ASSERT_EQ(desk.dut.wish(PauseScript{}, kNow), "");
+  const auto first = desk.dut.due(kNow).experiment;
+  ASSERT_TRUE(first);
+  EXPECT_EQ(first->action, experiment_command_t::MARK);
+  EXPECT_EQ(first->text, "a fly");
+  EXPECT_FALSE(desk.dut.due(kNow + 199'000).experiment);
+  EXPECT_EQ(desk.dut.due(kNow + 200'000).experiment->seq, first->seq);
+  desk.answer(*first);
+  EXPECT_THAT(desk.note(), HasSubstr("\"wish\":\"mark\",\"text\":\"done\""));
+  const auto second = desk.dut.due(kNow + 210'000).experiment;
+  ASSERT_TRUE(second);
+  EXPECT_EQ(second->action, experiment_command_t::PAUSE);
+  EXPECT_GT(second->seq, first->seq);
+  desk.answer(*second, "it is paused");
+  EXPECT_THAT(desk.note(), HasSubstr("refused: it is paused"));
+  EXPECT_FALSE(desk.dut.due(kNow + kSecond).experiment);
+}
+
+TEST(Controls, AWishThatNobodyAnswersIsGivenUpAndTheNextOneHasItsOwnPatience) {
+  Desk desk;
+  ASSERT_EQ(desk.dut.wish(PauseScript{}, kNow), "");
+  ASSERT_EQ(desk.dut.wish(ResumeScript{}, kNow), "");
+  EXPECT_TRUE(desk.dut.due(kNow).experiment);
+  EXPECT_FALSE(desk.dut.due(kNow + 5 * kSecond + 1).experiment);
+  EXPECT_THAT(desk.note(), HasSubstr("nobody has answered"));
+  EXPECT_EQ(desk.dut.due(kNow + 6 * kSecond).experiment->action, experiment_command_t::RESUME);
+  EXPECT_TRUE(desk.dut.due(kNow + 10 * kSecond).experiment);
+}
+
+TEST(Controls, RefusesWhatNobodyCouldObey) {
+  Controls dut("dashboard", 9);
+  EXPECT_THAT(dut.wish(PauseScript{}, kNow), HasSubstr("no run is conducted"));
+  dut.take(conducted(), kNow);
+  EXPECT_EQ(dut.wish(PauseScript{}, kNow), "");
+  EXPECT_NE(dut.wish(SeekLog{3}, kNow), "");
+  EXPECT_NE(dut.wish(MarkRun{"two\nlines"}, kNow), "");
+  EXPECT_NE(dut.wish(ShowLight{1.5, 0}, kNow), "");
+  EXPECT_NE(dut.wish(ShowLight{0.5, -1}, kNow), "");
+  EXPECT_NE(dut.wish(ShowLight{std::nan(""), 0}, kNow), "");
+  EXPECT_NE(dut.wish(ReleaseLight{}, kNow), "");
+  EXPECT_THAT(dut.wish(PauseScript{}, kNow + 4 * kSecond), HasSubstr("no run is conducted"));
+}
+
+TEST(Controls, APlayedLogTakesSeeksAndNoStops) {
+  Controls dut("dashboard", 9);
+  dut.take(conducted(experiment_status_t::PLAYING), kNow);
+  EXPECT_NE(dut.wish(StopRobots{}, kNow), "");
+  EXPECT_NE(dut.wish(MarkRun{"x"}, kNow), "");
+  EXPECT_NE(dut.wish(ShowLight{0.5, 0}, kNow), "");
+  EXPECT_NE(dut.wish(SpeedLog{0}, kNow), "");
+  EXPECT_EQ(dut.wish(SeekLog{12.5}, kNow), "");
+  const DueCommands due = dut.due(kNow);
+  EXPECT_FALSE(due.stop);
+  EXPECT_EQ(due.experiment->action, experiment_command_t::SEEK);
+  EXPECT_EQ(due.experiment->value, 12.5);
+}
+
+TEST(Controls, AStopIsToldUntilEveryRobotHasConfirmed) {
+  Desk desk;
+  desk.dut.expect({3, 7});
+  ASSERT_EQ(desk.dut.wish(StopRobots{"smoke"}, kNow), "");
+  const auto stop = desk.dut.due(kNow).stop;
+  ASSERT_TRUE(stop);
+  EXPECT_EQ(stop->reason, "smoke");
+  robot_state_t state = stateOf(3);
+  state.flags = robot_state_t::FLAG_STOPPED;
+  state.stop_seq = stop->seq;
+  desk.dut.take(statusOf({state}), kNow + 60'000);
+  Json json = Json::parse(desk.dut.stopJson());
+  EXPECT_EQ(json["state"], "stopping");
+  EXPECT_EQ(json["by"], "dashboard");
+  EXPECT_EQ(json["confirmed"], 1);
+  EXPECT_EQ(json["unconfirmed"], Json({7}));
+  EXPECT_EQ(json["took_ms"], nullptr);
+  state.robot_id = 7;
+  desk.dut.take(statusOf({state}), kNow + 80'000);
+  json = Json::parse(desk.dut.stopJson());
+  EXPECT_EQ(json["state"], "stopped");
+  EXPECT_EQ(json["took_ms"], 80);
+}
+
+TEST(Controls, WrongWordsDoNotKeepAStopBack) {
+  Desk desk;
+  EXPECT_EQ(desk.dut.wish(StopRobots{"\x01\xff"}, kNow), "");
+  EXPECT_EQ(desk.dut.due(kNow).stop->reason, "from the page");
+}
+
+TEST(Controls, LightIsWatchedUntilItIsShown) {
+  Desk desk;
+  ASSERT_EQ(desk.dut.wish(ShowLight{0.25, 2}, kNow), "");
+  const auto command = desk.dut.due(kNow).light;
+  ASSERT_TRUE(command);
+  EXPECT_EQ(command->priority, light_command_t::MANUAL);
+  EXPECT_EQ(command->layers.at(0).intensity, 0.25);
+  light_status_t status{};
+  status.utime = kNow + 20'000;
+  status.commander = "lab";
+  desk.dut.take(status, kNow + 20'000);
+  EXPECT_EQ(desk.note(), "");
+  status.commander = "dashboard";
+  status.command_instance = 9;
+  desk.dut.take(status, kNow + 30'000);
+  EXPECT_THAT(desk.note(), HasSubstr("shown"));
+  EXPECT_EQ(desk.dut.due(kNow + 2 * kSecond).light->release, 1) << "after its two seconds";
+  ASSERT_EQ(desk.dut.wish(ShowLight{0.5, 0}, kNow + 3 * kSecond), "");
+  EXPECT_TRUE(desk.dut.due(kNow + 7 * kSecond).light);
+  EXPECT_THAT(desk.note(), HasSubstr("the projector does not show it"));
+}
+
+TEST(Controls, LightSaysWhyItIsRefusedAndNotWhyThatOfOthersIs) {
+  Desk desk;
+  ASSERT_EQ(desk.dut.wish(ShowLight{0.25, 0}, kNow), "");
+  const std::int64_t seq = desk.dut.due(kNow).light.value().seq;
+  light_status_t status{};
+  status.utime = kNow + 20'000;
+  status.last_refusal = sayRefused("lab_light", seq, "somebody else's");
+  desk.dut.take(status, kNow + 20'000);
+  EXPECT_TRUE(desk.dut.due(kNow + 4 * kSecond).light);
+  EXPECT_THAT(desk.note(), AllOf(HasSubstr("the projector does not show it"),
+                                 Not(HasSubstr("somebody else's"))));
+  ASSERT_EQ(desk.dut.wish(ShowLight{0.5, 0}, kNow + 5 * kSecond), "");
+  status.utime = kNow + 5 * kSecond;
+  status.last_refusal =
+      sayRefused("dashboard", desk.dut.due(status.utime).light.value().seq, "its own");
+  desk.dut.take(status, status.utime);
+  EXPECT_TRUE(desk.dut.due(kNow + 9 * kSecond).light);
+  EXPECT_THAT(desk.note(), HasSubstr("the projector does not show it: its own"));
+}
+
+}  // namespace
+}  // namespace lab::dashboard

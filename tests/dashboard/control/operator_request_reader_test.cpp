@@ -1,0 +1,95 @@
+#include "dashboard/control/operator_request_reader.hpp"
+
+namespace lab::dashboard {
+namespace {
+
+template <class T>
+T read(const std::string& json) {
+  const auto found = readWish(json);
+  if (const auto* bad = std::get_if<BadText>(&found)) {
+    ADD_FAILURE() << json << ": " << bad->why;
+    return {};
+  }
+  EXPECT_TRUE(std::holds_alternative<T>(std::get<Wish>(found))) << json;
+  return std::get<T>(std::get<Wish>(found));
+}
+
+std::string why(const std::string& json) {
+  const auto found = readWish(json);
+  const auto* bad = std::get_if<BadText>(&found);
+  return bad ? bad->why : "taken";
+}
+
+TEST(WishReader, ReadsEveryWish) {
+  EXPECT_EQ(read<StopRobots>(R"({"wish":"stop","reason":"hand in the arena, \u00e4"})").reason,
+            "hand in the arena, \xc3\xa4");
+  read<ReleaseStop>(R"({"wish":"release_stop"})");
+  read<PauseScript>(R"({"wish":"pause"})");
+  read<ResumeScript>(R"({"wish":"resume"})");
+  EXPECT_EQ(read<MarkRun>(R"({"wish":"mark","text":""})").text, "");
+  EXPECT_EQ(read<EndRun>(R"({"why":"done","wish":"end"})").why, "done");
+  const auto light = read<ShowLight>(R"({"wish":"light","intensity":1,"hold_s":2.5})");
+  EXPECT_EQ(light.intensity, 1);
+  EXPECT_EQ(light.hold, 2.5);
+  read<ReleaseLight>(R"({"wish":"release_light"})");
+  EXPECT_EQ(read<SeekLog>(R"({"wish":"seek","to_s":0})").to, 0);
+  EXPECT_EQ(read<SpeedLog>(R"({"wish":"speed","speed":10})").speed, 10);
+}
+
+TEST(WishReader, SaysWhatIsWrongAndWhatWasExpected) {
+  EXPECT_EQ(why(R"({"wish":"mark"})"), "text: missing, expected a text");
+  EXPECT_EQ(why(R"({"wish":"mark","text":3})"), "text: found number, expected a text");
+  EXPECT_EQ(why(R"({"wish":"pause","x":1})"), "found the key \"x\", expected only wish");
+  EXPECT_EQ(why(R"({"wish":"light","intensity":1.5,"hold_s":0})"),
+            "intensity: found 1.5, expected a number from 0 to 1");
+  EXPECT_EQ(why(R"({"wish":"pause","wish":"end"})"), "found \"wish\" twice, expected it once");
+  EXPECT_EQ(why("[]"), "found array, expected a JSON object");
+}
+
+TEST(WishReader, WrongWordsDoNotKeepAStopBack) {
+  EXPECT_EQ(read<StopRobots>(R"({"wish":"stop"})").reason, "");
+  EXPECT_EQ(read<StopRobots>(R"({"wish":"stop","reason":3})").reason, "");
+  EXPECT_EQ(read<StopRobots>(R"({"wish":"stop","reason":"two\nlines"})").reason, "");
+  const std::string huge(501, 'a');
+  EXPECT_EQ(read<StopRobots>(R"({"wish":"stop","reason":")" + huge + "\"}").reason, "");
+}
+
+TEST(WishReader, CountsCharactersAndNotBytes) {
+  std::string text;
+  for (int i = 0; i < 500; ++i) text += "\xc3\xa4";
+  EXPECT_EQ(read<MarkRun>(R"({"wish":"mark","text":")" + text + "\"}").text, text);
+  EXPECT_EQ(why(R"({"wish":"mark","text":")" + text + "a\"}"),
+            "text: found 501 characters, expected at most 500");
+}
+
+TEST(WishReader, RefusesWhatIsNoWish) {
+  const std::string deep = std::string(60000, '[');
+  const std::string huge = R"({"wish":"mark","text":")" + std::string(501, 'a') + "\"}";
+  for (const std::string& json : {std::string(),
+                                  std::string("{"),
+                                  std::string("null"),
+                                  std::string("{}"),
+                                  deep,
+                                  huge,
+                                  std::string(R"({"wish":null})"),
+                                  std::string(R"({"wish":"Stop","reason":""})"),
+                                  std::string(R"({"wish":"pause"} x)"),
+                                  std::string("{\"wish\":\"pause\"}\0", 17),
+                                  std::string(R"({"wish":"light","intensity":NaN,"hold_s":0})"),
+                                  std::string(R"({"wish":"light","intensity":1e999,"hold_s":0})"),
+                                  std::string(R"({"wish":"light","intensity":"1","hold_s":0})"),
+                                  std::string(R"({"wish":"light","intensity":true,"hold_s":0})"),
+                                  std::string(R"({"wish":"light","intensity":-0.01,"hold_s":0})"),
+                                  std::string(R"({"wish":"light","intensity":1,"hold_s":86401})"),
+                                  std::string(R"({"wish":"light","intensity":1})"),
+                                  std::string(R"({"wish":"seek","to_s":-1})"),
+                                  std::string(R"({"wish":"speed","speed":0})"),
+                                  std::string("{\"wish\":\"mark\",\"text\":\"\xff\"}"),
+                                  std::string(R"({"wish":"mark","text":"two\nlines"})"),
+                                  std::string(R"({"wish":"mark","text":{"a":[[[1]]]}})")}) {
+    EXPECT_NE(why(json), "taken") << json.substr(0, 80);
+  }
+}
+
+}  // namespace
+}  // namespace lab::dashboard

@@ -1,0 +1,258 @@
+/// The service between a bus and the hub, in virtual time; its inbox between threads.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <sys/stat.h>
+
+#include <atomic>
+#include <chrono>
+#include <thread>
+
+#include "common/bus/channels.hpp"
+#include "common/bus/memory_bus.hpp"
+#include "common/loop/virtual_loop.hpp"
+#include "dashboard/web/address_file.hpp"
+#include "dashboard/dashboard_service.hpp"
+#include "tests/dashboard/message_samples.hpp"
+
+namespace lab::dashboard::dashboard_bus_test {
+namespace {
+
+using testing::HasSubstr;
+
+/// A dashboard, and a robot owner that obeys stops as robots do.
+struct Bench {
+  Bench() {
+    loop.drainWith([this] { bus.deliver(); });
+    node.start();
+    owner.start();
+    owner.subscribe<robot_stop_t>(channels::kRobotStop, [this](const robot_stop_t& stop) {
+      ++stops;
+      if (deaf) return;
+      for (robot_state_t& robot : robots) {
+        robot.stop_seq = stop.seq;
+        robot.flags = stop.clear != 0 ? 0 : robot_state_t::FLAG_STOPPED;
+      }
+    });
+    owner.subscribe<light_command_t>(channels::kLightCommand, [this](const light_command_t& light) {
+      lights.push_back(light);
+    });
+    loop.every(50'000, loop.now(), [this] {
+      robot_status_t status = statusOf(robots);
+      status.utime = 0;
+      owner.publish(channels::kRobotStatus, status);
+    });
+  }
+
+  void run(double seconds) {
+    loop.runUntil(loop.now() + static_cast<std::int64_t>(seconds * 1e6));
+  }
+  Json topic(const char* name) {
+    const Hub::Text text = hub.newest(name);
+    return text ? Json::parse(*text) : Json();
+  }
+
+  VirtualLoop loop;
+  MemoryBus bus{[this] { return loop.now(); }};
+  Node node{bus, loop, {"dashboard", 0, 9}};
+  Node owner{bus, loop, {"sim_svc", 2, 1}};
+  std::vector<robot_state_t> robots{stateOf(3), stateOf(7)};
+  int stops = 0;
+  bool deaf = false;
+  std::vector<light_command_t> lights;
+  Experiment none;
+  ServiceContext context{node, loop, none, ""};
+  Hub hub;
+  DashboardBus dut{context, hub, "runs",
+                   {.viewers = [] { return 1; }, .facts = [] { return ServerFacts{}; }}};
+};
+
+TEST(DashboardBus, AStopReachesEveryRobotWithinAFifthOfASecondAndThePageSaysSo) {
+  Bench bench;
+  bench.run(1);
+  const std::int64_t begin = bench.loop.now();
+  ASSERT_EQ(bench.dut.wish(StopRobots{"test"}), "");
+  while (bench.topic("stop")["state"] != "stopped") {
+    bench.run(0.005);
+    ASSERT_LT(bench.loop.now() - begin, 200'000);
+  }
+  EXPECT_EQ(bench.topic("stop")["confirmed"], 2);
+  EXPECT_LE(bench.topic("stop")["took_ms"].get<double>(), 50);
+  bench.run(1);
+  const int stops = bench.stops;
+  EXPECT_LE(stops, 4) << "at 10 Hz for 0.3 s";
+  bench.run(5);
+  EXPECT_EQ(bench.stops, stops) << "all obey: nothing is repeated";
+  ASSERT_EQ(bench.dut.wish(ReleaseStop{}), "");
+  bench.run(0.2);
+  EXPECT_EQ(bench.topic("stop")["state"], "free");
+  EXPECT_EQ(bench.robots[0].flags, 0);
+}
+
+TEST(DashboardBus, AStopThatARobotDoesNotConfirmIsRepeatedAndSaid) {
+  Bench bench;
+  bench.deaf = true;
+  bench.run(1);
+  ASSERT_EQ(bench.dut.wish(StopRobots{}), "");
+  bench.run(10);
+  EXPECT_NEAR(bench.stops, 100, 2);
+  EXPECT_EQ(bench.topic("stop")["state"], "stopping");
+  EXPECT_EQ(bench.topic("stop")["unconfirmed"], Json({3, 7}));
+}
+
+TEST(DashboardBus, LightIsRefreshedAtTwoHertzAndGivenBack) {
+  Bench bench;
+  ASSERT_EQ(bench.dut.wish(ShowLight{0.5, 3}), "");
+  bench.run(2.9);
+  EXPECT_EQ(bench.lights.size(), 6U);
+  bench.run(3);
+  ASSERT_EQ(bench.lights.size(), 9U);
+  EXPECT_EQ(bench.lights.back().release, 1);
+  EXPECT_GT(bench.lights.back().utime, bench.lights.front().utime);
+}
+
+TEST(DashboardBus, TellsInItsHeartbeatWhatItHeardAndNeverComplains) {
+  Bench bench;
+  service_status_t last{};
+  bench.owner.subscribe<service_status_t>(channels::kServiceStatus,
+                                          [&last](const service_status_t& status) {
+                                            if (status.sender == "dashboard") last = status;
+                                          });
+  const std::vector<std::uint8_t> junk{1, 2, 3};
+  bench.bus.publish(channels::kLightStatus, junk);
+  bench.run(3.5);
+  bool heard = false;
+  for (const stream_count_t& row : last.received) {
+    if (row.channel == channels::kRobotStatus) heard = row.received >= 40;
+  }
+  EXPECT_TRUE(heard);
+  EXPECT_EQ(last.last_error, "") << "the conductor marks the run for whatever a service says here";
+}
+
+std::optional<std::string> nothing(std::string_view, std::string_view) { return std::nullopt; }
+
+TEST(LabInbox, AnswersFromTheLoopsThread) {
+  const auto loop_thread = std::this_thread::get_id();
+  std::thread::id answered;
+  LabInbox dut({.wish =
+                    [&](const Wish&) {
+                      answered = std::this_thread::get_id();
+                      return std::string("no");
+                    },
+                .ask = [](std::string_view what, std::string_view which) {
+                  return std::optional(std::string(what) + "/" + std::string(which));
+                }});
+  std::string refusal;
+  std::optional<std::string> answer;
+  std::thread web([&] {
+    refusal = dut.wish(PauseScript{});
+    answer = dut.ask("a", "b");
+  });
+  for (int served = 0; served < 2; ++served) {
+    pollfd waiting{dut.descriptor(), POLLIN, 0};
+    ASSERT_EQ(poll(&waiting, 1, 5000), 1);
+    dut.serve();
+  }
+  web.join();
+  EXPECT_EQ(refusal, "no");
+  EXPECT_EQ(answer, "a/b");
+  EXPECT_EQ(answered, loop_thread);
+}
+
+TEST(LabInbox, NoWishWaitsBehindMoreThanOneQuestion) {
+  std::string order;
+  LabInbox dut({.wish =
+                    [&](const Wish&) {
+                      order += 'w';
+                      return std::string();
+                    },
+                .ask =
+                    [&](std::string_view, std::string_view) {
+                      order += 'q';
+                      return std::optional<std::string>("");
+                    }},
+               std::chrono::seconds(20));
+  std::vector<std::thread> web;
+  eventfd_t rings = 0;
+  const auto waitFor = [&](eventfd_t count) {
+    while (rings < count) {
+      eventfd_t more = 0;
+      if (eventfd_read(dut.descriptor(), &more) == 0) rings += more;
+      std::this_thread::yield();
+    }
+  };
+  for (eventfd_t i = 1; i <= 3; ++i) {
+    web.emplace_back([&] { static_cast<void>(dut.ask("a", "b")); });
+    waitFor(i);
+  }
+  web.emplace_back([&] { EXPECT_EQ(dut.wish(StopRobots{}), ""); });
+  waitFor(4);
+  dut.serve();
+  EXPECT_EQ(order, "wq");
+  pollfd waiting{dut.descriptor(), POLLIN, 0};
+  for (int served = 0; served < 2; ++served) {
+    EXPECT_EQ(poll(&waiting, 1, 0), 1) << "others wait";
+    dut.serve();
+  }
+  EXPECT_EQ(poll(&waiting, 1, 0), 0);
+  for (std::thread& thread : web) thread.join();
+  EXPECT_EQ(order, "wqqq");
+}
+
+TEST(LabInbox, WhatWaitedTooLongIsNeverDone) {
+  int done = 0;
+  LabInbox dut({.wish =
+                    [&](const Wish&) {
+                      ++done;
+                      return std::string();
+                    },
+                .ask = nothing},
+               std::chrono::milliseconds(20));
+  EXPECT_THAT(dut.wish(StopRobots{}), HasSubstr("nothing was done"));
+  dut.serve();
+  EXPECT_EQ(done, 0);
+}
+
+TEST(LabInbox, ClosedItRefusesAtOnce) {
+  LabInbox dut({.wish = [](const Wish&) { return std::string(); },
+                .ask = nothing},
+               std::chrono::hours(1));
+  std::string refusal;
+  std::thread web([&] { refusal = dut.wish(PauseScript{}); });
+  dut.close();
+  web.join();
+  EXPECT_NE(refusal, "");
+}
+
+TEST(AddressFile, IsReadAgainAfterARestart) {
+  const std::string token = "0123456789abcdef0123456789abcdef";
+  const auto file = std::filesystem::path(testing::TempDir()) / "address_of_the_page";
+  writeAddressFile(file, "http://127.0.0.1:8481/#token=" + token);
+  const auto read = readAddressFile(file);
+  std::filesystem::remove(file);
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->port, 8481);
+  EXPECT_EQ(read->token, token);
+}
+
+TEST(AddressFile, BelongsToItsOwnerAlone) {
+  const auto file = std::filesystem::path(testing::TempDir()) / "address_for_me";
+  writeAddressFile(file, "http://127.0.0.1:8481/#token=x");
+  struct stat facts {};
+  ASSERT_EQ(stat(file.c_str(), &facts), 0);
+  std::filesystem::remove(file);
+  EXPECT_EQ(facts.st_mode & 0777, 0600U);
+  EXPECT_THROW(writeAddressFile("/nowhere/address", "x"), std::runtime_error);
+}
+
+TEST(AddressFile, WhatIsNoAddressIsNone) {
+  for (const char* text : {"", "http://127.0.0.1:8480/", "http://127.0.0.1:8480/#token=short",
+                           "http://127.0.0.1:99999/#token=0123456789abcdef0123456789abcdef",
+                           "http://127.0.0.1:x/#token=0123456789abcdef0123456789abcdef"}) {
+    EXPECT_FALSE(parseAddress(text)) << text;
+  }
+}
+
+}  // namespace
+}  // namespace lab::dashboard::dashboard_bus_test

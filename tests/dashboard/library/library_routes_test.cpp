@@ -1,0 +1,173 @@
+#include "dashboard/library/library_routes.hpp"
+
+#include <fstream>
+
+#include "tests/dashboard/web/web_fixture.hpp"
+
+namespace lab::dashboard {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::EndsWith;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::SizeIs;
+using testing::StartsWith;
+
+constexpr const char* kSummary = R"({"format": 1, "experiment": "abp", "duration_s": 60.5,
+  "faults": [{"t_s": 1, "text": "robot 2 is silent"}],
+  "programs": [{"name": "abp", "model": "abp", "pool": {"verdict": "agrees", "max_z": 1.5,
+    "estimates": {"D_r_rad2_s": {"value": 0.7, "standard_error": 0.1, "low95": 0.5, "high95": 0.9,
+                                 "theory": 0.75, "note": "x"},
+                  "L_s_cm": {"value": 4, "standard_error": null, "low95": null, "high95": null,
+                             "theory": 4, "note": ""}},
+    "msd": {"lag_s": [0.1, 0.2], "value_cm2": [1, 2], "standard_error_cm2": [0.1, 0.2],
+            "exact_cm2": [1, 2.1], "paper_cm2": [1, 2.2], "windows": [9, 8],
+            "selection_biased": [false, true]},
+    "angular_msd": {"lag_s": [0.1], "value_rad2": [3], "standard_error_rad2": [0.3]}},
+   "each_robot": [{"robot": 1, "verdict": "disagrees", "max_z": 9}]}],
+  "losses": {"log": [{"channel": "A", "lost": 3}, {"channel": "B", "lost": 4}]}})";
+
+void write(const fs::path& path, const std::string& text) {
+  fs::create_directories(path.parent_path());
+  std::ofstream(path, std::ios::binary) << text;
+}
+
+void makeRun(const fs::path& folder) {
+  write(folder / "experiment.toml", "name = \"abp\"\n");
+  write(folder / "summary.json", kSummary);
+  write(folder / "provenance.json", R"({"started": "2026-01-31T12:00:00Z", "faults": []})");
+  write(folder / "report.html", "<html>report</html>");
+  write(folder / "trajectory_program.svg", "<svg/>");
+  write(folder / "figures" / "msd_abp.csv", "lag_s\n");
+  write(folder / "log.lcmlog", "secret");
+}
+
+TEST(RunList, ListsWhatARunSaysOfItself) {
+  const TemporaryFolder folder;
+  makeRun(folder / "abp-20260131T120000Z");
+  RunList list(folder / "");
+  const std::vector<PastRun> runs = list.runs();
+  ASSERT_THAT(runs, SizeIs(1));
+  const PastRun& run = runs.front();
+  EXPECT_EQ(run.name, "abp-20260131T120000Z");
+  EXPECT_EQ(run.experiment, "abp");
+  EXPECT_EQ(run.start_utc, "2026-01-31T12:00:00Z");
+  EXPECT_EQ(run.duration_s, 60.5);
+  EXPECT_TRUE(run.marked);
+  EXPECT_EQ(run.lost, 7);
+  ASSERT_THAT(run.verdicts, SizeIs(1));
+  EXPECT_EQ(run.verdicts.front().verdict, "agrees");
+  EXPECT_EQ(run.verdicts.front().max_z, 1.5);
+  EXPECT_EQ(run.thumbnail, "trajectory_program.svg");
+  EXPECT_TRUE(run.report);
+  EXPECT_EQ(run.problem, "");
+}
+
+TEST(RunList, ListsBrokenAndHalfWrittenRunsAsSuch) {
+  const TemporaryFolder folder;
+  write(folder / "running-20260301T000000Z/experiment.toml", "");
+  const std::string whole = kSummary;
+  write(folder / "broken-20260201T000000Z/summary.json", whole.substr(0, whole.size() / 2));
+  write(folder / "other-20260101T000000Z/summary.json", R"({"some": "thing"})");
+  write(folder / "odd-20251201T000000Z/summary.json",
+        R"({"format": 1, "programs": 3, "losses": [1]})");
+  write(folder / "odd-20251201T000000Z/provenance.json", R"({"started": 5, "faults": "x"})");
+  write(folder / "nothing/readme.txt", "");
+  write(folder / "file", "");
+  RunList list(folder / "");
+  std::vector<std::string> names;
+  for (const PastRun& run : list.runs()) {
+    names.push_back(run.name);
+    EXPECT_EQ(run.problem.empty(), run.name.starts_with("odd")) << run.name;
+  }
+  EXPECT_THAT(names, ElementsAre("running-20260301T000000Z", "broken-20260201T000000Z",
+                                 "other-20260101T000000Z", "odd-20251201T000000Z"));
+  EXPECT_EQ(RunList(folder / "none").json(), "[]");
+}
+
+TEST(RunList, SeesARunThatChangedOrWentAway) {
+  const TemporaryFolder folder;
+  write(folder / "a/experiment.toml", "");
+  RunList list(folder / "");
+  EXPECT_FALSE(list.runs().front().problem.empty());
+  write(folder / "a/summary.json", kSummary);
+  EXPECT_TRUE(list.runs().front().problem.empty());
+  fs::remove_all(folder / "a");
+  EXPECT_THAT(list.runs(), IsEmpty());
+}
+
+TEST(RunList, GivesOnlyFilesOfTheReport) {
+  const TemporaryFolder folder;
+  makeRun(folder / "runs/a");
+  write(folder / "secret.json", "{}");
+  fs::create_symlink(folder / "secret.json", folder / "runs/a/link.json");
+  fs::create_symlink(folder / "runs/a/summary.json", folder / "runs/a/inner.json");
+  const RunList list(folder / "runs");
+  for (const char* name : {"report.html", "figures/msd_abp.csv", "summary.json", "inner.json"}) {
+    EXPECT_TRUE(list.file("a", name)) << name;
+  }
+  for (const char* name :
+       {"log.lcmlog", "link.json", "../../secret.json", "", ".", "figures", ".svg",
+        "figures/../summary.json", "/etc/passwd", "none.svg", "a\\b.svg"}) {
+    EXPECT_FALSE(list.file("a", name)) << name;
+  }
+  for (const char* run : {"", ".", "..", "../runs/a", "a/", "/", "b"}) {
+    EXPECT_FALSE(list.file(run, "summary.json")) << run;
+  }
+}
+
+class LibraryTest : public WebTest {
+ protected:
+  LibraryTest() {
+    makeRun(folder_ / "runs/abp-20260131T120000Z");
+    start();
+  }
+  const std::string kRun = "/api/runs/abp-20260131T120000Z/";
+};
+
+TEST_F(LibraryTest, ServesRunsWithoutTrustingThem) {
+  EXPECT_THAT(ask("GET", "/api/runs"), HasSubstr(R"("verdict":"agrees","max_z":1.5)"));
+  EXPECT_THAT(ask("GET", kRun + "report.html"),
+              AllOf(StartsWith("HTTP/1.1 200"),
+                    HasSubstr("Content-Security-Policy: sandbox allow-scripts;"),
+                    EndsWith("<html>report</html>")));
+  EXPECT_THAT(ask("GET", kRun + "trajectory_program.svg"),
+              AllOf(HasSubstr("Content-Type: image/svg+xml"),
+                    HasSubstr("Content-Security-Policy: sandbox;"), EndsWith("<svg/>")));
+  EXPECT_THAT(ask("GET", kRun + "figures/msd_abp.csv"), HasSubstr("Content-Type: text/csv"));
+  for (const char* name : {"log.lcmlog", "none.svg", "figures%2fmsd_abp.csv", ""}) {
+    EXPECT_EQ(statusOf(ask("GET", kRun + name)), "404") << name;
+  }
+}
+
+TEST_F(LibraryTest, SendsLargeFilesWhole) {
+  std::string text;
+  for (int i = 0; i < 400'000; ++i) text += std::to_string(i) + "\n";
+  write(folder_ / "runs/abp-20260131T120000Z/trajectories.csv", text);
+  EXPECT_THAT(ask("GET", kRun + "trajectories.csv"), EndsWith("\r\n\r\n" + text));
+}
+
+TEST_F(LibraryTest, ComparesRuns) {
+  const std::string answer = ask("GET", "/api/compare?runs=abp-20260131T120000Z");
+  EXPECT_THAT(answer,
+              HasSubstr(R"("curves":[{"name":"msd","unit":"cm²","lag":[0.1,0.2],"value":[1,2],)"
+                        R"("sigma":[0.1,0.2],"exact":[1,2.1],"paper":[1,2.2],"windows":[9,8],)"
+                        R"("biased":[false,true]},{"name":"angular_msd")"));
+  EXPECT_THAT(answer,
+              HasSubstr(R"({"name":"D_r","unit":"rad²/s","value":0.7,"sigma":0.1,"low":0.5,)"
+                        R"("high":0.9,"theory":0.75,"note":"x"})"));
+  EXPECT_THAT(answer, HasSubstr(R"({"name":"L_s","unit":"cm",)"));
+  EXPECT_EQ(statusOf(ask("GET", "/api/compare?runs=abp-20260131T120000Z,none")), "404");
+  EXPECT_EQ(statusOf(ask("GET", "/api/compare?runs=..%2f..")), "404");
+  EXPECT_EQ(statusOf(ask("GET", "/api/compare?runs=a,b,c,d,e,f,g,h,i")), "404");
+  write(folder_ / "runs/half/experiment.toml", "");
+  EXPECT_EQ(statusOf(ask("GET", "/api/compare?runs=half")), "409");
+  write(folder_ / "runs/half/summary.json", "{");
+  EXPECT_EQ(statusOf(ask("GET", "/api/compare?runs=half")), "409");
+}
+
+}  // namespace
+}  // namespace lab::dashboard

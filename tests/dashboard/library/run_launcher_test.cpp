@@ -1,0 +1,154 @@
+#include "dashboard/library/run_launcher.hpp"
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "dashboard/control/json_object_reader.hpp"
+#include "tests/common/temporary_folder.hpp"
+
+namespace lab::dashboard::lab_starter_test {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace std::chrono_literals;
+using nlohmann::json;
+using testing::HasSubstr;
+using testing::Not;
+
+void write(const fs::path& path, const std::string& text) {
+  fs::create_directories(path.parent_path());
+  std::ofstream(path, std::ios::binary) << text;
+}
+
+const std::atomic<bool> kGoOn = false;
+
+/// With a `lab` that is a script.
+class LabStarterTest : public testing::Test {
+ protected:
+  LabStarterTest() {
+    write(folder_ / "shipped/abp.toml", "name = \"abp\"\ndescription = \"ABP\"\n[programs.abp]\n");
+    write(folder_ / "own/mine.toml", "name = \"mine\"\n[[robots]]\nid = 1\n");
+    write(folder_ / "own/camera.toml", "width_px = 3\n");
+    write(folder_ / "own/broken.toml", "name = \n");
+    write(folder_ / "own/experiments/deep.toml", "[[robots]]\n");
+  }
+  void lab(const std::string& script) {
+    write(folder_ / "bin/lab", "#!/bin/sh\n" + script);
+    fs::permissions(folder_ / "bin/lab", fs::perms::owner_all);
+  }
+  json whenEnded() {
+    while (true) {
+      json told = json::parse(starter_.started(true));
+      if (told["state"] != "running") return told;
+      std::this_thread::sleep_for(2ms);
+    }
+  }
+
+  TemporaryFolder folder_;
+  LabStarter starter_{{folder_ / "bin", folder_ / "shipped", folder_ / "runs", folder_ / "own"}};
+};
+
+TEST_F(LabStarterTest, ListsShippedAndOwnExperiments) {
+  EXPECT_EQ(json::parse(starter_.experiments()), json::parse(R"([
+    {"file": "shipped/abp.toml", "name": "abp", "description": "ABP", "shipped": true},
+    {"file": "broken.toml", "name": "broken", "description": "no TOML from line 1 on", "shipped": false},
+    {"file": "mine.toml", "name": "mine", "description": "", "shipped": false},
+    {"file": "experiments/deep.toml", "name": "deep", "description": "", "shipped": false}])"));
+}
+
+TEST_F(LabStarterTest, SaysWhatLabCheckSays) {
+  lab("for a in \"$@\"; do echo \"<$a>\"; done; echo bad key >&2; exit 2\n");
+  const auto answer = starter_.check(R"({"file":"mine.toml","set":["duration_s=5","a='$(id)'"]})");
+  EXPECT_EQ(answer.status, 200);
+  const json said = json::parse(answer.json);
+  EXPECT_EQ(said["ok"], false);
+  EXPECT_EQ(said["text"], "<check>\n<" + (folder_ / "own/mine.toml").string() +
+                              ">\n<--set=duration_s=5>\n<--set=a='$(id)'>\nbad key\n");
+  lab("exit 0\n");
+  EXPECT_EQ(json::parse(starter_.check(R"({"file":"shipped/abp.toml","set":[]})").json)["ok"],
+            true);
+}
+
+TEST_F(LabStarterTest, TakesOnlyListedFilesAndWholeOrders) {
+  lab("exit 0\n");
+  for (const char* file :
+       {"/etc/passwd", "../own/mine.toml", "camera.toml", "abp.toml", "", "--help"}) {
+    EXPECT_EQ(starter_.check(json{{"file", file}, {"set", json::array()}}.dump()).status, 404)
+        << file;
+  }
+  for (const char* body :
+       {"{}", R"({"file":"mine.toml"})", R"({"file":"mine.toml","set":"a=1"})",
+        R"({"file":"mine.toml","set":["a"]})", R"({"file":"mine.toml","set":["=a"]})",
+        R"({"file":"mine.toml","set":[1]})", R"({"file":"mine.toml","set":[],"x":1})",
+        R"({"file":"mine.toml","set":["a=\n"]})"}) {
+    EXPECT_THROW(static_cast<void>(starter_.check(body)), FormError) << body;
+    EXPECT_THROW(static_cast<void>(starter_.start(body)), FormError) << body;
+  }
+  EXPECT_EQ(json::parse(starter_.started(true))["state"], "none");
+}
+
+TEST_F(LabStarterTest, StartsOneRunAndFollowsIt) {
+  lab("echo \"run      /x/runs/mine-1\"; echo \"page http://127.0.0.1:1/#token=secret now\"\n"
+      "for a in \"$@\"; do case $a in --web-address-file=*) f=${a#*=};; esac; done\n"
+      "echo http://127.0.0.1:1/#token=secret > $f\n"
+      "while [ ! -e " +
+      (folder_ / "go").string() + " ]; do sleep 0.01; done; exit 3\n");
+  const std::string order = R"({"file":"mine.toml","set":[],"virtual_time":false})";
+  EXPECT_EQ(starter_.start(order).status, 202);
+  json told;
+  while (told["address"].is_null() || told["run"].is_null()) {
+    told = json::parse(starter_.started(true));
+  }
+  EXPECT_EQ(told["state"], "running");
+  EXPECT_EQ(told["address"], "http://127.0.0.1:1/#token=secret");
+  EXPECT_EQ(told["run"], "mine-1");
+  EXPECT_TRUE(told["code"].is_null());
+  EXPECT_THAT(starter_.started(false), Not(HasSubstr("secret")));
+  EXPECT_THAT(starter_.started(false), HasSubstr("#token=... now"));
+  EXPECT_EQ(starter_.start(order).status, 409);
+  write(folder_ / "go", "");
+  EXPECT_EQ(whenEnded()["code"], 3);
+  lab("echo \"$@\"\n");
+  EXPECT_EQ(starter_.start(R"({"file":"mine.toml","set":[],"virtual_time":true})").status, 202);
+  const std::string output = whenEnded()["output"];
+  EXPECT_THAT(output, HasSubstr("--virtual-time"));
+  EXPECT_THAT(output, Not(HasSubstr("--web")));
+}
+
+TEST_F(LabStarterTest, SaysThatTheProgramIsNotThere) {
+  EXPECT_THROW(
+      static_cast<void>(starter_.start(R"({"file":"mine.toml","set":[],"virtual_time":true})")),
+      std::runtime_error);
+}
+
+TEST(LabCommand, KeepsTheEndOfLongOutput) {
+  const CommandResult result = runCommand(
+      {"/bin/sh", "-c", "i=0; while [ $i -lt 20000 ]; do echo line $i; i=$((i+1)); done"}, 60s,
+      kGoOn);
+  EXPECT_EQ(result.code, 0);
+  EXPECT_LE(result.output.size(), 16384U);
+  EXPECT_THAT(result.output, testing::StartsWith("line "));
+  EXPECT_THAT(result.output, testing::EndsWith("line 19999\n"));
+}
+
+TEST(LabCommand, EndsWhatTakesTooLongWithItsChildren) {
+  const CommandResult result =
+      runCommand({"/bin/sh", "-c", "echo a; sleep 1000 & wait"}, 200ms, kGoOn);
+  EXPECT_TRUE(result.late);
+  EXPECT_EQ(result.output, "a\n");
+  EXPECT_EQ(result.code, 128 + 9);
+}
+
+TEST(LabCommand, EndsWhenItIsToldTo) {
+  EXPECT_TRUE(runCommand({"/bin/sh", "-c", "sleep 1000"}, 1000s, std::atomic<bool>(true)).late);
+}
+
+TEST(LabCommand, CutsAtLinesAndCharacters) {
+  EXPECT_EQ(tailOf("short", 100), "short");
+  EXPECT_EQ(tailOf("one\ntwo\nthree", 8), "three");
+  EXPECT_EQ(tailOf("\xc3\xa4\xc3\xa4\xc3\xa4", 3), "\xc3\xa4");
+}
+
+}  // namespace
+}  // namespace lab::dashboard::lab_starter_test

@@ -1,0 +1,92 @@
+/// A server of the page, with a lab behind it that remembers what reached it.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "dashboard/web/web_server.hpp"
+#include "tests/common/temporary_folder.hpp"
+#include "tests/dashboard/raw_client.hpp"
+
+namespace lab::dashboard {
+
+class RecordingLab final : public LabPort {
+ public:
+  std::string wish(const Wish& wish) override {
+    const std::lock_guard lock(mutex_);
+    wishes_.push_back(wish);
+    return refusal_;
+  }
+  std::optional<std::string> ask(std::string_view what, std::string_view which) override {
+    if (what == "nothing") return std::nullopt;
+    return "[\"" + std::string(what) + "\",\"" + std::string(which) + "\"]";
+  }
+  [[nodiscard]] std::vector<Wish> wishes() {
+    const std::lock_guard lock(mutex_);
+    return wishes_;
+  }
+
+  void refuse(const std::string& why) {
+    const std::lock_guard lock(mutex_);
+    refusal_ = why;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::string refusal_;
+  std::vector<Wish> wishes_;
+};
+
+class WebTest : public testing::Test {
+ protected:
+  static constexpr const char* kToken = "0123456789abcdef0123456789abcdef";
+
+  WebTest() {
+    options_.port = 0;
+    options_.token = kToken;
+    options_.runs = folder_ / "runs";
+  }
+
+  void start() { server_.emplace(options_, hub_, lab_); }
+
+  /// A request as a browser's page sends it. @param extra header lines, each with its end
+  [[nodiscard]] std::string request(const std::string& method, const std::string& target,
+                                    const std::string& extra = "",
+                                    const std::string& body = "") const {
+    const std::string host = "127.0.0.1:" + std::to_string(server_->port());
+    std::string text = method + " " + target + " HTTP/1.1\r\nHost: " + host + "\r\n" + extra;
+    if (method == "POST") {
+      text += "Content-Type: application/json\r\nContent-Length: " + std::to_string(body.size()) +
+              "\r\n";
+    }
+    return text + "\r\n" + body;
+  }
+  [[nodiscard]] static std::string token() {
+    return std::string("X-Lab-Token: ") + kToken + "\r\n";
+  }
+
+  [[nodiscard]] std::string ask(const std::string& method, const std::string& target,
+                                const std::string& extra = "", const std::string& body = "") const {
+    return exchange(server_->port(), request(method, target, extra, body));
+  }
+  /// With the token.
+  [[nodiscard]] std::string wish(const std::string& body) const {
+    return ask("POST", "/api/wish", token(), body);
+  }
+  void waitForViewers(int count) const {
+    while (server_->viewers() != count) std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+
+  TemporaryFolder folder_;
+  WebOptions options_;
+  Hub hub_;
+  RecordingLab lab_;
+  std::optional<WebServer> server_;
+};
+
+}  // namespace lab::dashboard

@@ -1,0 +1,110 @@
+// What is wrong with a configuration is said: where, what was found, what was expected.
+#include "dds_gateway/dds/configuration.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "dds_gateway/dds/domain.hpp"
+#include "dds_gateway/dds/endpoint.hpp"
+#include "dds_gateway/dds/error.hpp"
+#include "dds_gateway/ros/ros_type.hpp"
+
+namespace lab::dds {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+template <class Action>
+std::string errorOf(Action action) {
+  try {
+    action();
+  } catch (const DdsError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+std::string errorOfConfiguration(const std::string& configuration) {
+  return errorOf([&] { const Domain dut(3, configuration, "gateway.configuration (my.xml)"); });
+}
+
+std::string inDomain(const std::string& inside) {
+  return "<CycloneDDS><Domain Id=\"any\">" + inside + "</Domain></CycloneDDS>";
+}
+
+TEST(Configuration, OursAreTaken) {
+  EXPECT_EQ(errorOfConfiguration(localConfiguration()), "no error");
+  EXPECT_EQ(errorOfConfiguration(networkConfiguration({.address = "127.0.0.1"})), "no error");
+  EXPECT_EQ(errorOfConfiguration(networkConfiguration(
+                {.address = "127.0.0.1", .peers = {"10.0.0.1", "10.0.0.2"}, .multicast = false})),
+            "no error");
+}
+
+TEST(Configuration, UnknownElementIsNamed) {
+  EXPECT_THAT(errorOfConfiguration(inDomain("<General><NoSuchThing>1</NoSuchThing></General>")),
+              AllOf(HasSubstr("gateway.configuration (my.xml)"), HasSubstr("NoSuchThing"),
+                    HasSubstr("DDS domain 3")));
+}
+
+// Of a newer Cyclone.
+TEST(Configuration, UnknownAttributeIsNamed) {
+  EXPECT_THAT(
+      errorOfConfiguration(inDomain("<General><Interfaces><NetworkInterface address=\"127.0.0.1\" "
+                                    "allow_multicast=\"spdp\"/></Interfaces></General>")),
+      AllOf(HasSubstr("my.xml"), HasSubstr("allow_multicast")));
+}
+
+TEST(Configuration, WrongValueIsNamed) {
+  EXPECT_THAT(
+      errorOfConfiguration(inDomain("<General><MaxMessageSize>much</MaxMessageSize></General>")),
+      AllOf(HasSubstr("my.xml"), HasSubstr("MaxMessageSize"), HasSubstr("much")));
+}
+
+TEST(Configuration, WhatIsNoDocumentIsRefused) {
+  for (const std::string text : {"", "my.xml", "<CycloneDDS><Domain>", "\n <Other/>"}) {
+    EXPECT_THAT(errorOfConfiguration(text),
+                AllOf(HasSubstr("gateway.configuration (my.xml)"), HasSubstr('"' + text + '"'),
+                      HasSubstr("<CycloneDDS> ... </CycloneDDS>")));
+  }
+}
+
+TEST(Configuration, AddressThatThisHostLacksIsNamed) {
+  EXPECT_THAT(errorOfConfiguration(networkConfiguration({.address = "192.0.2.7"})),
+              HasSubstr("192.0.2.7"));
+}
+
+TEST(Configuration, WhatIsNoAddressIsRefused) {
+  for (const std::string address : {"", "robot-bench", "192.168.1", "1.2.3.4/24", "::1"}) {
+    EXPECT_THAT(errorOf([&] { (void)networkConfiguration({.address = address}); }),
+                AllOf(HasSubstr('"' + address + '"'), HasSubstr("IPv4")));
+    EXPECT_THAT(
+        errorOf([&] { (void)networkConfiguration({.address = "127.0.0.1", .peers = {address}}); }),
+        HasSubstr('"' + address + '"'));
+  }
+}
+
+TEST(Configuration, FolderOfCertificatesLacksAFile) {
+  EXPECT_THAT(
+      errorOf([] { (void)networkConfiguration({.address = "127.0.0.1", .security = "/nowhere"}); }),
+      AllOf(HasSubstr("/nowhere/identity_ca.pem"), HasSubstr("docs/security.md")));
+}
+
+// After an error the same process can try again.
+TEST(Configuration, AnErrorLeavesNothingBehind) {
+  EXPECT_NE(errorOfConfiguration(inDomain("<NoSuchThing/>")), "no error");
+  EXPECT_EQ(takeComplaints(), "");
+  EXPECT_EQ(errorOfConfiguration(localConfiguration()), "no error");
+  EXPECT_EQ(takeComplaints(), "");
+}
+
+TEST(Configuration, WrongNameOfATopicIsNamed) {
+  const Domain dut(3, localConfiguration(), "test");
+  const ros::RosType& type = ros::rosType<ros::Clock>();
+  EXPECT_THAT(
+      errorOf([&] { const Writer writer(dut, *type.descriptor, "rt/a b", ros::defaultQos(type)); }),
+      HasSubstr("rt/a b"));
+}
+
+}  // namespace
+}  // namespace lab::dds

@@ -1,0 +1,61 @@
+// A computer with a network card (on A of tests/two_hosts.sh): who is elsewhere is not heard.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <thread>
+
+#include "dds_gateway/dds/configuration.hpp"
+#include "dds_gateway/dds/domain.hpp"
+#include "dds_gateway/dds/endpoint.hpp"
+#include "tests/dds_gateway/peers/peer.hpp"
+#include "dds_gateway/ros/ros_type.hpp"
+
+namespace lab::dds {
+namespace {
+
+const ros::RosType& kType = ros::rosType<ros::Float64>();
+
+std::string variable(const char* name) {
+  const char* value = std::getenv(name);
+  return value == nullptr ? "" : value;
+}
+
+/// A node on B that calls on every participant of A ten times a second.
+std::vector<std::string> caller() {
+  return {"/usr/bin/nsenter",
+          "-t",
+          variable("HOST_B"),
+          "-n",
+          LAB_CYCLONE_PEER,
+          "0",
+          "<CycloneDDS><Domain><Discovery><SPDPInterval>100ms</SPDPInterval><Peers>"
+          "<Peer Address=\"" +
+              variable("ADDRESS_A") + "\"/></Peers></Discovery></Domain></CycloneDDS>"};
+}
+
+/// Whether our endpoints get to know those of the node elsewhere, within `patience`.
+bool met(const std::string& configuration, std::chrono::milliseconds patience) {
+  const Domain dut(0, configuration, "test");
+  Waker waker;
+  const Writer writer(dut, *kType.descriptor, "rt/a", ros::defaultQos(kType));
+  const Reader reader(dut, *kType.descriptor, "rt/b", ros::defaultQos(kType), waker);
+  const Peer elsewhere(caller());
+  const std::string type = kType.descriptor->m_typename;
+  elsewhere.say("reader rt/a " + type);
+  elsewhere.say("writer rt/b " + type);
+  const auto end = std::chrono::steady_clock::now() + patience;
+  while (std::chrono::steady_clock::now() < end) {
+    if (writer.matching().peers + reader.matching().peers > 0) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  return false;
+}
+
+TEST(NetworkCard, WhoIsElsewhereIsNotHeard) {
+  ASSERT_TRUE(met(networkConfiguration({.address = variable("ADDRESS_A")}), kPatience))
+      << "the caller does not call";
+  EXPECT_FALSE(met(localConfiguration(), std::chrono::seconds(2)));
+}
+
+}  // namespace
+}  // namespace lab::dds

@@ -1,0 +1,149 @@
+#include "dds_gateway/ros/topic_mapping.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/experiment/experiment_file.hpp"
+
+namespace lab::gateway {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+std::vector<std::string> problemsOf(const std::string& text) {
+  try {
+    static_cast<void>(Mapping(text, "m.toml"));
+  } catch (const ExperimentError& error) {
+    return error.problems();
+  }
+  return {};
+}
+
+TEST(Mapping, LetsEverythingPassWithoutAFile) {
+  Mapping dut;
+  const auto pose = dut.route("/lab/robot1/pose");
+  ASSERT_TRUE(pose);
+  EXPECT_EQ(pose->topic, "/lab/robot1/pose");
+  EXPECT_EQ(pose->rate, 0);
+  EXPECT_EQ(dut.route("/lab/light_field")->rate, 5);
+  EXPECT_EQ(dut.route("/hall_2/light_field")->rate, 5);
+}
+
+TEST(Mapping, TheFirstRuleOfAWholeNameDecides) {
+  Mapping dut(R"(
+fileversion = 1
+[[rules]]
+topic = "/lab/(robot[0-9]+)/pose"
+rename = "/fleet/$1/pose"
+rate_hz = 10
+[[rules]]
+topic = "/lab/robot[0-9]+/.*"
+allow = false
+[[rules]]
+topic = "/lab/robot3/odom"
+)",
+                    "m.toml");
+  EXPECT_EQ(dut.route("/lab/robot12/pose")->topic, "/fleet/robot12/pose");
+  EXPECT_EQ(dut.route("/lab/robot12/pose")->rate, 10);
+  EXPECT_FALSE(dut.route("/lab/robot3/odom"));
+  EXPECT_TRUE(dut.route("/lab/robot3")) << "not the whole name";
+  EXPECT_TRUE(dut.route("/tf"));
+}
+
+TEST(Mapping, WhatARuleLeavesOpenStays) {
+  Mapping dut(R"(
+fileversion = 1
+[[rules]]
+topic = "/lab/light_field"
+rename = "/map"
+)",
+                    "m.toml");
+  EXPECT_EQ(dut.route("/lab/light_field")->topic, "/map");
+  EXPECT_EQ(dut.route("/lab/light_field")->rate, 5);
+}
+
+TEST(Mapping, ARenameThatRosDoesNotTakeIsRefused) {
+  Mapping dut(R"(
+fileversion = 1
+[[rules]]
+topic = "/lab/robot([0-9]+)/pose"
+rename = "/$1/pose"
+)",
+                    "m.toml");
+  EXPECT_THROW(
+      {
+        try {
+          static_cast<void>(dut.route("/lab/robot1/pose"));
+        } catch (const std::runtime_error& error) {
+          EXPECT_THAT(error.what(), HasSubstr("makes \"/1/pose\" of /lab/robot1/pose"));
+          throw;
+        }
+      },
+      std::runtime_error);
+}
+
+/// What is said when these topics are asked for in turn; empty: nothing.
+std::string clashOf(const std::string& rules, const std::vector<std::string>& topics) {
+  Mapping dut("fileversion = 1\n" + rules, "m.toml");
+  try {
+    for (const std::string& topic : topics) static_cast<void>(dut.route(topic));
+  } catch (const std::runtime_error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Mapping, TwoTopicsOfOneNameAreRefused) {
+  const std::string both =
+      "[[rules]]\ntopic = \"/lab/robot[0-9]+/pose\"\nrename = \"/fleet/pose\"\n";
+  EXPECT_THAT(clashOf(both, {"/lab/robot1/pose", "/tf", "/lab/robot2/pose"}),
+              StartsWith("m.toml:4: rules[0].rename: found that /lab/robot1/pose and "
+                         "/lab/robot2/pose both become \"/fleet/pose\", expected a name of its"));
+  // The name of a topic that no rule renames, whichever is asked for first.
+  const std::string odom =
+      "[[rules]]\ntopic = \"/lab/robot1/pose\"\nrename = \"/lab/robot1/odom\"\n";
+  for (const auto& topics : {std::vector<std::string>{"/lab/robot1/pose", "/lab/robot1/odom"},
+                             std::vector<std::string>{"/lab/robot1/odom", "/lab/robot1/pose"}}) {
+    EXPECT_THAT(clashOf(odom, topics), StartsWith("m.toml:4: rules[0].rename: found that " +
+                                                  topics[0] + " and " + topics[1]));
+  }
+  // A topic may be asked for again, and one that is denied has no name.
+  EXPECT_EQ(clashOf(both, {"/lab/robot1/pose", "/lab/robot1/pose"}), "");
+  EXPECT_EQ(clashOf("[[rules]]\ntopic = \"/lab/robot2/.*\"\nallow = false\n" + both,
+                    {"/lab/robot1/pose", "/lab/robot2/pose"}),
+            "");
+}
+
+TEST(Mapping, SaysWhatIsWrongWhere) {
+  EXPECT_THAT(problemsOf(R"(fileversion = 2
+[[rules]]
+topic = "("
+alow = true
+[[rules]]
+rate_hz = -1
+[[rules]]
+topic = "/x"
+allow = 1
+rename = "x"
+)"),
+              ElementsAre(StartsWith("m.toml:1: fileversion: found 2, expected 1"),
+                          StartsWith("m.toml:3: rules[0].topic: found \"(\", expected a regular"),
+                          StartsWith("m.toml:4: rules[0].alow: found an unknown key, expected one "
+                                     "of allow, rate_hz, rename, topic"),
+                          HasSubstr("rules[1].topic: found nothing, expected a regular"),
+                          StartsWith("m.toml:6: rules[1].rate_hz: found -1, allowed 0"),
+                          StartsWith("m.toml:9: rules[2].allow: found 1, expected true or false"),
+                          StartsWith("m.toml:10: rules[2].rename: found \"x\", expected the new")));
+  EXPECT_THAT(problemsOf("fileversion = 1\nrules = 3\n"),
+              ElementsAre("m.toml:2: rules: found 3, expected [[rules]] tables"));
+  EXPECT_THAT(problemsOf("fileversion = "), ElementsAre(StartsWith("m.toml:1")));
+}
+
+TEST(Mapping, AFileThatIsNotThereIsNamed) {
+  EXPECT_THROW(static_cast<void>(readMappingFile("/nowhere/m.toml")), ExperimentError);
+}
+
+}  // namespace
+}  // namespace lab::gateway
