@@ -12,7 +12,7 @@ if(failed)
   set(date "")
 endif()
 file(CONFIGURE OUTPUT "${FILE}" @ONLY CONTENT [[
-#include "runner/revision.hpp"
+#include "runner/command_line/revision.hpp"
 
 namespace lab::runner {
 

@@ -7,8 +7,8 @@
 #include "common/bus/bus_error.hpp"
 #include "common/experiment/experiment_file.hpp"
 #include "analyzer/report_error.hpp"
-#include "runner/command_line.hpp"
-#include "runner/exit_code.hpp"
+#include "runner/commands/command_line.hpp"
+#include "runner/command_line/exit_code.hpp"
 
 int main(int argc, char** argv) {
   using namespace lab::runner;

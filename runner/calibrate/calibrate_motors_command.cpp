@@ -1,0 +1,98 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "robot_bridge/calibration/motor_report.hpp"
+#include "robot_bridge/calibration/drive_pattern.hpp"
+#include "common/experiment/experiment_file.hpp"
+#include "common/experiment/experiment_messages.hpp"
+#include "runner/calibrate/calibration_lab.hpp"
+#include "runner/commands/commands.hpp"
+#include "runner/live/launch.hpp"
+#include "runner/calibrate/motor_calibrator.hpp"
+
+namespace lab::runner {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr double kMostPerRobot = 180;  // [s] with every patience used up
+constexpr double kRobotsStart = 60;    // [s]
+constexpr double kBesidePatterns = 5;  // [s] of a robot, for turning and storing
+
+std::vector<std::int32_t> chosenRobots(const Experiment& experiment,
+                                       const std::vector<std::int32_t>& wanted) {
+  const std::vector<std::int32_t> all = commandedRobots(experiment);
+  for (const std::int32_t id : wanted) {
+    if (std::ranges::find(all, id) != all.end()) continue;
+    std::string known;
+    for (const std::int32_t robot : all) known += fmt::format(" {}", robot);
+    throw UserError(fmt::format("--robot {}: found no such robot that takes orders, allowed{}", id,
+                                known.empty() ? " none" : known));
+  }
+  return wanted.empty() ? all : wanted;
+}
+
+/// For as long as it may take.
+Experiment labFor(const Experiment& experiment, std::size_t robots) {
+  return labUnderSteadyLight(experiment, "-motors",
+                             kRobotsStart + kMostPerRobot * static_cast<double>(robots),
+                             experiment.light.safe_intensity);
+}
+
+/// [s] that one robot takes when nothing is in its way.
+double usualTime(double max) {
+  double time = kBesidePatterns;
+  for (const auto& pattern : {calibration::checkPattern(max), calibration::calibrationPattern({}, max),
+                              calibration::checkPattern(max)}) {
+    for (const auto& step : pattern) time += step.duration + calibration::kSettleTime;
+  }
+  return time;
+}
+
+}  // namespace
+
+ExitCode calibrateMotors(const CalibrateOptions& options) {
+  const Experiment experiment = loadExperiment(options.file, options.set);
+  const std::vector<std::int32_t> robots = chosenRobots(experiment, options.robots);
+  if (robots.empty()) {
+    throw UserError(options.file.string() + ": no robot takes orders: nothing to calibrate");
+  }
+  fmt::print("robots   {}, one after the other, about {:.0f} s each\n", robots.size(),
+             usualTime(experiment.hardware.max_wheel_speed));
+
+  std::vector<calibration::MotorReport> reports;
+  const auto tell = [&reports](const calibration::MotorReport& report) {
+    if (reports.empty()) fmt::print("\n{}", calibration::tableHead());
+    fmt::print("{}", calibration::tableLine(report));
+    std::fflush(stdout);
+    reports.push_back(report);
+  };
+  const Launched launched = launch(
+      {.file = options.file,
+       .out = options.out,
+       .programs = options.programs,
+       .set = options.set,
+       .virtual_time = options.virtual_time},
+      labFor(experiment, robots.size()), [](const Progress&) {},
+      [&](const ServiceContext& context, Conductor& conductor, std::function<void()> done) {
+        return std::make_unique<MotorCalibrator>(context, conductor, robots, tell,
+                                                 std::move(done));
+      });
+
+  for (const std::string& fault : launched.outcome.faults) fmt::print("marked   {}\n", fault);
+  const fs::path folder = launched.directory / files::kCalibration;
+  fs::create_directories(folder);
+  writeNewFile(folder / "motors.toml", calibration::motorsFile(reports));
+  fmt::print("\nmotors   {}\n", fs::absolute(folder / "motors.toml").lexically_normal().string());
+
+  const auto refused =
+      std::ranges::count_if(reports, [](const auto& report) { return !report.refusal.empty(); });
+  const std::size_t missing = robots.size() - reports.size();
+  if (missing > 0) fmt::print("ended before {} of {} robots were done\n", missing, robots.size());
+  if (launched.outcome.closed_early) return kMarked;
+  return refused > 0 || missing > 0 ? kFailed : kDone;
+}
+
+}  // namespace lab::runner

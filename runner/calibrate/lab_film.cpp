@@ -1,0 +1,156 @@
+#include "runner/calibrate/lab_film.hpp"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <fstream>
+#include <stdexcept>
+#include <utility>
+
+#include "tracker_svc/camera_devices.hpp"
+#include "common/experiment/experiment_file.hpp"
+#include "common/experiment/experiment_messages.hpp"
+#include "common/math/units.hpp"
+#include "light/optics/simulated_camera.hpp"
+#include "runner/calibrate/calibration_lab.hpp"
+#include "runner/live/launch.hpp"
+
+namespace lab::runner {
+namespace fs = std::filesystem;
+namespace {
+
+using units::kCm;
+
+constexpr double kDriveStart = 60;  // [s] until the robots drive
+constexpr std::int64_t kWatch_us = 50'000;
+constexpr double kPerSecond = 1e6 / LabFilm::kEvery_us;
+
+void writePicture(const fs::path& path, const optics::GreyView& grey) {
+  std::ofstream file(path, std::ios::binary);
+  file << "P5\n" << grey.width << ' ' << grey.height << "\n255\n";
+  for (int y = 0; y < grey.height; ++y) {
+    file.write(reinterpret_cast<const char*>(grey.row(y)), grey.width);
+  }
+  file.close();
+  if (!file) throw std::runtime_error(path.string() + ": cannot be written");
+}
+
+/// Of a device the tracker is left out: a camera has one reader, and may have no calibration yet.
+Experiment loadForFilming(const CalibrateCameraOptions& options) {
+  try {
+    return loadExperiment(options.source, options.set);
+  } catch (const UserError& error) {
+    if (std::string(error.what()).find("camera.calibration") == std::string::npos) throw;
+  }
+  // The file names the one that is to be made.
+  std::vector<std::string> set = options.set;
+  set.push_back(fmt::format("camera.calibration=\"{}\"", options.out.string()));
+  return loadExperiment(options.source, set);
+}
+
+Experiment labFor(const CalibrateCameraOptions& options) {
+  Experiment experiment = loadForFilming(options);
+  Camera& camera = experiment.camera;
+  if (camera.tracker != Tracker::kCamera) {
+    throw UserError(options.source + ": camera.tracker: found no camera, expected \"camera\", with "
+                                     "camera.camera = \"sim\" or a device");
+  }
+  camera.handshake = false;
+  camera.calibration.clear();
+  if (isPainted(camera)) {
+    camera.fps = kPerSecond;  // no more pictures are looked at
+  } else {
+    camera.tracker = Tracker::kSimPoses;
+  }
+  return labUnderSteadyLight(std::move(experiment), "-camera", kDriveStart + options.film_s, 1);
+}
+
+/// Where a careful eye would see the corners, to a tenth of a pixel.
+std::string cornersOf(const Experiment& experiment) {
+  const optics::CameraModel camera(
+      optics::simulatedCamera(experiment.camera.width, experiment.camera.height,
+                              experiment.arena_width, experiment.arena_height));
+  const double w = experiment.arena_width;
+  const double h = experiment.arena_height;
+  std::string text;
+  for (const auto& [x, y] : {std::pair{0.0, 0.0}, {w, 0.0}, {w, h}, {0.0, h}}) {
+    const optics::Pixel at = camera.project(x, y, 0);
+    text += fmt::format("{}{:.1f},{:.1f}", text.empty() ? "" : " ", at.x, at.y);
+  }
+  return text;
+}
+
+}  // namespace
+
+LabFilm::LabFilm(const ServiceContext& context, Conductor& conductor, fs::path folder,
+                 std::int64_t pictures, std::function<void()> done)
+    : loop_(context.loop),
+      experiment_(context.experiment),
+      conductor_(conductor),
+      folder_(std::move(folder)),
+      wanted_(pictures),
+      done_(std::move(done)) {
+  fs::create_directories(folder_);
+  times_.open(folder_ / "frames.csv");
+  times_ << "frame,t_s\n";
+  const auto say = [this](const std::string& what) {
+    if (!what.empty()) conductor_.fault(what);
+  };
+  try {
+    source_ = context.cameras.open(
+        experiment_.camera.source, wantedFormat(experiment_.camera),
+        {.frame = [this](const CameraFrame& frame) { take(frame); }, .trouble = say, .end = say});
+  } catch (const CameraError& error) {
+    throw UserError(error.what());
+  }
+  loop_.every(kWatch_us, loop_.now() + kWatch_us, [this] { watch(); });
+}
+
+void LabFilm::watch() {
+  if (driving_ || !conductor_.inScript()) return;
+  driving_ = true;
+  conductor_.command(lightTableCommand(experiment_));
+}
+
+void LabFilm::take(const CameraFrame& frame) {
+  if (!driving_ || kept_ >= wanted_ || frame.utime < next_utime_) return;
+  next_utime_ = frame.utime + kEvery_us - kWatch_us;
+  writePicture(folder_ / fmt::format("f{:04d}.pgm", kept_), frame.grey);
+  if (kept_ == 0) first_utime_ = frame.utime;
+  const double time = units::seconds(frame.utime - first_utime_);
+  times_ << fmt::format("{},{:.6f}\n", kept_, time) << std::flush;
+  if (!times_) throw std::runtime_error((folder_ / "frames.csv").string() + ": cannot be written");
+  if (++kept_ == wanted_) done_();
+}
+
+FilmedLab filmLab(const CalibrateCameraOptions& options) {
+  const Experiment lab = labFor(options);
+  FilmedLab film;
+  film.arena_cm = fmt::format("{:.6g}x{:.6g}", kCm * lab.arena_width, kCm * lab.arena_height);
+  if (lab.camera.source == kSimulatedCamera) film.corners = cornersOf(lab);
+  film.count = static_cast<std::int64_t>(options.film_s * kPerSecond);
+  fmt::print("film     {} pictures, {:.0f} s\n", film.count, options.film_s);
+  fs::path folder;
+  const Launched launched =
+      launch({.file = options.source,
+              .out = options.runs,
+              .programs = options.programs,
+              .set = options.set,
+              .virtual_time = options.virtual_time},
+             lab, [](const Progress&) {},
+             [&](const ServiceContext& context, Conductor& conductor, std::function<void()> done) {
+               folder = context.directory / files::kCalibration / "film";
+               return std::make_unique<LabFilm>(context, conductor, folder, film.count,
+                                                std::move(done));
+             });
+  for (const std::string& fault : launched.outcome.faults) fmt::print("marked   {}\n", fault);
+  film.first = (folder / "f0000.pgm").string();
+  if (!fs::exists(film.first)) {
+    throw UserError(options.source + ": the camera " + lab.camera.source +
+                    " gave no picture while the robots drove");
+  }
+  film.pictures = (folder / "f*.pgm").string();
+  return film;
+}
+
+}  // namespace lab::runner

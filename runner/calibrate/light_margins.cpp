@@ -1,0 +1,47 @@
+#include "runner/calibrate/light_margins.hpp"
+
+#include <fmt/format.h>
+
+#include "common/math/units.hpp"
+#include "analyzer/report/sections/light_bands.hpp"
+
+namespace lab::runner {
+namespace {
+
+using units::kCm;
+
+}  // namespace
+
+LightCalibration toCalibration(const calibration::LightFit& fit, const Experiment& experiment) {
+  LightCalibration calibration;
+  calibration.gamma = fit.gamma;
+  calibration.vignetting = fit.vignetting;
+  calibration.scale = fit.scale;
+  calibration.ambient = fit.ambient;
+  calibration.residual = fit.residual;
+  calibration.arena_width = experiment.arena_width;
+  calibration.arena_height = experiment.arena_height;
+  for (const auto& [sensor, gain] : fit.gains) {
+    SensorGains& gains = calibration.gains[sensor.robot];
+    (sensor.front ? gains.front : gains.back) = gain;
+  }
+  return calibration;
+}
+
+std::string marginLines(const LightCalibration& calibration, const Experiment& experiment) {
+  std::string lines;
+  for (const calibration::BandMargin& band :
+       report::lightMargins(calibration, experiment)) {
+    lines += fmt::format(
+        "{}: light {:.3f} is {:.3f} from the edge of its band, {:.0f} standard deviations of a reading; "
+        "chance of a wrong one {:.1e}. Without the calibration the {} sensor of robot {} would read "
+        "{:.3f} at ({:.0f}, {:.0f}) cm, {} the band\n",
+        band.program, band.light, band.margin, band.sigmas, band.chance,
+        band.plain_sensor.front ? "front" : "back", band.plain_sensor.robot, band.plain_light,
+        kCm * band.plain_place.x, kCm * band.plain_place.y,
+        band.plain_right ? "inside" : "outside");
+  }
+  return lines;
+}
+
+}  // namespace lab::runner

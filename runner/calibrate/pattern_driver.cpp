@@ -1,0 +1,269 @@
+#include "runner/calibrate/pattern_driver.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "common/math/units.hpp"
+
+namespace lab::runner {
+namespace {
+
+using calibration::PatternStep;
+
+constexpr std::int64_t kFresh_us = 300'000;           // a pose may be this old
+constexpr std::int64_t kSightPatience_us = 3'000'000;
+constexpr std::int64_t kPatternEchoPatience_us = 2'000'000;
+constexpr std::int64_t kMotionPatience_us = 10'000'000;
+constexpr std::int64_t kStuck_us = 1'500'000;
+constexpr std::int64_t kRest_us = 300'000;
+constexpr std::int64_t kLastFrames_us = 300'000;  // beside the camera's delay
+constexpr double kShare = 0.3;                    // of full speed
+constexpr double kShareMore = 0.15;               // for wheels that do not turn yet
+constexpr double kMostShare = 0.8;
+constexpr double kTurnTolerance = 0.13;           // [rad]
+constexpr double kTurned = 0.05;                  // [rad] that are no noise
+constexpr double kMoved = 0.004;                  // [m] likewise
+constexpr double kFullTurn = 2 * std::numbers::pi;
+constexpr int kMostTurns = 10;
+
+}  // namespace
+
+PatternDriver::PatternDriver(const Experiment& experiment, std::int32_t robot,
+                             const calibration::Motors& believed, calibration::Pattern pattern,
+                             const Scene& scene, Reins reins)
+    : experiment_(experiment),
+      robot_(robot),
+      believed_(believed),
+      pattern_(std::move(pattern)),
+      scene_(scene),
+      reins_(std::move(reins)) {}
+
+void PatternDriver::see(const tracked_frame_t& frame) {
+  for (const tracked_pose_t& pose : frame.robots) {
+    if (pose.robot_id != robot_) continue;
+    track_.push_back({frame.utime, {0, pose.x, pose.y, pose.theta}});
+  }
+}
+
+void PatternDriver::hear(const robot_state_t& state) {
+  if (state.robot_id != robot_ || isOver()) return;
+  if ((state.flags & robot_state_t::FLAG_STOPPED) != 0) {
+    fail(name() + " is stopped: release it with lab stop --clear, and calibrate again");
+  } else if ((state.flags & robot_state_t::FLAG_REJECTED) != 0 && reins_.obeyed()) {
+    fail(name() + " refuses to drive by hand; the lab's messages say why");
+  }
+}
+
+void PatternDriver::tick(std::int64_t now) {
+  if (now_ == 0) entered_ = now;
+  now_ = now;
+  switch (phase_) {
+    case Phase::kLook: return look();
+    case Phase::kTurn: return turn();
+    case Phase::kRest: return rest();
+    case Phase::kLeave: return leave();
+    case Phase::kOrder: return order();
+    case Phase::kHold: return hold();
+    case Phase::kLastFrames:
+      if (inPhase() > kLastFrames_us + units::microseconds(experiment_.camera.delay)) {
+        enter(Phase::kOver);
+      }
+      return;
+    case Phase::kOver: return;
+  }
+}
+
+void PatternDriver::enter(Phase phase) {
+  phase_ = phase;
+  entered_ = now_;
+}
+
+void PatternDriver::fail(const std::string& why) {
+  failure_ = why;
+  reins_.stand();
+  enter(Phase::kOver);
+}
+
+std::string PatternDriver::name() const { return fmt::format("robot {}", robot_); }
+
+const SeenRobot* PatternDriver::fresh() const {
+  const auto seen = scene_.find(robot_);
+  return seen != scene_.end() && now_ - seen->second.utime < kFresh_us ? &seen->second : nullptr;
+}
+
+calibration::Surroundings PatternDriver::surroundings() const {
+  calibration::Surroundings around{experiment_.arena_width,
+                                   experiment_.arena_height,
+                                   {},
+                                   experiment_.hardware.diameter};
+  for (const auto& [id, seen] : scene_) {
+    if (id != robot_) around.others.push_back(seen.place);
+  }
+  return around;
+}
+
+std::string PatternDriver::noRoom() const {
+  const calibration::Place at = scene_.at(robot_).place;
+  std::string nearest;
+  double distance = 1e9;
+  for (const auto& [id, seen] : scene_) {
+    const double found = std::hypot(seen.place.x - at.x, seen.place.y - at.y);
+    if (id == robot_ || found >= distance) continue;
+    distance = found;
+    nearest = fmt::format("; robot {} is {:.0f} cm away", id, 100 * found);
+  }
+  return fmt::format(
+      "{} has no room at ({:.0f}, {:.0f}) cm: it drives up to {:.0f} cm one way and needs {:.0f} cm "
+      "beside its rim{}; move it, and calibrate it alone: --robot {}",
+      name(), 100 * at.x, 100 * at.y,
+      100 * calibration::reachOf(pattern_, experiment_.hardware.diameter),
+      100 * calibration::kClearance, nearest, robot_);
+}
+
+// Where to?
+void PatternDriver::look() {
+  const SeenRobot* seen = fresh();
+  if (seen == nullptr) {
+    if (inPhase() > kSightPatience_us) {
+      fail(name() + " is not seen by the tracker: is it in the arena, and is the tracker running?");
+    }
+    return;
+  }
+  const auto heading = calibration::roomyHeading(pattern_, seen->place, surroundings());
+  if (heading && std::fabs(std::remainder(*heading - seen->place.theta, kFullTurn)) < 1e-6) {
+    return beginStep();
+  }
+  const auto way = heading ? std::nullopt
+                           : calibration::wayOut(pattern_, seen->place, surroundings());
+  if (!heading && !way) return fail(noRoom());
+  if (++turns_ > kMostTurns) return fail(name() + " cannot hold a heading: do its wheels slip?");
+  way_out_ = way ? way->distance : 0;
+  turnTo(way ? way->heading : *heading);
+}
+
+void PatternDriver::drive(double left_share, double right_share) {
+  const double max = experiment_.hardware.max_wheel_speed;
+  reins_.drive(left_share * max, right_share * max);
+}
+
+void PatternDriver::turnTo(double heading) {
+  from_ = fresh()->place;
+  target_ = heading;
+  turn_sign_ = std::remainder(target_ - from_.theta, kFullTurn) < 0 ? -1 : 1;
+  share_ = kShare;
+  drive(-turn_sign_ * share_, turn_sign_ * share_);
+  enter(Phase::kTurn);
+}
+
+/// A wheel with a wide dead band needs more than the usual speed to move at all.
+double PatternDriver::shareFor(bool moves) const {
+  const double wanted = kShare + kShareMore * static_cast<double>(inPhase() / kStuck_us);
+  return moves ? share_ : std::clamp(wanted, share_, kMostShare);
+}
+
+void PatternDriver::turn() {
+  if (inPhase() > kMotionPatience_us) {
+    return fail(name() + " does not turn as told: are its motors on, and its wheels free?");
+  }
+  const SeenRobot* seen = fresh();
+  if (seen == nullptr) return fail(name() + " is no longer seen by the tracker");
+  const double to_turn = std::remainder(target_ - seen->place.theta, kFullTurn);
+  const bool beyond = to_turn * turn_sign_ < 0 && std::fabs(to_turn) < kFullTurn / 4;
+  if (std::fabs(to_turn) < kTurnTolerance || beyond) {
+    reins_.stand();
+    return enter(Phase::kRest);
+  }
+  const double turned = std::fabs(std::remainder(seen->place.theta - from_.theta, kFullTurn));
+  const double share = shareFor(turned > kTurned);
+  if (share == share_) return;
+  share_ = share;
+  drive(-turn_sign_ * share_, turn_sign_ * share_);
+}
+
+// Away from what is too near.
+void PatternDriver::leave() {
+  if (inPhase() > kMotionPatience_us) {
+    return fail(name() + " does not drive as told: are its motors on, and its wheels free?");
+  }
+  const SeenRobot* seen = fresh();
+  if (seen == nullptr) return fail(name() + " is no longer seen by the tracker");
+  const double gone = std::hypot(seen->place.x - from_.x, seen->place.y - from_.y);
+  if (gone >= way_out_) {
+    way_out_ = 0;
+    reins_.stand();
+    return enter(Phase::kRest);
+  }
+  const double share = shareFor(gone > kMoved);
+  if (share == share_) return;
+  share_ = share;
+  drive(share_, share_);
+}
+
+void PatternDriver::rest() {
+  if (inPhase() > kPatternEchoPatience_us) {
+    return fail(name() + (reins_.obeyed() ? " is no longer seen by the tracker"
+                                          : " does not answer: is it switched on?"));
+  }
+  const SeenRobot* seen = fresh();
+  if (inPhase() <= kRest_us || !reins_.obeyed() || seen == nullptr) return;
+  if (way_out_ == 0) return enter(Phase::kLook);
+  from_ = seen->place;
+  share_ = kShare;
+  drive(share_, share_);
+  enter(Phase::kLeave);
+}
+
+void PatternDriver::beginStep() {
+  if (next_step_ == pattern_.size()) {
+    reins_.stand();
+    return enter(Phase::kLastFrames);
+  }
+  const PatternStep& step = pattern_[next_step_];
+  reins_.drive(step.left, step.right);
+  driven_.push_back({step, 0, 0});
+  enter(Phase::kOrder);
+}
+
+// The step begins when the robot says so.
+void PatternDriver::order() {
+  if (inPhase() > kPatternEchoPatience_us)
+    return fail(name() + " does not answer: is it switched on?");
+  if (!reins_.obeyed()) return;
+  driven_.back().from = std::max(now_, entered_ + units::microseconds(calibration::kSettleTime));
+  enter(Phase::kHold);
+}
+
+void PatternDriver::hold() {
+  Driven& driven = driven_.back();
+  if (now_ < driven.from + units::microseconds(driven.step.duration)) return;
+  driven.to = now_;
+  ++next_step_;
+  beginStep();
+}
+
+std::vector<calibration::CheckedSegment> PatternDriver::segments() const {
+  std::vector<calibration::CheckedSegment> segments;
+  const RobotHardware& hardware = experiment_.hardware;
+  for (const Driven& driven : driven_) {
+    calibration::CheckedSegment checked{driven.step.left, driven.step.right, {}};
+    calibration::Segment& segment = checked.segment;
+    segment.duty_left = calibration::dutyFor(believed_.left, driven.step.left,
+                                             hardware.max_wheel_speed, hardware.pwm_steps);
+    segment.duty_right = calibration::dutyFor(believed_.right, driven.step.right,
+                                              hardware.max_wheel_speed, hardware.pwm_steps);
+    segment.frames = static_cast<int>(units::seconds(driven.to - driven.from) *
+                                      experiment_.camera.fps);
+    for (const auto& [utime, point] : track_) {
+      if (utime < driven.from || utime > driven.to) continue;
+      segment.track.push_back(point);
+      segment.track.back().time = units::seconds(utime - driven.from);
+    }
+    segments.push_back(std::move(checked));
+  }
+  return segments;
+}
+
+}  // namespace lab::runner

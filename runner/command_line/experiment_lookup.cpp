@@ -1,0 +1,46 @@
+#include "runner/command_line/experiment_lookup.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "runner/command_line/exit_code.hpp"
+
+namespace lab::runner {
+namespace fs = std::filesystem;
+namespace {
+
+bool isFile(const fs::path& path) {
+  std::error_code error;
+  return fs::exists(path, error) && !fs::is_directory(path, error);
+}
+
+std::vector<std::string> namesIn(const fs::path& folder) {
+  std::vector<std::string> names;
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
+    if (entry.path().extension() == ".toml") names.push_back(entry.path().stem().string());
+  }
+  std::ranges::sort(names);
+  return names;
+}
+
+}  // namespace
+
+fs::path findExperiment(const fs::path& named, const fs::path& shipped) {
+  // Of a path with a folder the reader of experiment files says what is wrong.
+  if (named.empty() || named.has_parent_path() || isFile(named)) return named;
+  fs::path file = shipped / named;
+  if (named.extension() != ".toml") file += ".toml";
+  if (isFile(file)) return file;
+  const std::vector<std::string> names = namesIn(shipped);
+  throw UserError(fmt::format("no experiment {}: looked for the files {} and {}; {}",
+                              named.string(), fs::absolute(named).string(), file.string(),
+                              names.empty() ? "no experiment is shipped there"
+                                            : fmt::format("there are {}", fmt::join(names, ", "))));
+}
+
+}  // namespace lab::runner

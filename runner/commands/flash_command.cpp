@@ -1,0 +1,124 @@
+#include <fmt/format.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <optional>
+#include <vector>
+
+#include "common/loop/asio_loop.hpp"
+#include "common/process/installation.hpp"
+#include "common/serial/serial_devices.hpp"
+#include "runner/commands/commands.hpp"
+#include "runner/commands/robot_adoption.hpp"
+
+extern char** environ;
+
+namespace lab::runner {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path firmwareOf(const FlashOptions& options) {
+  if (!options.firmware.empty()) return options.firmware;
+  const fs::path hex = options.programs / "robot_firmware.hex";
+  if (!fs::exists(hex)) {
+    throw UserError(fmt::format(
+        "{}: not there; {}", hex.string(),
+        installation().wayTo("robot_firmware.hex", "it was not built: apt-get install gcc-avr avr-libc, "
+                                           "then ./lab flash again")));
+  }
+  return hex;
+}
+
+using Line = std::vector<std::string>;
+
+/// Through the bootloader nothing but the program can be written. A programmer first sets the fuses
+/// as docs/robot.md explains them: one of them keeps the EEPROM, with the robot's settings, when the
+/// second call erases the chip. In one call avrdude would erase before it writes any fuse.
+std::vector<Line> avrdudeLines(const FlashOptions& options, const fs::path& hex) {
+  const std::string program = fmt::format("flash:w:{}:i", hex.string());
+  Line line{"avrdude", "-q", "-p", "m328p"};
+  const auto with = [&line](const Line& words) {
+    Line longer = line;
+    longer.insert(longer.end(), words.begin(), words.end());
+    return longer;
+  };
+  if (options.isp.empty()) {
+    return {with({"-c", "arduino", "-P", options.port, "-b", std::to_string(options.baud), "-D",
+                  "-U", program})};
+  }
+  line = with({"-c", options.isp});
+  if (!options.isp_port.empty()) line = with({"-P", options.isp_port});
+  return {with({"-U", "lfuse:w:0xFF:m", "-U", "hfuse:w:0xD7:m", "-U", "efuse:w:0xFD:m"}),
+          with({"-U", program})};
+}
+
+/// Runs a program with our terminal to its end; its exit code.
+int execute(const Line& line) {
+  std::vector<char*> arguments;
+  for (const std::string& word : line) arguments.push_back(const_cast<char*>(word.c_str()));
+  arguments.push_back(nullptr);
+  pid_t child = 0;
+  if (posix_spawnp(&child, arguments[0], nullptr, nullptr, arguments.data(), environ) != 0) {
+    throw UserError(line[0] + ": cannot be started; apt-get install " + line[0]);
+  }
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 128;
+}
+
+RobotAdoption::Result meet(AsioLoop& loop, SerialDevices& ports, const FlashOptions& options) {
+  std::optional<RobotAdoption::Result> met;
+  const RobotAdoption adoption(loop, ports.open(options.port, options.robot_baud), randomUid(),
+                               [&](const RobotAdoption::Result& result) {
+                                 met = result;
+                                 loop.stop();
+                               });
+  loop.run();
+  return *met;
+}
+
+}  // namespace
+
+ExitCode flash(const FlashOptions& options) {
+  const fs::path hex = firmwareOf(options);
+  AsioLoop loop;
+  SerialDevices ports(loop, fs::temp_directory_path());  // offers none
+  try {
+    // Says who has the port, or that there is none, before avrdude says it less clearly.
+    (void)ports.open(options.port, options.robot_baud);
+  } catch (const SerialError& error) {
+    throw UserError(error.what());
+  }
+  for (const Line& line : avrdudeLines(options, hex)) {
+    fmt::print("{}\n", fmt::join(line, " "));
+    std::fflush(stdout);
+    const int code = execute(line);
+    if (code == 0) continue;
+    fmt::print(
+        "NOT flashed: avrdude ended with code {} (above: why); the robot's old program may be gone\n",
+        code);
+    return kFailed;
+  }
+  RobotAdoption::Result met;
+  try {
+    met = meet(loop, ports, options);
+  } catch (const SerialError& error) {
+    met.problem = error.what();
+  }
+  if (!met.ok) {
+    fmt::print("flashed, but {}: {}\n", options.port, met.problem);
+    return kFailed;
+  }
+  fmt::print("flashed: firmware {}.{}, build {:08x}, schema 0x{:04X}\n", met.hello.firmware >> 8,
+             met.hello.firmware & 0xFFU, met.hello.build, met.hello.schema);
+  fmt::print("{} = {}\n", met.uid_is_new ? "the robot had no number and has one now: uid" : "uid",
+             met.hello.uid);
+  return kDone;
+}
+
+}  // namespace lab::runner

@@ -1,0 +1,184 @@
+#include "runner/commands/log_playback.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <lab/experiment_event_t.hpp>
+#include <limits>
+#include <set>
+#include <tuple>
+
+#include "common/bus/channels.hpp"
+#include "common/bus/codec.hpp"
+#include "common/math/units.hpp"
+
+namespace lab::runner {
+namespace {
+
+constexpr std::int64_t kBefore_us = 2'000'000;
+constexpr double kSlowest = 1e-3;
+constexpr double kFastest = 1e4;
+
+/// What is said several times is the same thing; the experiment itself is said once a minute.
+using Happening = std::tuple<std::int8_t, std::int64_t, std::int32_t, std::string>;
+
+Happening happeningOf(const experiment_event_t& event) {
+  const bool repeats = event.kind == experiment_event_t::START ||
+                       event.kind == experiment_event_t::CALIBRATION;
+  return {event.kind, repeats ? 0 : event.utime, event.step,
+          repeats ? event.label : event.text};
+}
+
+std::vector<std::size_t> happeningsOf(const std::vector<LogEvent>& events) {
+  std::vector<std::size_t> indices;
+  std::set<Happening> known;
+  for (std::size_t i = 0; i < events.size(); ++i) {
+    experiment_event_t event{};
+    if (events[i].channel != channels::kExperimentEvent || !decode(events[i].data, event)) continue;
+    if (known.insert(happeningOf(event)).second) indices.push_back(i);
+  }
+  return indices;
+}
+
+}  // namespace
+
+LogDeck::LogDeck(const std::vector<LogEvent>& events, std::string run, double speed, AtEnd at_end,
+                 std::int64_t now)
+    : events_(events),
+      run_(std::move(run)),
+      speed_(speed),
+      at_end_(at_end),
+      clock_(events.front().utime, now, speed),
+      happenings_(happeningsOf(events)) {}
+
+std::int64_t LogDeck::logTime(std::int64_t now) const {
+  return std::min(clock_.logTime(now), events_.back().utime);
+}
+
+double LogDeck::elapsed(std::int64_t now) const {
+  return units::seconds(logTime(now) - events_.front().utime);
+}
+
+double LogDeck::length() const {
+  return units::seconds(events_.back().utime - events_.front().utime);
+}
+
+std::size_t LogDeck::firstAt(std::int64_t log_utime) const {
+  const auto first = std::ranges::lower_bound(events_, log_utime, {}, &LogEvent::utime);
+  return static_cast<std::size_t>(first - events_.begin());
+}
+
+void LogDeck::jumpTo(std::int64_t log_utime, std::int64_t now) {
+  const bool was_paused = paused();
+  clock_ = ReplayClock(log_utime, now, speed_);
+  if (was_paused) clock_.pause(now);
+  next_ = firstAt(log_utime);
+  jumped_ = true;
+  ++jumps_;
+}
+
+std::string LogDeck::obey(const experiment_command_t& wish, std::int64_t now) {
+  switch (wish.action) {
+    case experiment_command_t::PAUSE:
+      if (paused()) return "the log stands already";
+      clock_.pause(now);
+      return {};
+    case experiment_command_t::RESUME:
+      return resume(now);
+    case experiment_command_t::SEEK:
+      return seek(wish.value, now);
+    case experiment_command_t::SPEED:
+      return setSpeed(wish.value, now);
+    case experiment_command_t::END:
+      over_ = true;
+      return {};
+    default:
+      return "this is a recorded run: nobody obeys, and nothing is added to it";
+  }
+}
+
+std::string LogDeck::resume(std::int64_t now) {
+  if (!paused()) return "the log plays already";
+  if (next_ == events_.size()) jumpTo(events_.front().utime, now);
+  clock_.resume(now);
+  return {};
+}
+
+std::string LogDeck::seek(double to, std::int64_t now) {
+  // Not "to < 0 || to > length()": nan is refused too.
+  if (!(to >= 0 && to <= length())) {
+    return fmt::format("the log has no {} s, allowed 0 to {:.3f}", to, length());
+  }
+  jumpTo(events_.front().utime + units::microseconds(to), now);
+  return {};
+}
+
+std::string LogDeck::setSpeed(double speed, std::int64_t now) {
+  if (!(speed >= kSlowest && speed <= kFastest)) {
+    return fmt::format("found a speed of {}, allowed {:g} to {:g}", speed, kSlowest, kFastest);
+  }
+  const bool was_paused = paused();
+  clock_ = ReplayClock(logTime(now), now, speed);
+  if (was_paused) clock_.pause(now);
+  speed_ = speed;
+  return {};
+}
+
+void LogDeck::pauseOrResume(std::int64_t now) {
+  experiment_command_t wish{};
+  wish.action = paused() ? experiment_command_t::RESUME : experiment_command_t::PAUSE;
+  static_cast<void>(obey(wish, now));
+}
+
+bool LogDeck::advance(std::int64_t now) {
+  if (next_ < events_.size() || jumped_ || !catch_up_.empty() || paused()) return false;
+  switch (at_end_) {
+    case AtEnd::kOver:
+      over_ = true;
+      break;
+    case AtEnd::kStand:
+      clock_ = ReplayClock(events_.back().utime, now, speed_);
+      clock_.pause(now);
+      break;
+    case AtEnd::kAgain:
+      jumpTo(events_.front().utime, now);
+      break;
+  }
+  return true;
+}
+
+void LogDeck::play(std::int64_t now, const Send& send) {
+  if (jumped_) {
+    jumped_ = false;
+    catch_up_.clear();
+    const std::size_t near = firstAt(logTime(now) - kBefore_us);
+    for (const std::size_t index : happenings_) {
+      if (index < std::min(near, next_)) catch_up_.push_back(index);
+    }
+    for (std::size_t index = near; index < next_; ++index) catch_up_.push_back(index);
+  }
+  std::size_t left = kMostAtOnce;
+  for (; left > 0 && !catch_up_.empty(); --left) {
+    send(events_[catch_up_.front()]);
+    catch_up_.pop_front();
+  }
+  const std::int64_t until = clock_.logTime(now);
+  for (; left > 0 && next_ < events_.size() && events_[next_].utime <= until; --left) {
+    send(events_[next_++]);
+  }
+}
+
+experiment_status_t LogDeck::status(std::int64_t now) const {
+  experiment_status_t status{};
+  status.run = run_;
+  status.phase = paused() ? experiment_status_t::PLAY_PAUSED : experiment_status_t::PLAYING;
+  status.elapsed = elapsed(now);
+  status.left = length() - status.elapsed;
+  status.rate = speed_;
+  status.jumps = jumps_;
+  status.step = -1;
+  status.step_left = std::numeric_limits<double>::quiet_NaN();
+  return status;
+}
+
+}  // namespace lab::runner

@@ -1,0 +1,185 @@
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <cstdio>
+#include <lab/clock_t.hpp>
+#include <lab/robot_state_t.hpp>
+#include <optional>
+
+#include "common/loop/asio_loop.hpp"
+#include "common/bus/channels.hpp"
+#include "common/experiment/service_placement.hpp"
+#include "common/bus/lcm_bus.hpp"
+#include "common/service/node.hpp"
+#include "analyzer/log_source.hpp"
+#include "runner/commands/commands.hpp"
+#include "runner/live/dashboard_process.hpp"
+#include "runner/runs/lab_registry.hpp"
+#include "runner/commands/log_playback.hpp"
+#include "runner/runs/network.hpp"
+#include "runner/live/progress_line.hpp"
+#include "runner/commands/raw_terminal.hpp"
+#include "runner/runs/run_directory.hpp"
+#include "runner/live/request_log.hpp"
+
+namespace lab::runner {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr std::int64_t kReplayTick_us = 2'000;
+constexpr std::int64_t kReplayShow_us = 250'000;
+constexpr std::int64_t kClock_us = 20'000;
+constexpr std::int64_t kReplayStatus_us = 200'000;  // 5 Hz
+constexpr std::int64_t kLookAfter_us = 100'000;
+constexpr const char* kReplayName = "replay";
+
+/// Sends a log's messages onto a bus of its own.
+class Player {
+ public:
+  /// @param page in a browser, nullptr: none
+  Player(const std::vector<LogEvent>& events, const ReplayOptions& options, const std::string& url,
+         const std::string& run, DashboardProcess* page)
+      : events_(events),
+        options_(options),
+        page_(page),
+        bus_(url),
+        node_(bus_, loop_, {kReplayName, robot_state_t::REPLAY, loop_.now()}),
+        deck_(events, run, options.speed,
+              options.loop      ? AtEnd::kAgain
+              : page != nullptr ? AtEnd::kStand
+                                : AtEnd::kOver,
+              loop_.now()) {
+    node_.subscribe<experiment_command_t>(channels::kExperimentCommand,
+                                          [this](const experiment_command_t& wish) {
+                                            wishes_.take(wish);
+                                            sendStatus();
+                                            if (deck_.over()) loop_.stop();
+                                          });
+  }
+
+  void execute() {
+    loop_.onReadable(bus_.fileDescriptor(), [this] { bus_.drain(); });
+    loop_.onSignals({SIGINT, SIGTERM, SIGHUP}, [this](int) { loop_.stop(); });
+    if (terminal_.active()) loop_.onReadable(STDIN_FILENO, [this] { key(); });
+    loop_.every(kReplayTick_us, loop_.now(), [this] { send(); });
+    if (needsClock()) loop_.every(kClock_us, loop_.now(), [this] { sendClock(); });
+    loop_.every(kReplayStatus_us, loop_.now(), [this] { sendStatus(); });
+    if (page_ != nullptr) loop_.every(kLookAfter_us, loop_.now(), [this] { lookAfterPage(); });
+    loop_.every(kReplayShow_us, loop_.now(), [this] { show(); });
+    loop_.run();
+    show();
+    fmt::print("\n");
+  }
+
+ private:
+  /// Whether the channel is among those that the user wants.
+  [[nodiscard]] bool isAsked(std::string_view channel) const {
+    const auto& wanted = options_.channels;
+    return wanted.empty() || std::ranges::find(wanted, channel) != wanted.end();
+  }
+
+  /// A log of a live lab holds no CLOCK, and its time is not that of the wall any more.
+  [[nodiscard]] bool needsClock() const {
+    return isAsked(channels::kClock) &&
+           std::ranges::find(events_, channels::kClock, &LogEvent::channel) == events_.end();
+  }
+
+  void sendClock() {
+    clock_t message{};
+    message.utime = deck_.logTime(loop_.now());
+    message.rate = deck_.rate();
+    node_.publish(channels::kClock, message);
+  }
+
+  void sendStatus() {
+    experiment_status_t status = deck_.status(loop_.now());
+    wishes_.write(status);
+    node_.publish(channels::kExperimentStatus, status);
+  }
+
+  void lookAfterPage() {
+    page_->lookAfter([](const std::string& what) { printLine("web      " + what); });
+  }
+
+  void key() {
+    char letter = 0;
+    if (::read(STDIN_FILENO, &letter, 1) != 1 || letter != ' ') return;
+    deck_.pauseOrResume(loop_.now());
+    sendStatus();
+  }
+
+  void send() {
+    const std::int64_t now = loop_.now();
+    if (deck_.advance(now)) sendStatus();
+    if (deck_.over()) {
+      loop_.stop();
+      return;
+    }
+    deck_.play(now, [this](const LogEvent& event) {
+      node_.forward(event.channel, asReplay(event.channel, event.data));
+    });
+  }
+
+  /// A quiet stretch of a log must not look like a hang: the time runs on.
+  void show() const {
+    fmt::print("{}replay   {:.1f} of {:.1f} s, {} of {} messages{}{}",
+               terminal_.active() ? "\r\033[K" : "", deck_.elapsed(loop_.now()), deck_.length(),
+               deck_.sent(), events_.size(), deck_.paused() ? ", paused (space goes on)" : "",
+               terminal_.active() ? "" : "\n");
+    std::fflush(stdout);
+  }
+
+  const std::vector<LogEvent>& events_;
+  const ReplayOptions& options_;
+  DashboardProcess* page_;
+  AsioLoop loop_;
+  LcmBus bus_;
+  Node node_;
+  LogDeck deck_;
+  WishDesk wishes_{
+      [this](const experiment_command_t& wish) { return deck_.obey(wish, loop_.now()); }};
+  RawTerminal terminal_;
+};
+
+/// @param run the folder of the run
+/// @param output file for what the page's program prints
+void startPage(std::optional<DashboardProcess>& page, const ReplayOptions& options,
+               const fs::path& run, const std::string& url, const fs::path& output) {
+  const fs::path experiment = run / files::kExperiment;
+  page.emplace(DashboardOptions{.program = options.programs / kOnlooker,
+                                .url = url,
+                                .experiment = fs::exists(experiment) ? experiment : fs::path(),
+                                .runs = run.parent_path(),
+                                .address_file = ownFile(".web"),
+                                .output = output});
+  page->start([](const std::string& what) { printLine("web      " + what); });
+}
+
+}  // namespace
+
+ExitCode replay(const ReplayOptions& options) {
+  const std::vector<fs::path> log_files = report::logFiles(options.log);
+  const fs::path& log = log_files.front();
+  const std::vector<LogEvent> events = selectEvents(
+      log_files, {options.from, options.to, {options.channels.begin(), options.channels.end()}});
+  if (events.empty()) {
+    throw UserError(log.string() +
+                    " holds no message between --from and --to on the wanted channels");
+  }
+  const std::string url = lcmUrl(choosePort(options.port));
+  // The folder of `.` has a name too.
+  const fs::path run = fs::canonical(fs::absolute(log).parent_path());
+  const Registration registration(
+      {"replay-" + run.filename().string(), url, getpid(), run.string(), true});
+  fmt::print("lab      {}\nbus      {}\n", registration.name(), url);
+  std::fflush(stdout);
+  const OwnFile output(".web.txt");
+  std::optional<DashboardProcess> page;
+  if (options.web) startPage(page, options, run, url, output.path());
+  Player(events, options, url, run.filename().string(), page ? &*page : nullptr).execute();
+  return kDone;
+}
+
+}  // namespace lab::runner

@@ -1,0 +1,87 @@
+#include <fmt/format.h>
+
+#include "common/loop/asio_loop.hpp"
+#include "common/bus/channels.hpp"
+#include "common/service/experiment_request.hpp"
+#include "common/bus/lcm_bus.hpp"
+#include "common/service/node.hpp"
+#include "runner/commands/commands.hpp"
+#include "runner/runs/lab_registry.hpp"
+
+namespace lab::runner {
+namespace {
+
+/// One wish towards one lab, until somebody has answered it.
+class Wishing {
+ public:
+  Wishing(const RunningLab& lab, const std::string& name, const experiment_command_t& wish)
+      : bus_(lab.url),
+        node_(bus_, loop_, {name, 0, loop_.now()}),
+        request_(wish, name, node_.identity().instance, 1, loop_.now()) {
+    node_.subscribe<experiment_status_t>(channels::kExperimentStatus,
+                                         [this](const experiment_status_t& status) {
+                                           if (request_.take(status)) loop_.stop();
+                                         });
+  }
+
+  const ExperimentRequest& execute() {
+    loop_.onReadable(bus_.fileDescriptor(), [this] { bus_.drain(); });
+    loop_.every(ExperimentRequest::kRepeat_us, loop_.now(), [this] {
+      if (request_.expired(loop_.now())) {
+        loop_.stop();
+        return;
+      }
+      experiment_command_t message = request_.message();
+      node_.publishCommand(channels::kExperimentCommand, message);
+    });
+    loop_.run();
+    node_.close();
+    return request_;
+  }
+
+ private:
+  AsioLoop loop_;
+  LcmBus bus_;
+  Node node_;
+  ExperimentRequest request_;
+};
+
+/// @param name of the wisher, as the record names him
+/// @param done what is said when it was obeyed
+ExitCode wishFor(const WishOptions& options, std::int8_t action, const std::string& name,
+                 const std::string& done) {
+  if (const std::string problem = remarkProblem(options.text); !problem.empty()) {
+    throw UserError(problem);
+  }
+  experiment_command_t wish{};
+  wish.action = action;
+  wish.text = options.text;
+  const RunningLab lab = findLab(options.lab);
+  Wishing wishing(lab, name, wish);
+  const ExperimentRequest& request = wishing.execute();
+  const std::string what = !request.answered()          ? "NOT confirmed: nobody answers"
+                           : request.refusal().empty() ? done
+                                                        : "refused: " + request.refusal();
+  fmt::print("{}: {}\n", lab.name, what);
+  return request.answered() && request.refusal().empty() ? kDone : kFailed;
+}
+
+}  // namespace
+
+ExitCode pauseScript(const WishOptions& options) {
+  return wishFor(options, experiment_command_t::PAUSE, "lab_pause", "paused");
+}
+
+ExitCode resumeScript(const WishOptions& options) {
+  return wishFor(options, experiment_command_t::RESUME, "lab_resume", "goes on");
+}
+
+ExitCode markRun(const WishOptions& options) {
+  return wishFor(options, experiment_command_t::MARK, "lab_mark", "marked");
+}
+
+ExitCode endRun(const WishOptions& options) {
+  return wishFor(options, experiment_command_t::END, "lab_end", "ends");
+}
+
+}  // namespace lab::runner

@@ -1,0 +1,177 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <functional>
+#include <lab/robot_status_t.hpp>
+#include <lab/robot_stop_t.hpp>
+#include <list>
+#include <memory>
+#include <utility>
+
+#include "common/loop/asio_loop.hpp"
+#include "common/bus/bus_error.hpp"
+#include "common/bus/channels.hpp"
+#include "common/bus/lcm_bus.hpp"
+#include "common/service/node.hpp"
+#include "common/service/stop_coordinator.hpp"
+#include "runner/commands/commands.hpp"
+#include "runner/runs/lab_registry.hpp"
+
+namespace lab::runner {
+namespace {
+
+constexpr std::int64_t kDeskTick_us = 20'000;  // the desk says when it is time
+
+void sayNotAsked(const RunningLab& lab, bool clear, const BusError& error) {
+  fmt::print("{}: NOT {}, {}\n", lab.name, clear ? "released" : "stopped", error.what());
+}
+
+/// Asks one lab's robots to stop (or to go on) until each has said that it does.
+class StopRequest {
+ public:
+  /// Opens the lab's bus and asks for the first time.
+  /// @throws BusError when the bus cannot be opened or takes nothing.
+  StopRequest(RunningLab lab, bool clear, AsioLoop& loop)
+      : lab_(std::move(lab)),
+        clear_(clear),
+        loop_(loop),
+        seq_(loop.now()),
+        bus_(lab_.url),
+        node_(bus_, loop_, {"lab_stop", 0, seq_}) {
+    if (clear_) {
+      desk_.release(node_.identity().name, "lab stop --clear", seq_, seq_);
+    } else {
+      desk_.stop(node_.identity().name, "lab stop", seq_, seq_);
+    }
+    repeat();
+    node_.subscribe<robot_status_t>(channels::kRobotStatus, [this](const robot_status_t& status) {
+      desk_.take(status, loop_.now());
+    });
+    node_.subscribe<robot_stop_t>(channels::kRobotStop,
+                                  [this](const robot_stop_t& stop) { take(stop); });
+    bus_watch_ = loop_.watch(bus_.fileDescriptor(), [this] { guarded([this] { bus_.drain(); }); });
+  }
+
+  /// Asks again where it is time. @return whether it has come to an end, and said how
+  bool attend() {
+    if (finished_) return true;
+    const std::int64_t waited = loop_.now() - seq_;
+    const bool answered = waited >= StopDesk::kMeetEveryRobot_us && desk_.confirmed();
+    if (answered || waited > StopDesk::kPatience_us || !overruled_by_.empty()) {
+      finish(tell());
+      sayLastCounts();
+    } else {
+      guarded([this] { repeat(); });
+    }
+    return finished_;
+  }
+
+  [[nodiscard]] bool succeeded() const { return succeeded_; }
+
+ private:
+  void repeat() {
+    if (auto request = desk_.due(loop_.now())) {
+      node_.publishCommand(channels::kRobotStop, *request);
+    }
+  }
+
+  /// What breaks on this lab's bus is said, and keeps no other lab waiting.
+  void guarded(const std::function<void()>& part) {
+    try {
+      part();
+    } catch (const BusError& error) {
+      sayNotAsked(lab_, clear_, error);
+      finish(false);
+    }
+  }
+
+  void sayLastCounts() {
+    try {
+      node_.close();
+    } catch (const BusError&) {
+      // How it ended is said already, and these are for the report only.
+    }
+  }
+
+  void finish(bool succeeded) {
+    finished_ = true;
+    succeeded_ = succeeded;
+    bus_watch_.reset();
+  }
+
+  /// The newest request holds: who asked for the opposite later is not spoken against. Runners go
+  /// on repeating an older one until they have heard of ours.
+  void take(const robot_stop_t& stop) {
+    const bool older = stop.seq <= seq_;
+    if (older) return;
+    desk_.take(stop, loop_.now());
+    if ((stop.clear != 0) == clear_) return;
+    overruled_by_ = stop.sender + (stop.reason.empty() ? "" : " (" + stop.reason + ")");
+  }
+
+  [[nodiscard]] bool tell() const {
+    if (!overruled_by_.empty()) {
+      fmt::print("{}: NOT {}, {} came meanwhile from {}\n", lab_.name,
+                 clear_ ? "released" : "stopped", clear_ ? "a newer stop" : "a newer release",
+                 overruled_by_);
+      return false;
+    }
+    std::string missing;
+    for (const std::int32_t id : desk_.unconfirmed()) {
+      missing += (missing.empty() ? "" : ", ") + std::to_string(id);
+    }
+    if (desk_.total() == 0) {
+      fmt::print("{}: no robot answers\n", lab_.name);
+      return false;
+    }
+    if (!missing.empty()) {
+      fmt::print("{}: NOT confirmed by robot {}\n", lab_.name, missing);
+      return false;
+    }
+    fmt::print("{}: {} by {} robot{}\n", lab_.name,
+               clear_ ? "stop released, confirmed" : "stopped, confirmed", desk_.total(),
+               desk_.total() == 1 ? "" : "s");
+    return true;
+  }
+
+  RunningLab lab_;
+  bool clear_;
+  AsioLoop& loop_;
+  std::int64_t seq_;  ///< of our request, as everybody's the time it was made
+  std::string overruled_by_;
+  bool finished_ = false;
+  bool succeeded_ = false;
+  LcmBus bus_;
+  Node node_;
+  StopDesk desk_;
+  std::unique_ptr<AsioLoop::Watch> bus_watch_;
+};
+
+}  // namespace
+
+ExitCode stop(const StopOptions& options) {
+  std::vector<RunningLab> labs = runningLabs();
+  std::erase_if(labs, [](const RunningLab& lab) { return lab.replay; });
+  if (!options.lab.empty() || labs.empty()) labs = {findLab(options.lab)};
+  // All at once: whoever does not answer keeps no other lab's robots going.
+  AsioLoop loop;
+  bool all = true;
+  std::list<StopRequest> requests;
+  for (const RunningLab& lab : labs) {
+    try {
+      requests.emplace_back(lab, options.clear, loop);
+    } catch (const BusError& error) {
+      sayNotAsked(lab, options.clear, error);
+      all = false;
+    }
+  }
+  loop.every(kDeskTick_us, loop.now(), [&] {
+    bool over = true;
+    for (StopRequest& request : requests) over = request.attend() && over;
+    if (over) loop.stop();
+  });
+  loop.run();
+  return all && std::ranges::all_of(requests, &StopRequest::succeeded) ? kDone : kFailed;
+}
+
+}  // namespace lab::runner

@@ -1,0 +1,213 @@
+#include "runner/film/film_overlay.hpp"
+
+#include <fmt/format.h>
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <optional>
+#include <stdexcept>
+#include <utility>
+
+#include "runner/command_line/exit_code.hpp"
+#include "runner/film/movie_writer.hpp"
+#include "runner/film/named_files.hpp"
+#include "tracker_svc/overlay.hpp"
+
+namespace lab::runner {
+namespace {
+
+namespace fs = std::filesystem;
+using tracker::RgbImage;
+
+constexpr std::size_t kTiles = 12;  // of a contact sheet
+constexpr int kFrameTilesAcross = 3;
+constexpr int kFrameTileWidth = 960;  // [px]
+constexpr int kJpegQuality = 90;
+
+/// A name beside the file, with its ending, for what is not finished.
+fs::path unfinished(const fs::path& file) {
+  return file.parent_path() / ("." + file.stem().string() + ".part" + file.extension().string());
+}
+
+void writeFile(const fs::path& path, const std::vector<std::uint8_t>& bytes) {
+  std::ofstream file(path, std::ios::binary);
+  for (const std::uint8_t byte : bytes) file.put(static_cast<char>(byte));
+  file.close();
+  if (!file)
+    throw std::runtime_error(
+        fmt::format("{}: cannot write it: {}", path.string(), std::strerror(errno)));
+}
+
+/// A file that is there only when it is whole.
+class WholeFile {
+ public:
+  explicit WholeFile(fs::path path) : path_(std::move(path)), part_(unfinished(path_)) {}
+  ~WholeFile() {
+    std::error_code ignored;
+    fs::remove(part_, ignored);
+  }
+  WholeFile(const WholeFile&) = delete;
+  WholeFile& operator=(const WholeFile&) = delete;
+
+  [[nodiscard]] const fs::path& part() const { return part_; }
+  void finish() { fs::rename(part_, path_); }
+
+ private:
+  fs::path path_;
+  fs::path part_;
+};
+
+/// What all of them draw.
+class Painter {
+ public:
+  explicit Painter(const OverlaySettings& settings)
+      : camera_(settings.camera), cap_(settings.cap) {}
+
+  [[nodiscard]] RgbImage paint(const OverlayFrame& frame, int width) const {
+    std::vector<tracker::Mark> marks;
+    for (const tracker::FilmRow& row : frame.rows) {
+      marks.push_back({row.pose, row.id > 0 ? fmt::format("#{}", row.id) : "?", true});
+    }
+    const std::string caption =
+        fmt::format("frame {}  {:.3f} s  {} found", frame.number, frame.time, frame.rows.size());
+    return tracker::overlay({.picture = frame.picture,
+                             .marks = marks,
+                             .rejected = frame.rejected,
+                             .caption = caption,
+                             .width = width},
+                            camera_, cap_);
+  }
+
+ private:
+  optics::CameraModel camera_;
+  optics::CapGeometry cap_;
+};
+
+/// Frames spread over a film of any length: every n-th, where n doubles when there are too many.
+class ContactSheet final : public FilmOverlay {
+ public:
+  explicit ContactSheet(const OverlaySettings& settings)
+      : painter_(settings), file_(settings.path) {}
+
+  [[nodiscard]] bool wantsNext() const override { return next_ % stride_ == 0; }
+
+  void add(const OverlayFrame& frame) override {
+    if (wantsNext()) {
+      tiles_.push_back(painter_.paint(frame, kFrameTileWidth));
+      if (tiles_.size() == 2 * kTiles) {
+        for (std::size_t i = 1; i < kTiles; ++i) tiles_[i] = std::move(tiles_[2 * i]);
+        tiles_.resize(kTiles);
+        stride_ *= 2;
+      }
+    }
+    ++next_;
+  }
+
+  void finish() override {
+    if (tiles_.size() > kTiles) {
+      for (std::size_t i = 0; i < kTiles; ++i) {
+        const std::size_t from = i * (tiles_.size() - 1) / (kTiles - 1);
+        if (from != i) tiles_[i] = std::move(tiles_[from]);
+      }
+      tiles_.resize(kTiles);
+    }
+    if (tiles_.empty()) return;
+    writeFile(file_.part(), tracker::pngBytes(tracker::contactSheet(tiles_, kFrameTilesAcross)));
+    file_.finish();
+  }
+
+ private:
+  Painter painter_;
+  WholeFile file_;
+  std::vector<RgbImage> tiles_;
+  std::int64_t next_ = 0;
+  std::int64_t stride_ = 1;
+};
+
+class Movie final : public FilmOverlay {
+ public:
+  explicit Movie(const OverlaySettings& settings)
+      : painter_(settings), file_(settings.path), fps_(settings.fps) {}
+
+  [[nodiscard]] bool wantsNext() const override { return true; }
+
+  void add(const OverlayFrame& frame) override {
+    const RgbImage image = painter_.paint(frame, 0);
+    if (!writer_) writer_.emplace(file_.part(), image.width, image.height, fps_);
+    writer_->write(image);
+  }
+
+  void finish() override {
+    if (!writer_) return;
+    writer_->finish();
+    file_.finish();
+  }
+
+ private:
+  Painter painter_;
+  WholeFile file_;
+  double fps_;
+  std::optional<MovieWriter> writer_;
+};
+
+class PictureFolder final : public FilmOverlay {
+ public:
+  explicit PictureFolder(const OverlaySettings& settings)
+      : painter_(settings), folder_(settings.path) {
+    std::error_code error;
+    fs::create_directories(folder_, error);
+    if (error) {
+      throw UserError(fmt::format("{}: cannot be made: {}", folder_.string(), error.message()));
+    }
+  }
+
+  [[nodiscard]] bool wantsNext() const override { return true; }
+
+  void add(const OverlayFrame& frame) override {
+    writeFile(folder_ / fmt::format("f{:06}.jpg", frame.number),
+              tracker::jpegBytes(painter_.paint(frame, 0), kJpegQuality));
+  }
+
+  void finish() override {}
+
+ private:
+  Painter painter_;
+  fs::path folder_;
+};
+
+bool isMovie(const fs::path& path) {
+  const fs::path ending = path.extension();
+  return ending == ".mp4" || ending == ".mkv" || ending == ".avi";
+}
+
+}  // namespace
+
+std::unique_ptr<FilmOverlay> FilmOverlay::open(const OverlaySettings& settings) {
+  const fs::path& path = settings.path;
+  const bool sheet = path.extension() == ".png";
+  const bool folder = !sheet && !isMovie(path);
+  if (folder) {
+    if (fs::exists(path) && !fs::is_directory(path)) {
+      throw UserError(
+          fmt::format("{}: found a file, expected a folder (or the ending .png, .mp4, "
+                      ".mkv or .avi); choose another name",
+                      path.string()));
+    }
+    if (fs::exists(path) && !fs::is_empty(path) && !settings.force) {
+      throw UserError(fmt::format(
+          "{}: is there already; choose another name, or --force to replace it", path.string()));
+    }
+    return std::make_unique<PictureFolder>(settings);
+  }
+  checkOutput(path, settings.force);
+  if (sheet) return std::make_unique<ContactSheet>(settings);
+  if (!isInstalled("ffmpeg")) {
+    throw UserError(
+        "a movie needs the program ffmpeg, which is not installed: apt-get install ffmpeg; or ask "
+        "for a contact sheet with --overlay NAME.png");
+  }
+  return std::make_unique<Movie>(settings);
+}
+
+}  // namespace lab::runner

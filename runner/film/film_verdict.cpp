@@ -1,0 +1,97 @@
+#include "runner/film/film_verdict.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "common/math/units.hpp"
+#include "tracker_svc/cap_spacings.hpp"
+
+namespace lab::runner {
+namespace {
+
+using units::kCm;
+using units::kPercents;
+
+constexpr double kSpacingTolerance = 0.005;  // share by which circles may be off before it is said
+constexpr double kSpreadTolerance = 0.008;   // share; dim or compressed films have 0.3 %
+
+/// A film is judged as a whole.
+calibration::SpacingSettings wholeFilm(const CameraCalibration& calibration) {
+  calibration::SpacingSettings settings = tracker::spacingSettings(calibration);
+  settings.window = std::numeric_limits<double>::infinity();
+  return settings;
+}
+
+}  // namespace
+
+void tellFilm(const tracker::FilmSummary& film, const CameraCalibration& calibration,
+              std::int64_t dropped, double seconds) {
+  fmt::print(
+      "{} frames ({} dropped), {} to {} robots in each, {} tracks, {} poses ({} degraded), "
+      "mean confidence {:.2f}, {:.0f} frames a second",
+      film.frames, dropped, film.fewest, film.most, film.ids, film.rows, film.degraded,
+      film.confidence, static_cast<double>(film.frames) / std::max(seconds, 1e-9));
+  const double expected = calibration.cap.spacing();
+  const double off = film.spacing > 0 ? film.spacing / expected - 1 : 0;
+  if (film.spacing > 0) {
+    fmt::print(", circles {:.4f} cm apart ({:+.2f} %, spread {:.2f} %)", film.spacing * kCm,
+               off * kPercents, film.spacing_spread / expected * kPercents);
+  }
+  fmt::print("\n");
+  if (film.surplus > 0) {
+    fmt::print(
+        "note     {} of {} frames showed more caps than --robots says; {} poses were left out, "
+        "those of least confidence\n",
+        film.crowded, film.frames, film.surplus);
+  }
+  if (film.rows == 0) {
+    fmt::print("note     no robot was found; --overlay NAME.png shows what was refused and why\n");
+  }
+}
+
+CalibrationVerdict::CalibrationVerdict(const CameraCalibration& calibration)
+    : calibration_(calibration), spacing_(wholeFilm(calibration)) {}
+
+void CalibrationVerdict::add(const tracker::FilmRow& row) {
+  const detector::Detection& pose = row.pose;
+  tracker::addSpacing(spacing_, row.time, pose, calibration_.cap.spacing());
+  const double out = std::max({-pose.x, pose.x - calibration_.arena_width, -pose.y,
+                               pose.y - calibration_.arena_height});
+  if (out <= calibration_.cap.robot_radius) return;
+  ++beyond_;
+  farthest_ = std::max(farthest_, out);
+}
+
+void CalibrationVerdict::tell(const tracker::FilmSummary& film) const {
+  const calibration::SpacingReport spacing = spacing_.whole();
+  const double expected = calibration_.cap.spacing();
+  if (!spacing.fits) {
+    fmt::print("warning  {}\n", spacing.text);
+  } else if (film.spacing > 0 && std::abs(film.spacing / expected - 1) > kSpacingTolerance) {
+    fmt::print(
+        "warning  the circles of a cap are {:.4f} cm apart, the calibration says {:.4f} cm: was "
+        "the camera moved, or its zoom? Calibrate it again (docs/calibration.md)\n",
+        film.spacing * kCm, expected * kCm);
+  }
+  // Wrong by so much that no slope describes it, or seen in too few places for one.
+  if (spacing.fits && film.spacing_spread > kSpreadTolerance * expected) {
+    fmt::print(
+        "warning  the distance of the circles varies by {:.2f} %, up to 0.3 % is usual: are the "
+        "pictures turned, or R or cx and cy wrong, or are the pictures very noisy? Calibrate the "
+        "camera again (docs/calibration.md)\n",
+        film.spacing_spread / expected * kPercents);
+  }
+  if (beyond_ > 0) {
+    fmt::print(
+        "warning  {:.1f} % of the poses are outside the arena of {:g} x {:g} cm, by up to {:.1f} "
+        "cm: is the calibration of this camera where it was, and of this arena (size, corner, "
+        "axes)?\n",
+        kPercents * static_cast<double>(beyond_) / static_cast<double>(film.rows),
+        calibration_.arena_width * kCm, calibration_.arena_height * kCm, farthest_ * kCm);
+  }
+}
+
+}  // namespace lab::runner

@@ -1,0 +1,181 @@
+#include "runner/film/light_preview.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "light/field/raster.hpp"
+#include "sim_svc/placement.hpp"
+#include "light/optics/canvas.hpp"
+
+namespace lab::runner {
+namespace {
+
+constexpr std::int64_t kStart_utime = 1'000'000;
+constexpr double kFramePeriod = 0.2;  // [s] between the frames in which the robots are seen
+constexpr double kLongestTrail = 60;  // [s] of standing that a trail shows
+constexpr double kSight = 0.2;        // [m] of the way that shows a motion
+constexpr double kUnknownSpan = 10;   // [s] of what has no period
+constexpr int kMargin = 3;            // [px] around the words
+constexpr tracker::Colour kWords{255, 255, 255};
+constexpr tracker::Colour kRobot{255, 140, 0};
+
+std::int64_t utimeAt(double time) {
+  return kStart_utime + static_cast<std::int64_t>(std::llround(time * 1e6));
+}
+
+/// How long a layer takes to show what it does [s].
+double spanOf(const LayerSpec& layer) {
+  const light::Drive& drive = layer.drive;
+  const bool noise = static_cast<light::LayerKind>(layer.kind) == light::LayerKind::kNoise;
+  const bool telegraph = drive.waveform == light::Waveform::kTelegraph;
+  double span = 0;
+  const auto takes = [&](double time) { span = std::max(span, time); };
+  if (const double speed = std::hypot(drive.vx, drive.vy); speed > 0) takes(kSight / speed);
+  if (drive.spin != 0) takes(2 * std::numbers::pi / std::abs(drive.spin));
+  if (drive.phase_rate != 0) {
+    takes((noise ? 2 : 2 * std::numbers::pi) / std::abs(drive.phase_rate));
+  }
+  if (drive.waveform != light::Waveform::kSteady) takes((telegraph ? 4 : 1) * drive.period);
+  if (!drive.images.empty()) takes(static_cast<double>(drive.images.size()) / drive.image_rate);
+  if (drive.follow == light::Follow::kTrail) takes(kUnknownSpan);
+  return span;
+}
+
+/// Where the simulator would begin.
+projector::SeenFrame startOf(const Experiment& experiment) {
+  std::vector<sim::Place> places;
+  projector::SeenFrame frame;
+  for (const RobotSpec& robot : experiment.robots) {
+    std::optional<dynamics::Pose> pose;
+    if (robot.start) pose = dynamics::Pose{robot.start->x, robot.start->y, robot.start->theta};
+    if (isSimulated(robot.body)) {
+      places.push_back({robot.id, pose});
+    } else if (pose) {
+      frame.robots.push_back({.id = robot.id, .x = pose->x, .y = pose->y, .theta = pose->theta});
+    }
+  }
+  const std::vector<dynamics::Pose> poses =
+      sim::placeRobots(places, {experiment.arena_width, experiment.arena_height},
+                       experiment.hardware.diameter / 2, experiment.seed);
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    frame.robots.push_back(
+        {.id = places[i].id, .x = poses[i].x, .y = poses[i].y, .theta = poses[i].theta});
+  }
+  return frame;
+}
+
+}  // namespace
+
+LightPreview::LightPreview(const Experiment& experiment, const ExperimentImages& images)
+    : experiment_(experiment), standing_(startOf(experiment)) {
+  surroundings_.arena_width = experiment.arena_width;
+  surroundings_.arena_height = experiment.arena_height;
+  for (const RobotSpec& robot : experiment.robots) surroundings_.robots.push_back(robot.id);
+  surroundings_.images = images.store;
+  for (const LightStep& step : experiment.light.steps) {
+    std::vector<light::DrivenLayer> layers = toDrivenLayers(step.layers, images);
+    for (light::DrivenLayer& layer : layers) {
+      if (layer.drive.gate == light::Gate::kProgram) layer.drive.gate = light::Gate::kOpen;
+    }
+    steps_.push_back({projector::Scene(std::move(layers), kStart_utime, surroundings_)});
+  }
+}
+
+double LightPreview::length(std::size_t step) const {
+  const LightScript& script = experiment_.light;
+  const double begin = script.steps[step].at;
+  if (step + 1 < script.steps.size()) return script.steps[step + 1].at - begin;
+  return std::max(0.0, (script.repeat ? script.length : experiment_.duration) - begin);
+}
+
+double LightPreview::span(std::size_t step) const {
+  double span = 0;
+  for (const LayerSpec& layer : experiment_.light.steps[step].layers) {
+    span = std::max(span, spanOf(layer));
+  }
+  return std::min(span, length(step));
+}
+
+std::vector<double> LightPreview::moments(std::size_t step) const {
+  const double begin = std::min(experiment_.light.steps[step].ramp, length(step));
+  const double rest = std::min(span(step), length(step) - begin);
+  if (rest <= 0) return {begin};
+  return {begin, begin + 0.25 * rest, begin + 0.5 * rest, begin + 0.75 * rest};
+}
+
+std::vector<light::Layer> LightPreview::layers(std::size_t step, double time) {
+  Step& shown = steps_[step];
+  if (shown.scene.needsPoses()) {
+    double next = std::max(shown.seen + kFramePeriod, std::max(0.0, time - kLongestTrail));
+    for (;; next += kFramePeriod) {
+      next = std::min(next, time);
+      if (next > shown.seen) {
+        standing_.utime = utimeAt(next);
+        ++standing_.number;
+        shown.robots.take(standing_);
+        shown.scene.take(standing_, shown.robots);
+        shown.seen = next;
+      }
+      if (next >= time) break;
+    }
+  }
+  const std::int64_t now = utimeAt(time);
+  return shown.scene.at({.decided = now, .shown = now}, shown.robots).layers;
+}
+
+light::Field LightPreview::field(std::size_t step, double time) {
+  light::Field field{layers(step, time), {}, 1};
+  const double ramp = experiment_.light.steps[step].ramp;
+  if (time >= ramp) return field;
+  field.mix = time / ramp;
+  if (step > 0) field.previous = layers(step - 1, length(step - 1));
+  return field;
+}
+
+void LightPreview::mark(tracker::RgbImage& image, int top) const {
+  tracker::Canvas canvas(image);
+  const double scale = image.width / experiment_.arena_width;
+  const auto pixel = [&](double x, double y) {
+    return optics::Pixel{x * scale, top + (experiment_.arena_height - y) * scale};
+  };
+  const double radius = experiment_.hardware.diameter / 2;
+  constexpr int kSides = 24;
+  for (const projector::SeenRobot& robot : standing_.robots) {
+    const auto rim = [&](double angle) {
+      return pixel(robot.x + radius * std::cos(angle), robot.y + radius * std::sin(angle));
+    };
+    for (int side = 0; side < kSides; ++side) {
+      const double step = 2 * std::numbers::pi / kSides;
+      canvas.line(rim(side * step), rim((side + 1) * step), kRobot);
+    }
+    canvas.line(pixel(robot.x, robot.y), rim(robot.theta), kRobot);
+  }
+}
+
+tracker::RgbImage LightPreview::picture(std::size_t step, double time, int width) {
+  const double aspect = experiment_.arena_height / experiment_.arena_width;
+  const int height = std::max(1, static_cast<int>(std::lround(width * aspect)));
+  const int top = tracker::kLetterHeight + 2 * kMargin;
+  const std::vector<std::uint8_t> grey = light::toGrey(light::rasterise(
+      field(step, time), experiment_.arena_width, experiment_.arena_height, width, height));
+  tracker::RgbImage image(width, height + top);
+  for (std::size_t i = 0; i < grey.size(); ++i) {
+    std::fill_n(image.pixels.begin() +
+                    static_cast<std::ptrdiff_t>(
+                        3 * (i + static_cast<std::size_t>(top) * static_cast<std::size_t>(width))),
+                3, grey[i]);
+  }
+  if (steps_[step].scene.needsPoses()) mark(image, top);
+  const LightStep& shown = experiment_.light.steps[step];
+  std::string words = fmt::format("{:.2f} s  {}", shown.at + time, shown.label);
+  if (steps_[step].scene.needsPoses()) words += "  (robots at their start)";
+  tracker::Canvas(image).text(kMargin, kMargin, words, kWords);
+  return image;
+}
+
+}  // namespace lab::runner

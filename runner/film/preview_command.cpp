@@ -1,0 +1,89 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <system_error>
+
+#include "common/experiment/experiment_file.hpp"
+#include "light/field/image.hpp"
+#include "runner/commands/commands.hpp"
+#include "runner/film/light_preview.hpp"
+#include "runner/film/movie_writer.hpp"
+
+namespace lab::runner {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kMostTiles = 200;
+constexpr int kTilesAcross = 4;
+constexpr int kTileWidth = 320;   // [px]
+constexpr int kMovieWidth = 480;  // [px]
+constexpr double kFps = 25;
+constexpr double kShortestLook = 2;   // [s] at a step
+constexpr double kLongestLook = 20;   // [s]
+constexpr double kLongestMovie = 60;  // [s]
+
+/// @return how many steps are in it.
+std::size_t writeSheet(LightPreview& preview, const fs::path& path) {
+  std::vector<tracker::RgbImage> tiles;
+  std::size_t step = 0;
+  for (; step < preview.steps() && tiles.size() < kMostTiles; ++step) {
+    for (const double time : preview.moments(step)) {
+      tiles.push_back(preview.picture(step, time, kTileWidth));
+    }
+  }
+  const int across = std::min(kTilesAcross, static_cast<int>(tiles.size()));
+  const auto problem =
+      light::writeFile(path, tracker::pngBytes(tracker::contactSheet(tiles, across)));
+  if (problem) throw UserError(*problem);
+  return step;
+}
+
+/// Each step in its own time, for as long as it takes to see what it does.
+void writeMovie(LightPreview& preview, const Experiment& experiment, const fs::path& path) {
+  std::optional<MovieWriter> movie;
+  double shown = 0;
+  for (std::size_t step = 0; step < preview.steps() && shown < kLongestMovie; ++step) {
+    const double look = experiment.light.steps[step].ramp +
+                        std::clamp(2 * preview.span(step), kShortestLook, kLongestLook);
+    const double seconds = std::min({look, preview.length(step), kLongestMovie - shown});
+    const int frames = std::max(1, static_cast<int>(std::lround(seconds * kFps)));
+    for (int frame = 0; frame < frames; ++frame) {
+      const tracker::RgbImage picture = preview.picture(step, frame / kFps, kMovieWidth);
+      if (!movie) movie.emplace(path, picture.width, picture.height, kFps);
+      movie->write(picture);
+    }
+    shown += seconds;
+  }
+  movie->finish();
+}
+
+}  // namespace
+
+ExitCode preview(const PreviewOptions& options) {
+  const Experiment experiment = loadExperiment(options.file, options.set);
+  const ExperimentImages images = loadImages(experiment, options.file.parent_path());
+  std::error_code error;
+  fs::create_directories(options.out, error);
+  if (error)
+    throw UserError(options.out.string() + ": cannot make this folder: " + error.message());
+  const fs::path sheet = options.out / (experiment.name + "_light.png");
+  const fs::path movie = options.out / (experiment.name + "_light.mp4");
+  LightPreview of_sheet(experiment, images);
+  const std::size_t steps = writeSheet(of_sheet, sheet);
+  fmt::print("{}\n", sheet.string());
+  if (steps < of_sheet.steps()) {
+    fmt::print("  the first {} of {} steps\n", steps, of_sheet.steps());
+  }
+  if (!isInstalled("ffmpeg")) {
+    fmt::print("no animation: it needs the program ffmpeg: apt-get install ffmpeg\n");
+    return kDone;
+  }
+  LightPreview of_movie(experiment, images);
+  writeMovie(of_movie, experiment, movie);
+  fmt::print("{}\n", movie.string());
+  return kDone;
+}
+
+}  // namespace lab::runner

@@ -1,0 +1,336 @@
+#include <fmt/format.h>
+
+#include <array>
+#include <cerrno>
+#include <cmath>
+#include <csignal>
+#include <cstring>
+#include <fstream>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "tracker_svc/film_reader.hpp"
+#include "common/calibration/camera_file.hpp"
+#include "common/experiment/experiment_file.hpp"
+#include "common/math/units.hpp"
+#include "tracker_svc/response_finder.hpp"
+#include "runner/commands/commands.hpp"
+#include "runner/film/film_overlay.hpp"
+#include "runner/command_line/progress_bar.hpp"
+#include "runner/film/film_verdict.hpp"
+#include "runner/film/named_files.hpp"
+#include "tracker_svc/film_tracking.hpp"
+
+namespace lab::runner {
+namespace {
+
+namespace fs = std::filesystem;
+using tracker::FilmRow;
+
+volatile std::sig_atomic_t tracking_interrupted = 0;
+
+/// While it lives, Ctrl-C ends the film and not the program.
+class Interruptible {
+ public:
+  Interruptible() {
+    tracking_interrupted = 0;
+    for (std::size_t i = 0; i < kSignals.size(); ++i) {
+      before_[i] = std::signal(kSignals[i], [](int) { tracking_interrupted = 1; });
+    }
+  }
+  ~Interruptible() {
+    for (std::size_t i = 0; i < kSignals.size(); ++i) std::signal(kSignals[i], before_[i]);
+  }
+  Interruptible(const Interruptible&) = delete;
+  Interruptible& operator=(const Interruptible&) = delete;
+
+ private:
+  static constexpr std::array kSignals{SIGINT, SIGTERM, SIGHUP};
+  std::array<void (*)(int), kSignals.size()> before_{};
+};
+
+/// The rows, under another name until they are all there.
+class PoseWriter {
+ public:
+  PoseWriter(fs::path path, bool force) : path_(std::move(path)), part_(path_.string() + ".part") {
+    checkOutput(path_, force);
+    file_.open(part_, std::ios::binary);
+    if (!file_) {
+      throw UserError(
+          fmt::format("{}: cannot be written: {}", path_.string(), std::strerror(errno)));
+    }
+    file_ << tracker::filmCsvHeader();
+  }
+
+  ~PoseWriter() {
+    std::error_code ignored;
+    fs::remove(part_, ignored);
+  }
+  PoseWriter(const PoseWriter&) = delete;
+  PoseWriter& operator=(const PoseWriter&) = delete;
+
+  void write(const std::vector<FilmRow>& rows) {
+    for (const FilmRow& row : rows) file_ << tracker::filmCsvLine(row);
+    if (!file_) fail();
+  }
+
+  void finish() {
+    file_.close();
+    if (!file_) fail();
+    fs::rename(part_, path_);
+  }
+
+ private:
+  [[noreturn]] void fail() const {
+    throw std::runtime_error(path_.string() + ": cannot be written: is the disk full?");
+  }
+
+  fs::path path_;
+  fs::path part_;
+  std::ofstream file_;
+};
+
+/// What is written must not take the place of the film or the calibration, nor of what else is
+/// written. Single pictures of a folder are not looked at.
+void refuseSameFiles(const TrackOptions& options) {
+  const std::array<std::pair<const char*, fs::path>, 4> named{
+      {{"SOURCE", options.source},
+       {"--calibration", options.calibration},
+       {"--out", options.out},
+       {"--overlay", options.overlay}}};
+  const auto place = [](const fs::path& path) {
+    std::error_code error;
+    return fs::weakly_canonical(fs::absolute(path, error), error);
+  };
+  for (std::size_t written = 2; written < named.size(); ++written) {
+    const auto& [option, path] = named[written];
+    if (path.empty()) continue;
+    for (std::size_t other = 0; other < written; ++other) {
+      if (place(path) != place(named[other].second)) continue;
+      throw UserError(fmt::format("{}: is named as {} and as {}; choose another name for {}",
+                                  path.string(), named[other].first, option, option));
+    }
+  }
+}
+
+/// A sheet in the folder of the pictures would be one of them the next time.
+void refuseSheetAmongPictures(const TrackOptions& options) {
+  std::error_code error;
+  if (options.overlay.extension() != ".png" || !fs::is_directory(options.source, error)) return;
+  const fs::path folder = fs::absolute(options.overlay, error).parent_path();
+  if (!fs::equivalent(folder, options.source, error)) return;
+  throw UserError(fmt::format(
+      "{}: would be read as one of the pictures of {} the next time; choose another folder for "
+      "--overlay",
+      options.overlay.string(), options.source));
+}
+
+/// A calibration holds for pictures of one size only.
+void checkSize(const TrackOptions& options, const CameraCalibration& calibration,
+               const FilmReader& reader, int width, int height) {
+  const optics::CameraParameters& camera = calibration.camera;
+  if (width == camera.width && height == camera.height) return;
+  // Smaller ones made larger have blur and noise that no camera has.
+  const bool shrinks = width > camera.width && width * camera.height == height * camera.width;
+  const std::string mark = reader.mark();
+  throw UserError(fmt::format(
+      "{}: found pictures of {} x {} px{}, expected {} x {} px as in {}; calibrate the camera at "
+      "the size of the film{}",
+      options.source, width, height,
+      mark.empty() ? "" : fmt::format(" (as they are stored; players turn them, by {})", mark),
+      camera.width, camera.height, options.calibration.string(),
+      shrinks ? fmt::format(", or convert the film: ffmpeg -i FILM -vf scale={}:{} ...",
+                               camera.width, camera.height)
+                 : ""));
+}
+
+tracker::TrackerSettings trackerSettings(const CameraCalibration& calibration) {
+  tracker::TrackerSettings settings;
+  settings.arena_width = calibration.arena_width;
+  settings.arena_height = calibration.arena_height;
+  settings.robot_radius = calibration.cap.robot_radius;
+  settings.strangers = true;
+  return settings;
+}
+
+std::unique_ptr<FilmOverlay> openOverlay(const TrackOptions& options,
+                                         const CameraCalibration& calibration, double fps) {
+  if (options.overlay.empty()) return nullptr;
+  return FilmOverlay::open(
+      {.path = options.overlay,
+       .force = options.force,
+       .fps = (fps > 0 ? fps : kAssumedFps) / static_cast<double>(options.every),
+       .camera = optics::CameraModel(calibration.camera),
+       .cap = calibration.cap});
+}
+
+/// One film from its first frame to its last.
+class Film {
+ public:
+  Film(const TrackOptions& options, const CameraCalibration& calibration, FilmReader& reader)
+      : options_(options),
+        calibration_(calibration),
+        reader_(reader),
+        detector_(optics::CameraModel(calibration.camera), calibration.cap,
+                  calibration.imaging.value_or(optics::Imaging{})),
+        response_(detector_.camera(), calibration.cap,
+                  calibration.imaging.value_or(optics::Imaging{})),
+        finds_response_(!calibration.imaging || !calibration.imaging->gamma),
+        caps_(trackerSettings(calibration), {}),
+        tracking_(detector_, caps_, options.robots),
+        verdict_(calibration),
+        poses_(options.out, options.force),
+        overlay_(openOverlay(options, calibration, reader.format().fps)) {}
+
+  ExitCode track() {
+    detector_.setCompressed(reader_.format().compressed);
+    response_.setCompressed(reader_.format().compressed);
+    const Interruptible until_interrupted;
+    std::string problem;
+    double seconds = 0;
+    {
+      FilmProgress progress(reader_.length());
+      try {
+        CameraFrame frame;
+        for (std::int64_t i = 0; tracking_interrupted == 0 && reader_.next(frame); ++i) {
+          if (i % options_.every == 0) take(frame);
+          progress.show(i + 1);
+        }
+        problem = tracking_interrupted != 0 ? "stopped before its end" : reader_.problem();
+      } catch (const CameraError& error) {
+        problem = error.what();
+      }
+      seconds = progress.seconds();
+    }
+    if (tracking_.summary().frames == 0) {
+      throw UserError(fmt::format("{}: found no frame in it{}{}; expected a movie or pictures",
+                                  options_.source, problem.empty() ? "" : ": ", problem));
+    }
+    poses_.finish();
+    draw([&] { overlay_->finish(); });
+    tellFilm(tracking_.summary(), calibration_, reader_.dropped(), seconds);
+    verdict_.tell(tracking_.summary());
+    if (!(reader_.format().fps > 0) && tracking_.summary().frames > 1) {
+      fmt::print(
+          "note     the pictures do not say their times, and were taken for {:.0f} a second: "
+          "--fps, or frames.csv beside them (docs/cameras.md)\n",
+          kAssumedFps);
+    }
+    if (options_.fps > 0) {
+      fmt::print("note     times are those of {:g} frames a second, as asked for\n", options_.fps);
+    }
+    if (const std::string mark = reader_.mark(); !mark.empty()) {
+      fmt::print(
+          "note     players turn these pictures ({}), here they are taken as they are stored: is "
+          "the calibration of such? (docs/cameras.md)\n",
+          mark);
+    }
+    if (finds_response_) {
+      tellResponse();
+    } else if (tracking_.summary().rows == 0) {
+      fmt::print("note     grey steps were read with a gamma of {:g}, as the calibration says\n",
+                 *calibration_.imaging->gamma);
+    }
+    fmt::print("poses    {}\n", options_.out.string());
+    if (overlay_) fmt::print("overlay  {}\n", options_.overlay.string());
+    if (!no_overlay_.empty()) {
+      fmt::print("marked   {}: there is no overlay: {}\n", options_.overlay.string(), no_overlay_);
+    }
+    if (!problem.empty()) {
+      const bool named = problem.starts_with(options_.source);
+      fmt::print("marked   {}{}; the poses of what could be read are kept\n",
+                 named ? "" : options_.source + ": ", problem);
+    }
+    return problem.empty() && no_overlay_.empty() ? kDone : kMarked;
+  }
+
+ private:
+  /// How the camera's grey steps follow the light, where the calibration does not say it.
+  void findResponse(const CameraFrame& frame) {
+    if (!finds_response_) return;
+    response_.take(frame.grey);
+    const double gamma = response_.gamma().value_or(gamma_);
+    if (gamma != gamma_ && tracking_.summary().frames > 0) told_from_ = frame.number;
+    gamma_ = gamma;
+    detector_.setGamma(gamma);
+  }
+
+  void tellResponse() const {
+    const bool unknown = !response_.gamma() && tracking_.summary().rows > 0;
+    if (gamma_ != 1 || unknown || told_from_) {
+      fmt::print("note     grey steps were read {}: {}\n",
+                 gamma_ == 1
+                     ? "as linear in light"
+                     : fmt::format("with a gamma of {:g}, as if encoded for the eye", gamma_),
+                 response_.reason());
+    }
+    if (told_from_) {
+      fmt::print(
+          "note     only from frame {} on; those before were read otherwise. With gamma in the "
+          "calibration (docs/cameras.md) all are read alike\n",
+          *told_from_);
+    }
+  }
+
+  void take(const CameraFrame& frame) {
+    constexpr double kMicro = 1e-6;
+    checkSize(options_, calibration_, reader_, frame.grey.width, frame.grey.height);
+    findResponse(frame);
+    const double time = static_cast<double>(frame.utime) * kMicro;
+    const bool drawn = overlay_ && overlay_->wantsNext();
+    rejected_.clear();
+    const std::vector<FilmRow>& rows =
+        tracking_.take(frame.number, time, frame.grey, drawn ? &rejected_ : nullptr);
+    poses_.write(rows);
+    for (const FilmRow& row : rows) verdict_.add(row);
+    draw([&] { overlay_->add({frame.number, time, frame.grey, rows, rejected_}); });
+  }
+
+  /// An overlay that cannot be written is no reason to lose the poses.
+  void draw(const auto& act) {
+    if (!overlay_) return;
+    try {
+      act();
+    } catch (const std::runtime_error& error) {
+      no_overlay_ = error.what();
+      overlay_.reset();
+    }
+  }
+
+  const TrackOptions& options_;
+  const CameraCalibration& calibration_;
+  FilmReader& reader_;
+  detector::Detector detector_;
+  detector::ResponseFinder response_;
+  bool finds_response_;
+  double gamma_ = 1;                        ///< that is believed
+  std::optional<std::int64_t> told_from_;   ///< frame; those before were read with another one
+  tracker::CapTracker caps_;
+  tracker::FilmTracking tracking_;
+  CalibrationVerdict verdict_;
+  PoseWriter poses_;
+  std::unique_ptr<FilmOverlay> overlay_;
+  std::string no_overlay_;  ///< why there is none though one was asked for
+  std::vector<detector::Rejection> rejected_;
+};
+
+}  // namespace
+
+ExitCode track(const TrackOptions& options) {
+  refuseSameFiles(options);
+  refuseSheetAmongPictures(options);
+  const CameraCalibration calibration = readCameraFile(options.calibration);
+  const std::unique_ptr<FilmReader> reader = openFilm(options.source, options.fps);
+  if (const std::string table = reader->table(); options.fps > 0 && !table.empty()) {
+    throw UserError(fmt::format(
+        "{}: found --fps beside the times of {}, expected one of them: leave out --fps",
+        options.source, table));
+  }
+  const CameraFormat format = reader->format();
+  if (format.width > 0) checkSize(options, calibration, *reader, format.width, format.height);
+  return Film(options, calibration, *reader).track();
+}
+
+}  // namespace lab::runner

@@ -1,0 +1,77 @@
+#include "runner/hosts/agent_lock.hpp"
+
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <array>
+#include <chrono>
+#include <cstdlib>
+#include <thread>
+#include <utility>
+
+#include "runner/command_line/exit_code.hpp"
+#include "runner/runs/lab_registry.hpp"
+
+namespace lab::runner {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr int kNewcomerStep_ms = 50;
+constexpr int kNewcomerRepeat_ms = 1000;
+constexpr int kNewcomerPatience_ms = 10000;  // its services end one after the other
+
+}  // namespace
+
+OnlyAgent::OnlyAgent(const std::string& name)
+    : file_(registryDirectory() / ("agent-" + name + ".lock")) {
+  open();
+  for (int waited = 0; !holds(); waited += kNewcomerStep_ms) {
+    const pid_t other = holder();
+    if (other > 1 && waited % kNewcomerRepeat_ms == 0) {
+      kill(other, waited < kNewcomerPatience_ms ? SIGTERM : SIGKILL);
+    }
+    if (waited > 2 * kNewcomerPatience_ms) {
+      close(descriptor_);
+      throw UserError("another agent of this run does not end");
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(kNewcomerStep_ms));
+    open();
+  }
+  const std::string own = std::to_string(getpid());
+  if (ftruncate(descriptor_, 0) != 0 ||
+      pwrite(descriptor_, own.data(), own.size(), 0) != static_cast<ssize_t>(own.size())) {
+    close(descriptor_);
+    throw UserError("cannot write " + file_.string() + ": is the disk full?");
+  }
+}
+
+OnlyAgent::~OnlyAgent() {
+  std::error_code error;
+  fs::remove(file_, error);
+  close(descriptor_);
+}
+
+void OnlyAgent::open() {
+  close(std::exchange(descriptor_, ::open(file_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600)));
+  if (descriptor_ < 0) throw UserError("cannot write " + file_.string());
+}
+
+/// Whoever held the file removes it at the end: a lock on what is no longer there binds nobody.
+bool OnlyAgent::holds() const {
+  if (flock(descriptor_, LOCK_EX | LOCK_NB) != 0) return false;
+  struct stat locked {};
+  struct stat there {};
+  return fstat(descriptor_, &locked) == 0 && stat(file_.c_str(), &there) == 0 &&
+         locked.st_dev == there.st_dev && locked.st_ino == there.st_ino;
+}
+
+pid_t OnlyAgent::holder() const {
+  std::array<char, 16> text{};
+  if (pread(descriptor_, text.data(), text.size() - 1, 0) <= 0) return 0;
+  return std::atoi(text.data());
+}
+
+}  // namespace lab::runner

@@ -1,0 +1,324 @@
+#include "runner/hosts/host_agent.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <cstdlib>
+#include <fstream>
+#include <lab/service_status_t.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <thread>
+#include <vector>
+
+#include "common/loop/asio_loop.hpp"
+#include "common/bus/channels.hpp"
+#include "common/bus/codec.hpp"
+#include "common/process/installation.hpp"
+#include "common/bus/lcm_bus.hpp"
+#include "runner/live/child_process.hpp"
+#include "runner/command_line/exit_code.hpp"
+#include "runner/hosts/host_contract.hpp"
+#include "runner/hosts/json_lines.hpp"
+#include "runner/runs/lab_registry.hpp"
+#include "runner/doctor/machine.hpp"
+#include "runner/runs/network.hpp"
+#include "runner/hosts/agent_lock.hpp"
+#include "runner/runs/run_directory.hpp"
+#include "common/loop/wall_clock.hpp"
+
+namespace lab::runner {
+namespace fs = std::filesystem;
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr std::int64_t kAgentTick_us = 50'000;
+constexpr std::int64_t kNameless_us = 60'000'000;  // until it is told its patience
+constexpr int kKillPatience_ms = 3000;
+constexpr std::size_t kMostLinesWaiting = 4'000'000;  // [byte] then lines of services wait
+constexpr std::size_t kLongestServiceLine = 65'536;   // [byte] of a service that ends none
+constexpr int kLastWords_ms = 1000;
+constexpr int kDrain_ms = 10;
+
+/// Removes a folder when this process is gone, however it went: a process of its own waits for
+/// that.
+class HostFolder {
+ public:
+  HostFolder() {
+    std::string name = (fs::temp_directory_path() / "active-lab-host-XXXXXX").string();
+    if (mkdtemp(name.data()) == nullptr) throw UserError("cannot make a folder " + name);
+    path_ = name;
+    std::array<int, 2> ends{};
+    if (pipe2(ends.data(), O_CLOEXEC) != 0) throw UserError("cannot make a pipe");
+    const pid_t cleaner = fork();
+    if (cleaner == 0) clean(ends);
+    close(ends[0]);
+    lives_ = ends[1];
+  }
+  ~HostFolder() {
+    std::error_code error;
+    fs::remove_all(path_, error);
+    close(lives_);
+  }
+  HostFolder(const HostFolder&) = delete;
+  HostFolder& operator=(const HostFolder&) = delete;
+  [[nodiscard]] const fs::path& path() const { return path_; }
+
+ private:
+  [[noreturn]] void clean(const std::array<int, 2>& ends) const {
+    setsid();
+    for (const int signal : {SIGHUP, SIGINT, SIGTERM, SIGPIPE}) ::signal(signal, SIG_IGN);
+    for (int descriptor = 0; descriptor < 3; ++descriptor) close(descriptor);  // or ssh would wait
+    close(ends[1]);
+    char nothing = 0;
+    while (read(ends[0], &nothing, 1) < 0 && errno == EINTR) {
+    }
+    // Services that end may still write.
+    std::error_code error;
+    for (const int pause_ms : {0, 1000, 3000}) {
+      if (!fs::exists(path_, error)) break;
+      std::this_thread::sleep_for(std::chrono::milliseconds(pause_ms));
+      fs::remove_all(path_, error);
+    }
+    _exit(0);
+  }
+
+  fs::path path_;
+  int lives_ = -1;
+};
+
+class Agent {
+ public:
+  Agent(fs::path programs, const HostFolder& folder)
+      : programs_(std::move(programs)), folder_(folder), lines_(STDIN_FILENO, STDOUT_FILENO) {}
+
+  void execute() {
+    lines_.send(toJson(ownHello()));
+    heard_ = loop_.now();
+    loop_.onSignals({SIGINT, SIGTERM, SIGHUP}, [this](int) { loop_.stop(); });
+    loop_.onReadable(STDIN_FILENO, [this] { listen(); });
+    loop_.every(kAgentTick_us, loop_.now(), [this] { look(); });
+    loop_.every(kHostBeat_ms * 1000, loop_.now(), [this] {
+      lines_.send({{"say", "alive"}, {"utime", wallClock()}});
+    });
+    loop_.run();
+    endAll();
+    lines_.send({{"say", "left"}});
+    for (int waited = 0; lines_.waiting() > 0 && !lines_.closed() && waited < kLastWords_ms;
+         waited += kDrain_ms) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(kDrain_ms));
+      lines_.flush();
+    }
+  }
+
+ private:
+  struct Running {
+    std::string name;
+    std::unique_ptr<ChildProcess> process;
+    fs::path output;
+    std::streamoff read = 0;
+    std::string begun;  ///< of a line
+    bool told = false;  ///< that it ended
+    bool ready = false;
+  };
+
+  void listen() {
+    lines_.receive(
+        [this](const Json& order) {
+          heard_ = loop_.now();
+          try {
+            obey(order);
+          } catch (const std::exception& error) {
+            trouble(error.what());
+          }
+        },
+        [this](const std::string&) { trouble("a line that is no JSON"); });
+    if (lines_.closed()) loop_.stop();
+  }
+
+  void trouble(const std::string& text) { lines_.send({{"say", "trouble"}, {"text", text}}); }
+
+  void obey(const Json& order) {
+    const std::string what = order.value("do", "");
+    if (what == "ping") {
+      lines_.send({{"say", "pong"}, {"asked", order.at("utime")}, {"utime", wallClock()}});
+    } else if (what == "begin") {
+      begin(order);
+    } else if (what == "file") {
+      append(order);
+    } else if (what == "start") {
+      start(order);
+    } else if (what == "end" || what == "kill") {
+      Running* service = find(order.at("service"));
+      if (service == nullptr || !service->process->running()) return;
+      if (what == "end")
+        service->process->terminate();
+      else
+        kill(service->process->pid(), SIGKILL);
+    } else if (what == "stop") {
+      loop_.stop();
+    } else if (what != "alive") {
+      trouble("an order that is not known: " + what);
+    }
+  }
+
+  void begin(const Json& order) {
+    patience_us_ = static_cast<std::int64_t>(order.at("patience_s").get<double>() * 1e6);
+    if (const auto problem = multicastProblem()) throw UserError(*problem);
+    const int wanted = order.value("port", 0);
+    const int ttl = order.value("ttl", 0);
+    const int port = choosePort(wanted);
+    if (wanted == 0) lock_.emplace(port);
+    url_ = lcmUrl(port, ttl);
+    bus_ = std::make_unique<LcmBus>(url_);
+    bus_->subscribe(channels::kServiceStatus, [this](const Packet& packet) { note(packet); });
+    loop_.onReadable(bus_->fileDescriptor(), [this] { bus_->drain(); });
+    registration_.emplace(
+        RunningLab{order.value("name", "lab"), url_, getpid(), folder_.path().string()});
+    only_.emplace(order.value("name", "lab") + "-" + order.value("host", "host"));
+    std::string warning;
+    if (ttl == 0 && multicastInterface().value_or("") != "lo") warning = unpinnedWarning();
+    lines_.send({{"say", "begun"}, {"url", url_}, {"warning", warning}});
+  }
+
+  void append(const Json& order) {
+    const fs::path name = fs::path(order.at("path").get<std::string>()).lexically_normal();
+    if (name.is_absolute() || name.empty() || *name.begin() == "..") {
+      throw UserError("a file outside of the run: " + name.string());
+    }
+    fs::create_directories((folder_.path() / name).parent_path());
+    std::ofstream file(folder_.path() / name, std::ios::binary | std::ios::app);
+    file << decodedBytes(order.at("data").get<std::string>()) << std::flush;
+    if (!file) throw UserError("cannot write " + name.string() + ": is the disk full?");
+  }
+
+  void start(const Json& order) {
+    if (!bus_) throw UserError("start before begin");
+    const std::string name = order.at("service");
+    if (name.empty() || name.find('/') != std::string::npos) throw UserError("no service: " + name);
+    const fs::path program = programs_ / name;
+    if (access(program.c_str(), X_OK) != 0) {
+      throw UserError(program.string() + " is not there: " +
+                      installation().wayTo(name, "build the lab there (./lab --version)"));
+    }
+    std::vector<std::string> arguments{
+        program.string(), "--experiment",
+        (folder_.path() / order.at("experiment").get<std::string>()).string(), "--lcm-url", url_};
+    if (order.value("uses_ports", false)) {
+      arguments.insert(arguments.end(), {"--ports", (folder_.path() / files::kPorts).string()});
+    }
+    for (const std::string& argument : order.value("arguments", std::vector<std::string>{})) {
+      arguments.push_back(argument);
+    }
+    std::erase_if(services_, [&](const auto& service) { return service->name == name; });
+    auto service = std::make_unique<Running>();
+    service->name = name;
+    service->output = folder_.path() / fmt::format("{}.{}.txt", name, ++starts_);
+    service->process = std::make_unique<ChildProcess>(name, arguments, service->output);
+    services_.push_back(std::move(service));
+    lines_.send({{"say", "started"}, {"service", name}});
+  }
+
+  Running* find(const std::string& name) {
+    for (const auto& service : services_) {
+      if (service->name == name) return service.get();
+    }
+    return nullptr;
+  }
+
+  void note(const Packet& packet) {
+    service_status_t status{};
+    if (!decode(packet.data, status) || status.state != service_status_t::READY) return;
+    Running* service = find(status.sender);
+    if (service == nullptr || service->ready || service->process->pid() != status.pid) return;
+    service->ready = true;
+    lines_.send({{"say", "ready"}, {"service", service->name}});
+  }
+
+  void look() {
+    for (const auto& service : services_) {
+      const bool running = service->process->running();
+      tell(*service);
+      if (running || service->told) continue;
+      service->told = true;
+      lines_.send(
+          {{"say", "ended"}, {"service", service->name}, {"how", service->process->ending()}});
+    }
+    lines_.flush();
+    if (lines_.closed() || loop_.now() - heard_ > patience_us_) loop_.stop();
+  }
+
+  /// What the service has printed since the last time.
+  /// @return whether there was anything
+  bool tell(Running& service) {
+    if (lines_.waiting() > kMostLinesWaiting) return false;
+    std::ifstream file(service.output, std::ios::binary);
+    file.seekg(service.read);
+    std::string text(65536, '\0');
+    file.read(text.data(), static_cast<std::streamsize>(text.size()));
+    text.resize(static_cast<std::size_t>(file.gcount()));
+    service.read += file.gcount();
+    service.begun += text;
+    if (service.begun.size() > kLongestServiceLine &&
+        service.begun.find('\n') == std::string::npos) {
+      service.begun += '\n';
+    }
+    std::size_t begin = 0;
+    for (std::size_t end = 0; (end = service.begun.find('\n', begin)) != std::string::npos;
+         begin = end + 1) {
+      lines_.send({{"say", "line"},
+                   {"service", service.name},
+                   {"text", service.begun.substr(begin, end - begin)}});
+    }
+    service.begun.erase(0, begin);
+    return !text.empty();
+  }
+
+  /// Who joins the buses ends last: the others' last messages pass through it.
+  void endAll() {
+    std::stable_partition(services_.begin(), services_.end(),
+                          [](const auto& service) { return service->name != "dds_gateway"; });
+    for (const auto& service : services_) {
+      service->process->terminate();
+      service->process->waitOrKill(kKillPatience_ms);
+      while (tell(*service)) {
+      }
+      if (service->begun.empty()) continue;
+      lines_.send({{"say", "line"}, {"service", service->name}, {"text", service->begun}});
+      service->begun.clear();
+    }
+    look();
+  }
+
+  fs::path programs_;
+  const HostFolder& folder_;
+  AsioLoop loop_;
+  JsonLines lines_;
+  std::optional<OnlyAgent> only_;
+  std::optional<PortLock> lock_;
+  std::string url_;
+  std::unique_ptr<LcmBus> bus_;
+  std::optional<Registration> registration_;
+  std::vector<std::unique_ptr<Running>> services_;
+  std::int64_t heard_ = 0;
+  std::int64_t patience_us_ = kNameless_us;
+  int starts_ = 0;
+};
+
+}  // namespace
+
+int hostAgent(const fs::path& programs) {
+  const HostFolder folder;
+  Agent(programs, folder).execute();
+  return kDone;
+}
+
+}  // namespace lab::runner

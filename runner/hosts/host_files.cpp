@@ -1,0 +1,75 @@
+#include "runner/hosts/host_files.hpp"
+
+#include "dds_gateway/dds/configuration.hpp"
+#include "runner/runs/run_directory.hpp"
+
+namespace lab::runner {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr const char* kLinkSecurity = "security/link";
+constexpr const char* kGatewaySecurity = "security/gateway";
+constexpr const char* kMapping = "gateway/mapping";
+constexpr const char* kConfiguration = "gateway/configuration";
+
+std::string recordingName(std::size_t robot) {
+  return "recordings/" + std::to_string(robot) + ".lcmlog";
+}
+
+void addFolder(const fs::path& folder, const std::string& name, std::vector<HostFile>& files) {
+  std::error_code error;
+  for (const auto& entry : fs::recursive_directory_iterator(folder, error)) {
+    if (!entry.is_regular_file()) continue;
+    files.push_back(
+        {(fs::path(name) / fs::relative(entry.path(), folder)).string(), entry.path(), {}});
+  }
+}
+
+/// Nothing else of that folder: somebody may keep the key of a CA there. Who misses one is the
+/// gateway, and says so.
+void addCertificates(const fs::path& folder, const std::string& name,
+                     std::vector<HostFile>& files) {
+  for (const std::string_view file : dds::kSecurityFiles) {
+    if (!fs::exists(folder / file)) continue;
+    files.push_back({(fs::path(name) / file).string(), folder / file, {}});
+  }
+}
+
+}  // namespace
+
+std::vector<HostFile> filesFor(const Experiment& e, const fs::path& directory) {
+  std::vector<HostFile> files;
+  addFolder(directory / files::kImages, files::kImages, files);
+  addFolder(directory / files::kCalibration, files::kCalibration, files);
+  for (std::size_t i = 0; i < e.robots.size(); ++i) {
+    if (!e.robots[i].log.empty()) {
+      files.push_back({recordingName(i), directory / e.robots[i].log, {}});
+    }
+  }
+  if (!e.link.security.empty()) addCertificates(directory / e.link.security, kLinkSecurity, files);
+  if (!e.gateway.security.empty()) {
+    addCertificates(directory / e.gateway.security, kGatewaySecurity, files);
+  }
+  if (!e.gateway.mapping.empty()) files.push_back({kMapping, directory / e.gateway.mapping, {}});
+  if (!e.gateway.configuration.empty()) {
+    files.push_back({kConfiguration, directory / e.gateway.configuration, {}});
+  }
+  return files;
+}
+
+Experiment experimentElsewhere(Experiment e) {
+  for (std::size_t i = 0; i < e.robots.size(); ++i) {
+    if (!e.robots[i].log.empty()) e.robots[i].log = recordingName(i);
+  }
+  if (!e.link.security.empty()) e.link.security = kLinkSecurity;
+  if (!e.gateway.security.empty()) e.gateway.security = kGatewaySecurity;
+  if (!e.gateway.mapping.empty()) e.gateway.mapping = kMapping;
+  if (!e.gateway.configuration.empty()) e.gateway.configuration = kConfiguration;
+  return e;
+}
+
+bool joinsByGateways(const Experiment& experiment, const std::vector<std::string>& hosts) {
+  return !hosts.empty() && experiment.link.join == JoinBy::kDds;
+}
+
+}  // namespace lab::runner

@@ -1,0 +1,182 @@
+#include "runner/live/launch.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "common/experiment/service_placement.hpp"
+#include "common/process/installation.hpp"
+#include "common/bus/lcm_bus.hpp"
+#include "common/math/units.hpp"
+#include "common/process/version.hpp"
+#include "runner/runs/disk_need.hpp"
+#include "runner/doctor/doctor.hpp"
+#include "runner/command_line/exit_code.hpp"
+#include "runner/runs/lab_registry.hpp"
+#include "runner/runs/network.hpp"
+#include "runner/hosts/remote_hosts.hpp"
+#include "runner/live/run_live.hpp"
+#include "runner/virtual_time/services.hpp"
+#include "common/loop/wall_clock.hpp"
+
+namespace lab::runner {
+namespace fs = std::filesystem;
+namespace {
+
+volatile std::sig_atomic_t interrupted = 0;
+
+void requireDisk(const Experiment& experiment, const fs::path& folder) {
+  const std::int64_t need = diskNeed_bytes(experiment);
+  const std::int64_t have = freeBytes(folder);
+  if (have >= need) return;
+  throw UserError(
+      fmt::format("too little disk in {}: this run needs about {} MB, {} MB are free; make room, "
+                  "choose another "
+                  "folder with --out, or shorten duration_s",
+                  folder.string(), need / 1'000'000, have / 1'000'000));
+}
+
+/// Packages leave out what only some experiments need.
+void requireParts(const Experiment& experiment, bool virtual_time) {
+  std::vector<std::string> names;
+  const auto here = [&](const std::string& service) {
+    return virtual_time || hostOf(experiment, service).empty();
+  };
+  for (const ServiceDescription& service : labServices(experiment)) {
+    if (!virtual_time && here(service.name)) names.push_back(service.name);
+  }
+  const bool chips = std::ranges::any_of(
+      experiment.robots, [](const RobotSpec& robot) { return robot.body == Body::kFirmware; });
+  if (chips && here("sim_svc")) names.insert(names.end(), {"robot_emulator", "robot_firmware.elf"});
+  for (const std::string& name : names) {
+    const fs::path file = installation().programs / name;
+    if (fs::exists(file)) continue;
+    throw UserError(fmt::format(
+        "this experiment needs {}, which is not there: {}", file.string(),
+        installation().wayTo(name, "install gcc-avr, avr-libc, libsimavr-dev and build again")));
+  }
+}
+
+/// With ttl 0 the kernel holds messages back only while the interface stays as it was.
+void warnUnpinned() {
+  if (const std::string warning = unpinnedWarning(); !warning.empty()) {
+    fmt::print(stderr, "warn     {}\n", warning);
+  }
+}
+
+RunOutcome execute(const LaunchOptions& options, const PreparedRun& run, const std::string& name,
+                   const std::string& url, const fs::path& logger, RemoteHosts* hosts,
+                   const ShowProgress& show, const PilotFactory& pilot) {
+  if (!options.virtual_time) {
+    return runLive(run,
+                   {.name = name,
+                    .url = url,
+                    .programs = options.programs,
+                    .lcm_logger = logger,
+                    .hosts = hosts,
+                    .port = run.experiment.network.port,
+                    .web = options.web,
+                    .web_address = options.web_address},
+                   show, pilot);
+  }
+  std::signal(SIGINT, [](int) { interrupted = 1; });
+  std::signal(SIGTERM, [](int) { interrupted = 1; });
+  return runVirtual(
+      run, show, [] { return interrupted != 0; }, pilot);
+}
+
+/// What differs between two runs of the same file and seed.
+void writeProvenance(const LaunchOptions& options, const PreparedRun& run, const std::string& url,
+                     std::int64_t start, const RunOutcome& outcome) {
+  char host[256] = {};
+  gethostname(host, sizeof host - 1);
+  const std::int64_t end = wallClock();
+  const nlohmann::ordered_json json{{"experiment_file", fs::absolute(options.file).string()},
+                                    {"set", options.set},
+                                    {"started", utcText(start)},
+                                    {"ended", utcText(end)},
+                                    {"wall_s", units::seconds(end - start)},
+                                    {"virtual_time", options.virtual_time},
+                                    {"host", host},
+                                    {"bus", url},
+                                    {"version", kVersion},
+                                    {"interrupted", outcome.interrupted},
+                                    {"faults", outcome.faults}};
+  writeNewFile(run.directory / files::kProvenance, json.dump(2) + "\n");
+}
+
+}  // namespace
+
+fs::path requireProgram(const std::string& name, const std::string& package) {
+  if (const auto path = findProgram(name)) return *path;
+  throw UserError(fmt::format("{} is not installed: sudo apt-get install {}", name, package));
+}
+
+Launched launch(const LaunchOptions& options, Experiment experiment, const ShowProgress& show,
+                const PilotFactory& pilot) {
+  fs::path logger;
+  std::string url;
+  std::optional<PortLock> port_lock;
+  std::optional<RemoteHosts> hosts;
+  const Camera& camera = experiment.camera;
+  if (options.virtual_time && camera.tracker == Tracker::kCamera && !isPainted(camera)) {
+    throw UserError(fmt::format(
+        "camera.camera = \"{}\": in virtual time there is only the simulated camera; say camera = "
+        "\"sim\", or run in real time",
+        camera.source));
+  }
+  requireParts(experiment, options.virtual_time);
+  requireDisk(experiment, options.out);
+  if (!options.virtual_time) {
+    logger = requireProgram("lcm-logger", "liblcm-bin");
+    if (const auto problem = multicastProblem()) throw UserError(*problem);
+    const bool wanted = experiment.network.port != 0;
+    experiment.network.port = choosePort(experiment.network.port);
+    port_lock.emplace(experiment.network.port);
+    url = lcmUrl(experiment.network.port, experiment.network.ttl);
+    // A heartbeat comes once a second; a port that nobody had bound cannot have a speaker for long.
+    refuseForeignTraffic(url, wanted ? 1300 : 300);
+    if (experiment.network.ttl == 0) warnUnpinned();
+    const std::vector<std::string> others = hostsInUse(experiment);
+    if (!others.empty()) hosts.emplace(experiment, others);
+  }
+
+  const std::int64_t start = wallClock();
+  const PreparedRun prepared =
+      prepareRun(std::move(experiment), options.file.parent_path(), options.out, start);
+  fmt::print("run      {}\n", prepared.directory.string());
+  std::optional<Registration> registration;
+  std::string name = prepared.directory.filename().string();
+  if (!options.virtual_time) {
+    fmt::print("bus      {}\n", url);
+    if (hosts) fmt::print("{}", hosts->describe());
+    registration.emplace(
+        RunningLab{name, url, getpid(), fs::absolute(prepared.directory).string()});
+    if (registration->name() != name) {
+      fmt::print("lab      {} (another one that runs is named {})\n", registration->name(), name);
+    }
+    name = registration->name();
+  }
+  std::fflush(stdout);
+  RunOutcome outcome =
+      execute(options, prepared, name, url, logger, hosts ? &*hosts : nullptr, show, pilot);
+  registration.reset();
+  // The run is kept whatever happens; a report takes seconds and is not left half-written.
+  std::signal(SIGINT, SIG_IGN);
+  try {
+    writeProvenance(options, prepared, url, start, outcome);
+  } catch (const UserError& error) {
+    // The run has been, and what broke in it is not to be lost with the file that would say so.
+    outcome.closed_early = true;
+    outcome.faults.emplace_back(error.what());
+  }
+  return {prepared.directory, std::move(outcome)};
+}
+
+}  // namespace lab::runner

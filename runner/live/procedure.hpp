@@ -1,0 +1,46 @@
+/// Who drives the robots of a run by hand, instead of their light table.
+#pragma once
+
+#include <functional>
+#include <memory>
+
+#include "runner/live/experiment_controller.hpp"
+#include "runner/runs/run_directory.hpp"
+
+namespace lab::runner {
+
+/// Makes a pilot beside the conductor, before the run begins. The robots stand until it commands
+/// them.
+/// @param context with a node of the pilot's own
+/// @param done ends the run
+using PilotFactory = std::function<std::unique_ptr<Service>(
+    const ServiceContext& context, Conductor& conductor, std::function<void()> done)>;
+
+/// Why a run ended that its pilot ended.
+inline constexpr const char* kPilotDone = "the pilot is done";
+
+/// A pilot with its node, beside the conductor.
+class PilotSeat {
+ public:
+  PilotSeat(Bus& bus, Loop& loop, Cameras& cameras, const PreparedRun& run, std::int64_t instance,
+            const PilotFactory& make, Conductor& conductor, std::function<void()> done)
+      : node_(bus, loop, {"pilot", 0, instance}),
+        pilot_(make({.node = node_,
+                     .loop = loop,
+                     .experiment = run.experiment,
+                     .directory = run.directory,
+                     .cameras = cameras},
+                    conductor, std::move(done))) {}
+
+  void begin() {
+    node_.start();
+    node_.ready();
+  }
+  void end() { node_.close(); }
+
+ private:
+  Node node_;
+  std::unique_ptr<Service> pilot_;
+};
+
+}  // namespace lab::runner

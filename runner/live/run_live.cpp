@@ -1,0 +1,311 @@
+#include "runner/live/run_live.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <csignal>
+#include <lab/link_status_t.hpp>
+#include <lab/service_status_t.hpp>
+#include <thread>
+
+#include "tracker_svc/camera_devices.hpp"
+#include "common/loop/asio_loop.hpp"
+#include "common/bus/channels.hpp"
+#include "common/experiment/experiment_file.hpp"
+#include "common/experiment/service_placement.hpp"
+#include "common/bus/lcm_bus.hpp"
+#include "runner/live/dashboard_process.hpp"
+#include "runner/command_line/exit_code.hpp"
+#include "runner/runs/lab_registry.hpp"
+#include "runner/live/progress_line.hpp"
+#include "runner/hosts/remote_hosts.hpp"
+#include "runner/live/resumed_experiment.hpp"
+#include "runner/live/supervisor.hpp"
+
+namespace lab::runner {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr std::int64_t kLookAfterPage_us = 100'000;
+constexpr std::int64_t kShowEvery_us = 500'000;
+constexpr std::int64_t kDiskEvery_us = 1'000'000;
+constexpr std::int64_t kReadyPatience_us = 10'000'000;
+constexpr std::int64_t kAttend_us = 50'000;
+constexpr std::int64_t kJoinPatience_us = 20'000'000;
+constexpr int kTick_ms = 20;
+constexpr int kRobotsStandPatience_ms = 500;
+constexpr int kBusSettles_ms = 500;
+
+/// One live run from the first process to the last.
+class LiveRun {
+ public:
+  LiveRun(const PreparedRun& run, const LiveOptions& options, const ShowProgress& show,
+          const PilotFactory& pilot)
+      : run_(run),
+        options_(options),
+        show_(show),
+        bus_(options.url),
+        node_(bus_, loop_, {"lab", 0, loop_.now()}),
+        conductor_({node_, loop_, run.experiment, run.directory}, run.effective,
+                   [this](Ending ending, const std::string& why) { over(ending, why); }),
+        supervisor_(run, options) {
+    if (pilot) {
+      seat_.emplace(bus_, loop_, cameras_, run, loop_.now(), pilot, conductor_,
+                    [this] { finish(kPilotDone); });
+    }
+    node_.subscribe<service_status_t>(channels::kServiceStatus, [this](const auto& status) {
+      supervisor_.noteBeat(status.sender, status.pid, status.state == service_status_t::READY);
+    });
+    if (hosts() != nullptr) {
+      node_.subscribe<link_status_t>(channels::kLinkStatus,
+                                     [this](const auto& status) { hosts()->take(status); });
+    }
+    loop_.onReadable(bus_.fileDescriptor(), [this] { bus_.drain(); });
+    loop_.onSignals({SIGINT, SIGTERM, SIGHUP}, [this](int) {
+      outcome_.interrupted = true;
+      if (started_) finish("ended by the user");
+    });
+  }
+
+  RunOutcome execute() {
+    start();
+    guarded([this] { conduct(); });
+    guarded([this] { end(); });
+    endProcesses();
+    for (const std::string& fault : conductor_.faults()) outcome_.faults.push_back(fault);
+    supervisor_.sayHeld([this](const std::string& what) { outcome_.faults.push_back(what); });
+    return outcome_;
+  }
+
+ private:
+  void conduct() {
+    conductor_.begin();
+    conducting_ = true;
+    for (const std::string& what : said_of_page_) conductor_.mark(what);
+    loop_.every(kLookAfterPage_us, loop_.now(), [this] { lookAfter(); });
+    loop_.every(kShowEvery_us, loop_.now(), [this] { show_(conductor_.progress()); });
+    loop_.every(kDiskEvery_us, loop_.now(), [this] { watchDisk(); });
+    if (hosts() != nullptr) loop_.every(kAttend_us, loop_.now(), [this] { watchHosts(); });
+    loop_.run();
+  }
+
+  /// Once a run has begun, whatever breaks (the network goes down, a program cannot be started
+  /// again) ends it marked, with its data.
+  void guarded(const std::function<void()>& part) {
+    try {
+      part();
+    } catch (const std::exception& error) {
+      outcome_.closed_early = true;
+      outcome_.faults.emplace_back(error.what());
+    }
+  }
+
+  [[nodiscard]] RemoteHosts* hosts() const { return options_.hosts; }
+
+  void start() {
+    if (hosts() != nullptr) {
+      hosts()->begin(run_, options_.name, supervisor_.logFolder(), options_.port);
+    }
+    supervisor_.startLogger();
+    // The heartbeat is what the logger's first words are made of.
+    waitUntil([this] { return supervisor_.loggerWrites(); }, [this] { node_.ready(); },
+              [this] { return "lcm-logger writes nothing" + lookInto(); });
+    if (hosts() != nullptr) joinBuses();
+    startPage();
+    supervisor_.startServices();
+    waitUntil([this] { return supervisor_.missing().empty(); }, [] {},
+              [this] {
+                const std::string ended = supervisor_.endedWith();
+                return (ended.empty() ? "not ready: " + supervisor_.missing() : ended) + lookInto();
+              });
+    node_.start();
+    if (seat_) seat_->begin();
+    started_ = true;
+  }
+
+  /// It hears of the run from its first word, and nobody waits for it.
+  void startPage() {
+    if (!options_.web) return;
+    page_.emplace(DashboardOptions{.program = options_.programs / kOnlooker,
+                                   .url = options_.url,
+                                   .experiment = run_.directory / files::kExperiment,
+                                   .runs = fs::absolute(run_.directory).parent_path(),
+                                   .address_file = ownFile(".web"),
+                                   .address_copy = options_.web_address,
+                                   .output = supervisor_.logFolder() / "dashboard.txt"});
+    page_->start([this](const std::string& what) { sayOfPage(what); });
+  }
+
+  void lookAfterPage() {
+    if (page_) page_->lookAfter([this](const std::string& what) { sayOfPage(what); });
+  }
+
+  void sayOfPage(const std::string& what) {
+    printLine("web      " + what);
+    conducting_ ? conductor_.mark(what) : said_of_page_.push_back(what);
+  }
+
+  /// Nobody speaks before everybody can hear it.
+  void joinBuses() {
+    supervisor_.startGateways();
+    waitUntil(
+        [this] { return supervisor_.missing().empty() && hosts()->notJoined().empty(); }, [] {},
+        [this] {
+          const std::string ended = supervisor_.endedWith();
+          const std::string missing = supervisor_.missing();
+          return (!ended.empty()     ? ended
+                  : !missing.empty() ? "not ready: " + missing
+                                     : hosts()->notJoined()) +
+                 lookInto();
+        },
+        kJoinPatience_us);
+  }
+
+  [[nodiscard]] std::string lookInto() const {
+    return "; see " + supervisor_.logFolder().string() + ". Nothing is left running.";
+  }
+
+  /// Calls `meanwhile` at kTick_ms until `done`; ends everything and throws when it takes too long,
+  /// or when the user ends it, be it in the moment in which it is done.
+  void waitUntil(const std::function<bool()>& done, const std::function<void()>& meanwhile,
+                 const std::function<std::string()>& complaint,
+                 std::int64_t patience_us = kReadyPatience_us) {
+    const std::int64_t deadline = loop_.now() + patience_us;
+    while (!done() || outcome_.interrupted) {
+      std::string trouble = hosts() == nullptr ? "" : hosts()->trouble();
+      if (outcome_.interrupted) trouble = "ended by the user before it had begun";
+      if (loop_.now() > deadline || supervisor_.anyEnded() || !trouble.empty()) {
+        const std::string text = trouble.empty() ? complaint() : trouble;
+        endProcesses();
+        throw UserError(text);
+      }
+      meanwhile();
+      lookAfterPage();
+      if (hosts() != nullptr) hosts()->attend();
+      loop_.poll();
+      std::this_thread::sleep_for(std::chrono::milliseconds(kTick_ms));
+    }
+  }
+
+  void endProcesses() {
+    page_.reset();
+    const auto report = [this](const std::string& what) { outcome_.faults.push_back(what); };
+    supervisor_.endServices(report);
+    supervisor_.endLogger(report);
+    if (hosts() != nullptr) hosts()->leave();
+  }
+
+  void watchHosts() {
+    if (finishing_) {
+      hosts()->attend();
+      return;
+    }
+    const std::string over =
+        hosts()->watch({.fault = [this](const std::string& what) { conductor_.fault(what); },
+                        .mark = [this](const std::string& what) { conductor_.mark(what); }});
+    if (!over.empty()) closeEarly(over);
+  }
+
+  void lookAfter() {
+    if (finishing_) return;
+    lookAfterPage();
+    const bool all_up = supervisor_.revive(
+        [this](const std::string& what) { conductor_.fault(what); }, [this] { return resume(); });
+    if (!all_up) closeEarly("a process would not stay up");
+    supervisor_.feelPulses(
+        loop_.now(), [this](const std::string& what) { conductor_.fault(what); },
+        [this](const std::string& what) { conductor_.mark(what); });
+  }
+
+  fs::path resume() {
+    ++restarts_;
+    const fs::path file = run_.directory / fmt::format("resumed_{:02}.toml", restarts_);
+    writeNewFile(file, writeExperiment(
+                           resumedExperiment(run_.experiment, conductor_.lastPoses(), restarts_)));
+    return file;
+  }
+
+  void watchDisk() {
+    std::error_code error;
+    const auto space = fs::space(run_.directory, error);
+    if (error) {
+      closeEarly(fmt::format("the run's folder {} cannot be reached: {}; its data are lost",
+                             run_.directory.string(), error.message()));
+    } else if (!fs::exists(run_.directory / files::kLog, error)) {
+      closeEarly(fmt::format("the log {} is gone: what was recorded is lost",
+                             (run_.directory / files::kLog).string()));
+    } else if (static_cast<std::int64_t>(space.available) <= options_.disk_reserve) {
+      closeEarly(fmt::format("the disk is full ({} MB left)", space.available / 1'000'000));
+    }
+  }
+
+  void over(Ending ending, const std::string& why) {
+    if (ending == Ending::kBroken) {
+      closeEarly(why);
+      return;
+    }
+    outcome_.interrupted = outcome_.interrupted || ending == Ending::kWished;
+    outcome_.closed_early = outcome_.closed_early || ending == Ending::kUnmet;
+    finish(why);
+  }
+
+  void closeEarly(const std::string& why) {
+    if (finishing_) return;
+    outcome_.closed_early = true;
+    const auto& known = conductor_.faults();
+    if (std::find(known.begin(), known.end(), why) == known.end()) conductor_.fault(why);
+    conductor_.stopRobots(why);
+    finish(why);
+  }
+
+  void finish(const std::string& why) {
+    if (finishing_) return;
+    finishing_ = true;
+    outcome_.ended_because = why;
+    conductor_.conclude(why);
+    // The robots hear it and say so before their services end.
+    loop_.at(loop_.now() + kRobotsStandPatience_ms * 1000, [this] { loop_.stop(); });
+  }
+
+  /// Publishers first, then a pause, then the logger: a logger that is stopped too early loses its
+  /// tail.
+  void end() {
+    show_(conductor_.progress());
+    supervisor_.endServices([this](const std::string& what) { conductor_.fault(what); });
+    if (seat_) seat_->end();
+    node_.close();
+    page_.reset();  // it has shown how the run ended
+    for (int waited = 0; waited < kBusSettles_ms; waited += kTick_ms) {
+      bus_.drain();
+      std::this_thread::sleep_for(std::chrono::milliseconds(kTick_ms));
+    }
+    supervisor_.endLogger([this](const std::string& what) { outcome_.faults.push_back(what); });
+  }
+
+  const PreparedRun& run_;
+  const LiveOptions& options_;
+  const ShowProgress& show_;
+  AsioLoop loop_;
+  LcmBus bus_;
+  CameraDevices cameras_{loop_, run_.directory / files::kPorts};
+  Node node_;
+  Conductor conductor_;
+  std::optional<PilotSeat> seat_;
+  Supervisor supervisor_;
+  std::optional<DashboardProcess> page_;
+  RunOutcome outcome_;
+  bool started_ = false;
+  bool conducting_ = false;
+  std::vector<std::string> said_of_page_;  ///< before there was a record to say it in
+  bool finishing_ = false;
+  int restarts_ = 0;
+};
+
+}  // namespace
+
+RunOutcome runLive(const PreparedRun& run, const LiveOptions& options, const ShowProgress& show,
+                   const PilotFactory& pilot) {
+  return LiveRun(run, options, show, pilot).execute();
+}
+
+}  // namespace lab::runner

@@ -1,0 +1,264 @@
+#include "runner/live/supervisor.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <fstream>
+#include <thread>
+#include <utility>
+
+#include "common/experiment/experiment_file.hpp"
+#include "common/experiment/service_placement.hpp"
+#include "runner/hosts/host_files.hpp"
+#include "runner/hosts/remote_hosts.hpp"
+#include "runner/virtual_time/services.hpp"
+
+namespace lab::runner {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr int kMostRestarts = 5;
+constexpr const char* kGatewayService = "dds_gateway";
+constexpr int kServicePatience_ms = 3000;
+constexpr int kLinkSettles_ms = 300;       // the last messages of other hosts are on their way
+constexpr int kLoggerPatience_ms = 10000;  // it writes what it holds before it ends
+
+}  // namespace
+
+Supervisor::Supervisor(const PreparedRun& run, const LiveOptions& options)
+    : run_(run), options_(options) {
+  fs::create_directories(logFolder());
+}
+
+fs::path Supervisor::logFolder() const { return run_.directory / files::kServiceLogs; }
+
+/// A restarted logger goes on in a file of its own: log.lcmlog.01, log.lcmlog.02 ...
+fs::path Supervisor::logFile() const {
+  return run_.directory / (logger_.restarts == 0
+                               ? files::kLog
+                               : fmt::format("{}.{:02}", files::kLog, logger_.restarts));
+}
+
+void Supervisor::startLogger() {
+  // Its options -l, --increment and --strftime are broken in LCM 1.3.1; --lcm-url= works.
+  logger_.process = std::make_unique<ChildProcess>(
+      logger_.name,
+      std::vector<std::string>{options_.lcm_logger.string(), "-q", "--lcm-url=" + options_.url,
+                               logFile().string()},
+      logFolder() / "lcm-logger.txt");
+  pulses_.expect(logger_.name);
+  log_size_ = 0;
+  beats_since_growth_ = 0;
+}
+
+bool Supervisor::loggerWrites() const {
+  std::error_code error;
+  const auto size = fs::file_size(logFile(), error);
+  return !error && size > 0;
+}
+
+void Supervisor::add(const std::string& name, const std::string& host, bool uses_ports) {
+  Entry& entry =
+      services_.emplace_back(Entry{.name = name, .uses_ports = uses_ports, .host = host});
+  entry.process = startService(entry, run_.directory / files::kExperiment);
+  if (host.empty()) pulses_.expect(name);
+}
+
+bool Supervisor::joinsBuses() const {
+  return options_.hosts != nullptr && joinsByGateways(run_.experiment, options_.hosts->names());
+}
+
+void Supervisor::startGateways() {
+  if (!joinsBuses()) return;
+  // On this machine the local one is READY before anybody else can be heard through it.
+  add(kGatewayService, "", false);
+  for (const std::string& host : options_.hosts->names()) add(kGatewayService, host, false);
+}
+
+void Supervisor::startServices() {
+  for (const ServiceDescription& description : labServices(run_.experiment)) {
+    if (joinsBuses() && description.name == kGatewayService) continue;
+    const std::string host =
+        options_.hosts == nullptr ? "" : hostOf(run_.experiment, description.name);
+    add(description.name, host, description.uses_ports);
+  }
+}
+
+std::vector<std::string> Supervisor::argumentsOf(const Entry& entry) const {
+  if (entry.name != kGatewayService || !joinsBuses()) return {};
+  return options_.hosts->linkArguments(entry.host);
+}
+
+std::unique_ptr<ServiceProcess> Supervisor::startService(const Entry& entry,
+                                                         const fs::path& file) const {
+  if (!entry.host.empty()) return startThere(entry, file);
+  std::vector<std::string> arguments{(options_.programs / entry.name).string(), "--experiment",
+                                     file.string(), "--lcm-url", options_.url};
+  if (entry.uses_ports) {
+    arguments.insert(arguments.end(), {"--ports", (run_.directory / files::kPorts).string()});
+  }
+  for (const std::string& argument : argumentsOf(entry)) arguments.push_back(argument);
+  return std::make_unique<ChildProcess>(entry.name, arguments, logOf(entry));
+}
+
+std::unique_ptr<ServiceProcess> Supervisor::startThere(const Entry& entry,
+                                                       const fs::path& file) const {
+  RemoteHost& host = options_.hosts->at(entry.host);
+  const std::string name = file.filename().string();
+  if (name != files::kExperiment) {
+    host.send({name, {}, writeExperiment(experimentElsewhere(loadExperiment(file)))});
+  }
+  return host.start({.service = entry.name,
+                     .experiment = name,
+                     .uses_ports = entry.uses_ports,
+                     .arguments = argumentsOf(entry)});
+}
+
+fs::path Supervisor::logOf(const Entry& entry) const {
+  return logFolder() / entry.host / (entry.name + ".txt");
+}
+
+/// "sim_svc", "sim_svc on bench"
+static std::string titleOf(const std::string& name, const std::string& host) {
+  return host.empty() ? name : name + " on " + host;
+}
+
+/// What a program said last, without the time and level that its log begins a line with.
+static std::string lastLine(const fs::path& log) {
+  std::ifstream file(log);
+  std::string last;
+  for (std::string line; std::getline(file, line);) {
+    if (!line.empty()) last = line;
+  }
+  constexpr std::string_view kLevel = "[error] ";
+  const auto level = last.find(kLevel);
+  return level == std::string::npos ? last : last.substr(level + kLevel.size());
+}
+
+std::string Supervisor::endedWith() const {
+  for (const Entry& entry : services_) {
+    if (entry.process->running()) continue;
+    const std::string said = lastLine(logOf(entry));
+    return titleOf(entry.name, entry.host) + ": " + (said.empty() ? entry.process->ending() : said);
+  }
+  return {};
+}
+
+std::string Supervisor::missing() const {
+  std::string names;
+  for (const Entry& entry : services_) {
+    const bool here = ready_.contains({entry.name, entry.process->localPid()});
+    if (entry.host.empty() ? here : entry.process->ready()) continue;
+    names += (names.empty() ? "" : ", ") + titleOf(entry.name, entry.host);
+    if (!entry.process->running()) names += " (" + entry.process->ending() + ")";
+  }
+  return names;
+}
+
+void Supervisor::noteBeat(const std::string& sender, pid_t pid, bool ready) {
+  if (ready) ready_.emplace(sender, pid);
+  for (const Entry& entry : services_) {
+    if (entry.name != sender || !entry.host.empty() || entry.process->localPid() != pid) continue;
+    pulses_.beat(sender);
+    ++beats_since_growth_;
+  }
+}
+
+/// A log grows by what the services say. Where they are silent too, nothing is known of the logger.
+void Supervisor::feelLogger() {
+  std::error_code error;
+  const auto size = fs::file_size(logFile(), error);
+  const bool grew = !error && size != log_size_;
+  if (!grew && beats_since_growth_ > 0) return;
+  pulses_.beat(logger_.name);
+  beats_since_growth_ = 0;
+  if (!error) log_size_ = size;
+}
+
+void Supervisor::feelPulses(std::int64_t now,
+                            const std::function<void(const std::string&)>& silent,
+                            const std::function<void(const std::string&)>& again) {
+  feelLogger();
+  for (const auto& [name, is_silent, silence_s] : pulses_.look(now)) {
+    const bool logger = name == logger_.name;
+    if (is_silent) {
+      silent(logger ? fmt::format("{} has written nothing for {} s", name, silence_s)
+                    : fmt::format("{} has not been heard of for {} s", name, silence_s));
+    } else {
+      again(logger ? fmt::format("{} writes again after {} s", name, silence_s)
+                   : fmt::format("{} is heard of again after {} s", name, silence_s));
+    }
+  }
+}
+
+bool Supervisor::anyEnded() const {
+  const auto ended = [](const Entry& entry) { return entry.process && !entry.process->running(); };
+  return ended(logger_) || std::any_of(services_.begin(), services_.end(), ended);
+}
+
+bool Supervisor::revive(const std::function<void(const std::string&)>& report,
+                        const std::function<fs::path()>& resume) {
+  const bool all_up = reviveEach(resume);
+  if (!all_up || loggerWrites()) sayHeld(report);
+  return all_up;
+}
+
+void Supervisor::sayHeld(const std::function<void(const std::string&)>& report) {
+  for (const std::string& what : std::exchange(held_, {})) report(what);
+}
+
+bool Supervisor::reviveEach(const std::function<fs::path()>& resume) {
+  const auto died = [this](Entry& entry) {
+    if (entry.process->running()) return false;
+    const bool own_fault = entry.process->ending() != kWithItsHost;
+    const bool again = (entry.restarts += own_fault ? 1 : 0) <= kMostRestarts;
+    held_.push_back(fmt::format("{} died ({}) and {}", titleOf(entry.name, entry.host),
+                                entry.process->ending(), again ? "was restarted" : "is given up"));
+    return true;
+  };
+  if (died(logger_)) {
+    if (logger_.restarts > kMostRestarts) return false;
+    startLogger();
+  }
+  for (Entry& entry : services_) {
+    if (!died(entry)) continue;
+    if (entry.restarts > kMostRestarts) return false;
+    const fs::path file = entry.name == "sim_svc" ? resume() : run_.directory / files::kExperiment;
+    entry.process = startService(entry, file);
+    if (entry.host.empty()) pulses_.expect(entry.name);
+  }
+  return true;
+}
+
+static std::string killedText(const std::string& title, int patience_ms) {
+  return fmt::format("{} did not end when it was asked to and was killed after {} s", title,
+                     patience_ms / 1000);
+}
+
+void Supervisor::endServices(const std::function<void(const std::string&)>& report) {
+  const auto end = [&report](Entry& entry) {
+    entry.process->terminate();
+    if (!entry.process->waitOrKill(kServicePatience_ms)) return;
+    report(killedText(titleOf(entry.name, entry.host), kServicePatience_ms));
+  };
+  // One after the other: their closing messages together would overflow the logger's queue. Last
+  // who brings the messages of other hosts.
+  for (Entry& entry : services_) {
+    if (entry.name != kGatewayService) end(entry);
+  }
+  if (joinsBuses()) std::this_thread::sleep_for(std::chrono::milliseconds(kLinkSettles_ms));
+  for (auto entry = services_.rbegin(); entry != services_.rend(); ++entry) {
+    if (entry->name == kGatewayService) end(*entry);
+  }
+}
+
+void Supervisor::endLogger(const std::function<void(const std::string&)>& report) {
+  if (!logger_.process) return;
+  logger_.process->terminate();
+  if (logger_.process->waitOrKill(kLoggerPatience_ms)) {
+    report(killedText(logger_.name, kLoggerPatience_ms) + ": the log's end may be missing");
+  }
+}
+
+}  // namespace lab::runner

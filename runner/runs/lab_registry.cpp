@@ -1,0 +1,189 @@
+#include "runner/runs/lab_registry.hpp"
+
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <cstdlib>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "runner/command_line/exit_code.hpp"
+
+namespace lab::runner {
+namespace fs = std::filesystem;
+namespace {
+
+bool lives(int pid) { return pid > 0 && (kill(pid, 0) == 0 || errno == EPERM); }
+
+std::optional<RunningLab> read(const fs::path& file) {
+  std::ifstream stream(file);
+  const auto json = nlohmann::json::parse(stream, nullptr, false);
+  try {
+    return RunningLab{json.at("name"), json.at("url"), json.at("pid"), json.at("directory"),
+                      json.at("replay")};
+  } catch (const nlohmann::json::exception&) {
+    return std::nullopt;  // no registration of ours
+  }
+}
+
+std::string listed(const std::vector<RunningLab>& labs, std::string RunningLab::*what) {
+  std::string all;
+  for (const RunningLab& lab : labs) all += (all.empty() ? "" : ", ") + lab.*what;
+  return all;
+}
+
+bool isFolder(const std::string& path, const RunningLab& lab) {
+  std::error_code error;
+  return !lab.directory.empty() && fs::equivalent(path, lab.directory, error) && !error;
+}
+
+/// `name`, or with a number behind it when another living runner's lab has it.
+std::string freeName(const std::string& name, int own_pid) {
+  std::vector<RunningLab> others = runningLabs();
+  // A file of our process id is what an earlier process of that id left.
+  std::erase_if(others, [&](const RunningLab& lab) { return lab.pid == own_pid; });
+  for (int number = 1;; ++number) {
+    const std::string chosen = number == 1 ? name : name + "-" + std::to_string(number);
+    if (std::ranges::find(others, chosen, &RunningLab::name) == others.end()) return chosen;
+  }
+}
+
+/// Held while a name is chosen and written: of labs that register at once each sees the other's.
+class NamesLock {
+ public:
+  NamesLock() {
+    const fs::path file = registryDirectory() / "names.lock";
+    descriptor_ = open(file.c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0600);
+    if (descriptor_ < 0 || flock(descriptor_, LOCK_EX) != 0) {
+      if (descriptor_ >= 0) close(descriptor_);
+      throw UserError("cannot write " + file.string());
+    }
+  }
+  ~NamesLock() { close(descriptor_); }
+  NamesLock(const NamesLock&) = delete;
+  NamesLock& operator=(const NamesLock&) = delete;
+
+ private:
+  int descriptor_ = -1;
+};
+
+/// A dead runner's own file: "4711.web", "4711.web.txt".
+bool isLeftOver(const fs::path& file) {
+  const std::string name = file.filename().string();
+  const std::string owner = name.substr(0, name.find('.'));
+  int pid = 0;
+  const auto [end, error] = std::from_chars(owner.data(), owner.data() + owner.size(), pid);
+  const bool named_by_pid = error == std::errc{} && end == owner.data() + owner.size();
+  return file.extension() != ".json" && named_by_pid && !lives(pid);
+}
+
+/// In /tmp anyone may have made the folder first: it must be ours and closed to others.
+void claim(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder.parent_path(), error);
+  if (mkdir(folder.c_str(), 0700) != 0 && errno != EEXIST) {
+    throw UserError("cannot make " + folder.string() +
+                    ": set XDG_RUNTIME_DIR to a folder of yours");
+  }
+  struct stat status {};
+  if (lstat(folder.c_str(), &status) != 0 || !S_ISDIR(status.st_mode) ||
+      status.st_uid != geteuid()) {
+    throw UserError(folder.string() +
+                    " belongs to somebody else: set XDG_RUNTIME_DIR to a folder of yours");
+  }
+}
+
+}  // namespace
+
+fs::path registryDirectory() {
+  const char* runtime = std::getenv("XDG_RUNTIME_DIR");
+  if (runtime != nullptr && *runtime != '\0') return fs::path(runtime) / "active-lab";
+  return fs::temp_directory_path() / ("active-lab-" + std::to_string(geteuid()));
+}
+
+std::vector<RunningLab> runningLabs() {
+  std::vector<RunningLab> labs;
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(registryDirectory(), error)) {
+    if (isLeftOver(entry.path())) fs::remove(entry.path(), error);
+    if (entry.path().extension() != ".json") continue;
+    const auto lab = read(entry.path());
+    if (lab && lives(lab->pid)) {
+      labs.push_back(*lab);
+    } else if (lab) {
+      fs::remove(entry.path(), error);
+    }
+  }
+  return labs;
+}
+
+RunningLab findLab(const std::string& name) {
+  const std::vector<RunningLab> labs = runningLabs();
+  if (labs.empty()) throw UserError("no lab runs on this machine: start one with lab run FILE");
+  std::vector<RunningLab> meant;
+  for (const RunningLab& lab : labs) {
+    if (name.empty() || lab.name == name || isFolder(name, lab)) meant.push_back(lab);
+  }
+  if (meant.size() == 1) return meant.front();
+  if (meant.empty()) {
+    throw UserError("no lab named " + name + " runs; these do: " + listed(labs, &RunningLab::name));
+  }
+  if (name.empty()) {
+    throw UserError("several labs run; say which with --lab NAME: " +
+                    listed(meant, &RunningLab::name));
+  }
+  throw UserError("several labs are named " + name +
+                  "; say which with --lab FOLDER: " + listed(meant, &RunningLab::directory));
+}
+
+fs::path ownFile(const std::string& ending) {
+  claim(registryDirectory());
+  return registryDirectory() / (std::to_string(getpid()) + ending);
+}
+
+OwnFile::~OwnFile() {
+  std::error_code error;
+  fs::remove(path_, error);
+}
+
+PortLock::PortLock(int port) {
+  claim(registryDirectory());
+  const fs::path file = registryDirectory() / ("port-" + std::to_string(port) + ".lock");
+  descriptor_ = open(file.c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0600);
+  if (descriptor_ < 0) throw UserError("cannot write " + file.string());
+  if (flock(descriptor_, LOCK_EX | LOCK_NB) == 0) return;
+  close(descriptor_);
+  throw UserError("another lab of yours is on port " + std::to_string(port) +
+                  " (network.port): stop it, or set another port, or 0 for a free one");
+}
+
+PortLock::~PortLock() { close(descriptor_); }
+
+Registration::Registration(const RunningLab& lab)
+    : file_(registryDirectory() / (std::to_string(lab.pid) + ".json")) {
+  claim(registryDirectory());
+  const NamesLock lock;
+  name_ = freeName(lab.name, lab.pid);
+  std::ofstream stream(file_);
+  stream << nlohmann::json{{"name", name_},
+                           {"url", lab.url},
+                           {"pid", lab.pid},
+                           {"directory", lab.directory},
+                           {"replay", lab.replay}}
+                .dump(2)
+         << std::endl;
+  if (!stream) throw UserError("cannot write " + file_.string());
+}
+
+Registration::~Registration() {
+  std::error_code error;
+  fs::remove(file_, error);
+}
+
+}  // namespace lab::runner

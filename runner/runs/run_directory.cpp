@@ -1,0 +1,227 @@
+#include "runner/runs/run_directory.hpp"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include <fstream>
+#include <iterator>
+
+#include "common/calibration/camera_file.hpp"
+#include "common/experiment/experiment_file.hpp"
+#include "common/calibration/light_file.hpp"
+#include "common/experiment/light_messages.hpp"
+#include "common/calibration/motor_file.hpp"
+#include "common/calibration/projector_file.hpp"
+#include "light/field/image.hpp"
+#include "light/optics/simulated_camera.hpp"
+#include "projector_ctl/projector_messages.hpp"
+#include "projector_ctl/scene.hpp"
+#include "runner/command_line/exit_code.hpp"
+
+namespace lab::runner {
+namespace fs = std::filesystem;
+namespace {
+
+std::string compactUtc(std::int64_t utime) {
+  return fmt::format("{:%Y%m%dT%H%M%SZ}", fmt::gmtime(static_cast<std::time_t>(utime / 1'000'000)));
+}
+
+std::vector<std::uint8_t> readFile(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw UserError(fmt::format("cannot read the image {}", path.string()));
+  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+/// The log of each robot, empty for those that are not replayed.
+std::vector<fs::path> findRecordings(const Experiment& experiment, const fs::path& source) {
+  std::vector<fs::path> recordings;
+  for (const RobotSpec& robot : experiment.robots) {
+    fs::path log;
+    if (robot.body == Body::kReplay) {
+      log = source / robot.log;
+      if (fs::is_directory(log)) log /= files::kLog;
+      if (!fs::is_regular_file(log)) {
+        throw UserError(
+            fmt::format("robots: robot {} replays {}, where there is no log; give the "
+                        "folder of a run or a log, relative to the experiment file",
+                        robot.id, (source / robot.log).string()));
+      }
+    }
+    recordings.push_back(log);
+  }
+  return recordings;
+}
+
+/// Under another name than that of a calibration that the run makes itself.
+void adoptMotors(Experiment& experiment, const fs::path& motors, const fs::path& run) {
+  const fs::path name = fs::path(files::kCalibration) / "motors_in_force.toml";
+  fs::create_directories(run / files::kCalibration);
+  fs::copy_file(motors, run / name);
+  experiment.hardware.motors = name.string();
+}
+
+void adoptCamera(Experiment& experiment, const std::string& calibration, const fs::path& run) {
+  const fs::path name = fs::path(files::kCalibration) / "camera_in_force.json";
+  fs::create_directories(run / files::kCalibration);
+  writeNewFile(run / name, calibration);
+  experiment.camera.calibration = name.string();
+}
+
+void adoptProjector(Experiment& experiment, const fs::path& calibration, const fs::path& run) {
+  const fs::path name = fs::path(files::kCalibration) / "projector_in_force.json";
+  fs::create_directories(run / files::kCalibration);
+  fs::copy_file(calibration, run / name);
+  experiment.projector.calibration = name.string();
+}
+
+void adoptLight(Experiment& experiment, const fs::path& calibration, const fs::path& run) {
+  const fs::path name = fs::path(files::kCalibration) / "light_in_force.json";
+  fs::create_directories(run / files::kCalibration);
+  fs::copy_file(calibration, run / name);
+  experiment.projector.light_calibration = name.string();
+}
+
+/// The files of ROS 2's side are copied; certificates, being secret, stay where they are.
+void adoptNetwork(Experiment& experiment, const fs::path& source, const fs::path& run) {
+  const auto adopt = [&](std::string& path, const char* name) {
+    if (path.empty()) return;
+    const fs::path from = source / path;
+    if (!fs::is_regular_file(from)) return;  // dds_gateway says what it misses
+    const fs::path to = fs::path("gateway") / name;
+    fs::create_directories(run / to.parent_path());
+    fs::copy_file(from, run / to);
+    path = to.string();
+  };
+  adopt(experiment.gateway.mapping, "mapping.toml");
+  adopt(experiment.gateway.configuration, "cyclonedds.xml");
+  for (std::string* folder : {&experiment.gateway.security, &experiment.link.security}) {
+    if (!folder->empty()) *folder = fs::absolute(source / *folder).string();
+  }
+}
+
+/// Recordings stay where they are, as they are large: the run's file names them from its own
+/// folder.
+void adoptRecordings(Experiment& experiment, const std::vector<fs::path>& recordings,
+                     const fs::path& run) {
+  for (std::size_t i = 0; i < recordings.size(); ++i) {
+    if (recordings[i].empty()) continue;
+    experiment.robots[i].log =
+        fs::relative(fs::canonical(recordings[i]), fs::canonical(run)).string();
+  }
+}
+
+}  // namespace
+
+std::string cameraInForce(const Experiment& experiment, const fs::path& source) {
+  const Camera& camera = experiment.camera;
+  if (camera.calibration.empty()) {
+    CameraCalibration calibration;
+    calibration.camera = optics::simulatedCamera(camera.width, camera.height,
+                                                 experiment.arena_width, experiment.arena_height);
+    calibration.arena_width = experiment.arena_width;
+    calibration.arena_height = experiment.arena_height;
+    return cameraFileText(calibration);
+  }
+  const fs::path file = source / camera.calibration;
+  const optics::CameraParameters calibrated = readCameraFile(file).camera;
+  if (calibrated.width != camera.width || calibrated.height != camera.height) {
+    throw UserError(fmt::format(
+        "{}: found a calibration of {} x {} pixels, expected {} x {} as width_px and height_px "
+        "say; "
+        "change them, or calibrate at that size",
+        file.string(), calibrated.width, calibrated.height, camera.width, camera.height));
+  }
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+std::string utcText(std::int64_t utime) {
+  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}",
+                     fmt::gmtime(static_cast<std::time_t>(utime / 1'000'000)));
+}
+
+fs::path makeRunDirectory(const fs::path& parent, const std::string& name, std::int64_t utime) {
+  std::error_code error;
+  fs::create_directories(parent, error);
+  const std::string stem = name + "-" + compactUtc(utime);
+  for (int number = 1; !error; ++number) {
+    const fs::path path = parent / (number == 1 ? stem : fmt::format("{}-{}", stem, number));
+    if (fs::create_directory(path, error)) return path;
+  }
+  throw UserError(fmt::format("cannot make a folder in {}: {}; choose another with --out",
+                              parent.string(), error.message()));
+}
+
+void checkScenes(const Experiment& experiment, const fs::path& source) {
+  const ExperimentImages images = loadImages(experiment, source);
+  const projector::Surroundings around = projector::surroundingsOf(experiment, images.store);
+  for (std::size_t i = 0; i < experiment.light.steps.size(); ++i) {
+    const auto layers = toDrivenLayers(experiment.light.steps[i].layers, images);
+    if (const auto problem = projector::Scene::problem(layers, around)) {
+      throw UserError(fmt::format("light.steps[{}].{}", i, *problem));
+    }
+  }
+}
+
+void adoptImages(Experiment& experiment, const fs::path& source, const fs::path& run) {
+  const auto adopt = [&](std::string& image) {
+    if (image.empty()) return;
+    const fs::path from = source / image;
+    const fs::path name = light::sha256(readFile(from)) + from.extension().string();
+    fs::create_directories(run / files::kImages);
+    fs::copy_file(from, run / files::kImages / name, fs::copy_options::skip_existing);
+    image = (fs::path(files::kImages) / name).string();
+  };
+  for (LightStep& step : experiment.light.steps) {
+    for (LayerSpec& layer : step.layers) {
+      adopt(layer.image);
+      for (std::string& image : layer.drive.images) adopt(image);
+    }
+  }
+}
+
+void writeNewFile(const fs::path& path, const std::string& text) {
+  if (fs::exists(path)) throw UserError(path.string() + " exists: nothing is overwritten");
+  fs::path beside = path;
+  beside += ".part";
+  std::ofstream file(beside, std::ios::binary);
+  file << text;
+  file.close();
+  std::error_code error;
+  if (file) fs::rename(beside, path, error);
+  if (file && !error) return;
+  fs::remove(beside, error);
+  throw UserError("cannot write " + path.string() +
+                  (fs::is_directory(path.parent_path().empty() ? "." : path.parent_path(), error)
+                       ? ": is the disk full?"
+                       : ": its folder is gone"));
+}
+
+PreparedRun prepareRun(Experiment experiment, const fs::path& source, const fs::path& parent,
+                       std::int64_t utime) {
+  PreparedRun run;
+  const std::vector<fs::path> recordings = findRecordings(experiment, source);
+  const fs::path motors = experiment.hardware.motors;
+  if (!motors.empty()) static_cast<void>(readMotorFile(source / motors));  // or say why not, now
+  const bool by_camera = experiment.camera.tracker == Tracker::kCamera;
+  const std::string camera = by_camera ? cameraInForce(experiment, source) : std::string();
+  checkProjectorFile(experiment, source);
+  const fs::path projector = experiment.projector.calibration;
+  const fs::path light = experiment.projector.light_calibration;
+  static_cast<void>(lightInForce(experiment, source));  // or say why not, now
+  checkScenes(experiment, source);
+  run.directory = makeRunDirectory(parent, experiment.name, utime);
+  if (!motors.empty()) adoptMotors(experiment, source / motors, run.directory);
+  if (by_camera) adoptCamera(experiment, camera, run.directory);
+  if (!projector.empty()) adoptProjector(experiment, source / projector, run.directory);
+  if (!light.empty()) adoptLight(experiment, source / light, run.directory);
+  adoptRecordings(experiment, recordings, run.directory);
+  adoptImages(experiment, source, run.directory);
+  adoptNetwork(experiment, source, run.directory);
+  run.effective = writeExperiment(experiment);
+  run.experiment = std::move(experiment);
+  writeNewFile(run.directory / files::kExperiment, run.effective);
+  return run;
+}
+
+}  // namespace lab::runner

@@ -1,0 +1,184 @@
+#include "runner/script/light_controller.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "common/bus/channels.hpp"
+#include "common/experiment/experiment_conversions.hpp"
+#include "common/experiment/experiment_messages.hpp"
+#include "common/math/units.hpp"
+#include "light/field/field.hpp"
+
+namespace lab::runner {
+namespace {
+
+constexpr std::int64_t kLightPeriod_us = 500'000;  // 2 Hz
+constexpr std::int64_t kDeliveryPatience_us = 2'000'000;
+
+}  // namespace
+
+LightPart::LightPart(Node& node, Loop& loop, const Experiment& experiment,
+                     const std::filesystem::path& directory, Hooks hooks)
+    : node_(node),
+      loop_(loop),
+      experiment_(experiment),
+      hooks_(std::move(hooks)),
+      images_(loadImages(experiment, directory)),
+      player_(experiment) {
+  node_.subscribe<light_status_t>(channels::kLightStatus,
+                                  [this](const light_status_t& status) { take(status); });
+  node_.subscribe<light_seen_t>(channels::kLightSeen, [this](const light_seen_t& seen) {
+    seen_light_utime_ = seen.utime;
+    if (watch_) watch_->take(seen);
+    finishWatch();
+  });
+}
+
+void LightPart::begin() {
+  const std::int64_t now = loop_.now();
+  loop_.every(kLightPeriod_us, now, [this] { send(); });
+  loop_.every(units::kSecond_us, now + units::kSecond_us, [this] {
+    light_delivery_t delivery = deliveries_.message();
+    node_.publish(channels::kLightDelivery, delivery);
+  });
+}
+
+void LightPart::send() {
+  if (command_.seq == 0) return;
+  command_.utime = 0;
+  node_.publishCommand(channels::kLightCommand, command_);
+}
+
+void LightPart::showEverywhere(double intensity, const std::string& label) {
+  LayerSpec uniform;
+  uniform.intensity = intensity;
+  ++command_.seq;
+  command_.from_utime = loop_.now();
+  command_.ramp = 0;
+  command_.label = label;
+  setLayers(command_, {{toLightLayer(uniform), {}}});
+  send();
+}
+
+void LightPart::startScript() {
+  playing_ = true;
+  player_.begin(loop_.now());
+  setTimers();
+}
+
+/// Those set before a pause come too early, and find nothing to do.
+void LightPart::setTimers() {
+  loop_.at(player_.endUtime(), [this] { look(); });
+  lookWhenDue();
+}
+
+void LightPart::pause() { player_.pause(loop_.now()); }
+
+void LightPart::resume() {
+  player_.resume(loop_.now());
+  setTimers();
+  look();
+}
+
+void LightPart::close() {
+  playing_ = false;
+  closeWatch();
+}
+
+void LightPart::look() {
+  while (playing_) {
+    const auto turn = player_.turn(loop_.now());
+    if (!turn) return;
+    if (!turn->fault.empty()) hooks_.fault(turn->fault);
+    if (turn->kind == Turn::Kind::kStep) {
+      show(*turn);
+      lookWhenDue();
+    } else {
+      hooks_.end(*turn);
+    }
+  }
+}
+
+void LightPart::lookWhenDue() {
+  const auto due = player_.due();
+  // The end has its own timer.
+  if (due && *due < player_.endUtime()) loop_.at(*due, [this] { look(); });
+}
+
+void LightPart::show(const Turn& turn) {
+  closeWatch();
+  const LightStep& wanted = experiment_.light.steps[turn.index];
+  ++command_.seq;
+  command_.from_utime = loop_.now();
+  command_.ramp = wanted.ramp;
+  command_.label = wanted.label;
+  setLayers(command_, toDrivenLayers(wanted.layers, images_));
+  send();
+
+  experiment_event_t event{};
+  event.kind = experiment_event_t::STEP;
+  event.step = turn.number;
+  event.label = wanted.label;
+  event.ended_by = turn.ended_by;
+  event.commanded_utime = command_.from_utime;
+  watch_.emplace(event, node_.identity().instance, command_.seq, expectedProgram(),
+                 commandedRobots(experiment_).size());
+  if (loop_.now() - seen_light_utime_ < units::kSecond_us) watch_->expectSeen();
+  loop_.at(loop_.now() + kDeliveryPatience_us, [this, seq = command_.seq] {
+    if (command_.seq == seq) closeWatch();
+  });
+  hooks_.began();
+}
+
+std::optional<program_t> LightPart::expectedProgram() const {
+  const light::Field field = toField(command_.layers, images_.store);
+  const bool steady = command_.ramp == 0 && command_.drives.empty();
+  if (!steady || !light::isUniform(field) || !hooks_.chosen_by_light()) return std::nullopt;
+  const double intensity = light::evaluate(field, 0, 0);
+  const LightTable& table = experiment_.light_table;
+  std::optional<program_t> expected = program_t{};
+  for (const LightBand& band : table.bands) {
+    // Where the hysteresis reaches, a robot does right to keep what it runs.
+    if (!contains(band, intensity, table.hysteresis)) continue;
+    if (!contains(band, intensity) || expected->kind != program_t::NONE) return std::nullopt;
+    expected = toMessage(experiment_.programs.at(band.program));
+  }
+  return expected;
+}
+
+void LightPart::finishWatch() {
+  if (watch_ && watch_->complete()) closeWatch();
+}
+
+void LightPart::closeWatch() {
+  if (!watch_) return;
+  deliveries_.add(watch_->event());
+  hooks_.record(watch_->event());
+  watch_.reset();
+}
+
+void LightPart::take(const light_status_t& status) {
+  if (watch_) watch_->take(status);
+  finishWatch();
+  const bool ours = status.command_instance == node_.identity().instance;
+  if (ours && status.command_seq == command_.seq) hooks_.shown();
+}
+
+void LightPart::take(const robot_status_t& status) {
+  if (watch_) watch_->take(status);
+  finishWatch();
+  player_.take(status);
+  look();
+}
+
+void LightPart::take(const analysis_t& analysis) {
+  player_.take(analysis);
+  look();
+}
+
+void LightPart::take(const tracked_frame_t& frame) {
+  player_.take(frame);
+  look();
+}
+
+}  // namespace lab::runner

@@ -1,0 +1,57 @@
+/// What a step of the light script waits for.
+#pragma once
+
+#include <cstdint>
+#include <lab/analysis_t.hpp>
+#include <lab/tracked_frame_t.hpp>
+#include <limits>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+
+#include "common/experiment/experiment.hpp"
+#include "runner/script/estimate_precision.hpp"
+#include "runner/script/tumble_count.hpp"
+
+namespace lab::runner {
+
+/// One condition during one showing of its step: told what the lab sees, it says whether that has
+/// come about, and by which sample.
+class StepCondition {
+ public:
+  /// @param tumbles counted so far in the run
+  /// @param utime when the step begins: what was sampled before is of another step
+  StepCondition(const Experiment& experiment, const Until& until, const TumbleCount& tumbles,
+                std::int64_t utime);
+
+  void take(const tracked_frame_t& frame);
+  void take(const analysis_t& analysis);
+  void take(const TumbleCount& tumbles);
+
+  /// The utime of the sample that met it, nothing: it is not met.
+  [[nodiscard]] std::optional<std::int64_t> met() const { return met_; }
+
+  /// How far it got: "relative error 0.12, wanted 0.05".
+  [[nodiscard]] std::string progress() const;
+
+ private:
+  /// [m] from the region, 0 inside.
+  [[nodiscard]] double distance(const tracked_pose_t& pose) const;
+  [[nodiscard]] bool concerns(std::int32_t robot) const;
+
+  Until until_;
+  KnownEstimate estimate_;
+  std::set<std::int32_t> robots_;  ///< all of the experiment
+  std::int64_t begin_utime_;
+  std::optional<std::int64_t> met_;
+
+  std::map<std::int32_t, std::int64_t> inside_;  ///< robots, with the utime of their last pose
+  std::size_t most_inside_ = 0;
+  double nearest_ = std::numeric_limits<double>::infinity();  ///< [m]
+  std::int32_t nearest_robot_ = 0;
+  std::int64_t tumbles_before_;
+  std::int64_t tumbles_ = 0;
+};
+
+}  // namespace lab::runner

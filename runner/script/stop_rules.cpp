@@ -1,0 +1,77 @@
+#include "runner/script/stop_rules.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/experiment/script_plan.hpp"
+#include "common/math/units.hpp"
+#include "common/text/duration_text.hpp"
+
+namespace lab::runner {
+
+StopRules::StopRules(const Experiment& experiment)
+    : any_(experiment.stop_on == StopOn::kAny) {
+  for (const StopRule& rule : experiment.stop_when) {
+    rules_.push_back({KnownEstimate(experiment, rule.until), rule.at_least});
+  }
+}
+
+void StopRules::take(const analysis_t& analysis) {
+  if (!begin_utime_ || analysis.utime < *begin_utime_) return;
+  for (Rule& rule : rules_) {
+    if (!rule.estimate.take(analysis)) continue;
+    rule.utime = analysis.utime;
+    rule.heard = units::seconds(analysis.utime - *begin_utime_);
+  }
+}
+
+std::optional<std::string> StopRules::met() const {
+  const auto holding = std::ranges::count_if(rules_, &Rule::holds);
+  const auto enough = any_ ? 1 : static_cast<std::ptrdiff_t>(rules_.size());
+  if (rules_.empty() || holding < enough) return std::nullopt;
+  std::string why;
+  for (const Rule& rule : rules_) {
+    if (!rule.holds()) continue;
+    why += fmt::format("{}{}: relative error {:.3g} after {:.0f} s, sample {}",
+                       why.empty() ? "stop_when: " : "; ", untilText(rule.estimate.until()),
+                       rule.estimate.error(), rule.heard, rule.utime);
+  }
+  return why;
+}
+
+std::string StopRules::unmet() const {
+  std::string text = fmt::format("stop_when was not reached{}",
+                                 any_ && rules_.size() > 1 ? " (any of them)" : "");
+  for (const Rule& rule : rules_) {
+    if (rule.holds()) continue;
+    text += fmt::format("; {}: {}", untilText(rule.estimate.until()), rule.estimate.progress());
+    if (rule.estimate.holds()) text += fmt::format(", but before {} s", rule.at_least);
+  }
+  return text;
+}
+
+std::string StopRules::progress(const Rule& rule) const {
+  const Until& until = rule.estimate.until();
+  const std::string robot = until.robot == 0 ? "" : fmt::format(" of robot {}", until.robot);
+  const std::string what = fmt::format("{} of {}{}", until.estimate, until.program, robot);
+  const double wanted = until.relative_error / units::kPercent;
+  const double more = rule.estimate.moreData();
+  if (std::isnan(more)) return fmt::format("{} not known yet, wanted to {:.3g} %", what, wanted);
+  // Data come at the rate at which they came so far.
+  const double left = std::max(more * rule.heard, rule.at_least - rule.heard);
+  return fmt::format("{} {:.3g} %, wanted {:.3g} %{}", what,
+                     rule.estimate.error() / units::kPercent, wanted,
+                     left > 0 ? ": about " + leftText(left) : "");
+}
+
+std::string StopRules::progress() const {
+  std::string text;
+  for (const Rule& rule : rules_) {
+    text += fmt::format("{}{}", text.empty() ? "" : any_ ? " or " : ", ", progress(rule));
+  }
+  return text;
+}
+
+}  // namespace lab::runner

@@ -1,0 +1,106 @@
+#include "runner/virtual_time/run_virtual.hpp"
+
+#include <lab/clock_t.hpp>
+#include <list>
+
+#include "common/camera/memory_cameras.hpp"
+#include "common/bus/channels.hpp"
+#include "common/bus/log_file.hpp"
+#include "common/bus/memory_bus.hpp"
+#include "common/serial/memory_serial.hpp"
+#include "common/math/units.hpp"
+#include "common/loop/virtual_loop.hpp"
+#include "runner/virtual_time/services.hpp"
+
+namespace lab::runner {
+namespace {
+
+constexpr std::int64_t kSettle_us = 500'000;  // for what is still under way at the end
+
+/// One service with its node, as a process would hold them.
+struct Member {
+  Member(Bus& bus, Loop& loop, SerialPorts& ports, Cameras& cameras,
+         const ServiceDescription& description, const PreparedRun& run)
+      : node(bus, loop, {description.name, description.origin, 1}),
+        service(description.make({node, loop, run.experiment, run.directory, ports,
+                                  std::filesystem::canonical("/proc/self/exe").parent_path(),
+                                  cameras})) {}
+  Node node;
+  std::unique_ptr<Service> service;
+};
+
+}  // namespace
+
+RunOutcome runVirtual(const PreparedRun& run, const ShowProgress& show,
+                      const std::function<bool()>& interrupted, const PilotFactory& pilot) {
+  VirtualLoop loop;
+  MemoryBus bus([&loop] { return loop.now(); });
+  loop.drainWith([&bus] { bus.deliver(); });
+  LogWriter log(run.directory / files::kLog);
+  bus.subscribeAll([&log](const Packet& packet) { log.write(packet); });
+
+  MemorySerial ports(loop);
+  MemoryCameras cameras(loop);
+  RunOutcome outcome;
+  std::list<Member> members;
+  for (const ServiceDescription& description : labServices(run.experiment)) {
+    // What is outside does not live in virtual time (docs/ros2.md).
+    if (description.real_time_only) continue;
+    members.emplace_back(bus, loop, ports, cameras, description, run);
+  }
+  Node node(bus, loop, {"lab", 0, 1});
+  std::string why = "ended by the user";
+  Conductor conductor({node, loop, run.experiment, run.directory}, run.effective,
+                      [&](Ending ending, const std::string& because) {
+                        why = because;
+                        outcome.interrupted = ending == Ending::kWished;
+                        outcome.closed_early =
+                            ending == Ending::kUnmet || ending == Ending::kBroken;
+                        loop.stop();
+                      });
+  std::optional<PilotSeat> seat;
+  if (pilot) {
+    seat.emplace(bus, loop, cameras, run, 1, pilot, conductor, [&] {
+      why = kPilotDone;
+      loop.stop();
+    });
+  }
+  if (run.experiment.faults.message_loss > 0) {
+    bus.loseAtRandom(run.experiment.faults.message_loss, run.experiment.seed);
+  }
+
+  for (Member& member : members) member.node.start();
+  node.start();
+  node.ready();
+  if (seat) seat->begin();
+  loop.every(units::kSecond_us, loop.now(), [&] {
+    clock_t clock{};
+    node.publish(channels::kClock, clock);
+    show(conductor.progress());
+    if (interrupted()) {
+      outcome.interrupted = true;
+      loop.stop();
+    }
+  });
+  try {
+    conductor.begin();
+    loop.run();
+    outcome.ended_because = why;
+    conductor.conclude(why);
+    loop.runUntil(loop.now() + kSettle_us);
+    for (Member& member : members) member.node.close();
+    if (seat) seat->end();
+    node.close();
+    bus.deliver();
+    log.flush();
+    outcome.faults = conductor.faults();
+  } catch (const std::exception& error) {
+    // The log takes no more: what it has is kept, and the run is marked.
+    outcome.faults = conductor.faults();
+    outcome.faults.emplace_back(error.what());
+    outcome.closed_early = true;
+  }
+  return outcome;
+}
+
+}  // namespace lab::runner

@@ -1,0 +1,65 @@
+#include "runner/command_line/experiment_lookup.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "runner/command_line/exit_code.hpp"
+#include "tests/common/temporary_folder.hpp"
+
+namespace lab::runner {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::HasSubstr;
+
+class ExperimentLookup : public testing::Test {
+ protected:
+  void SetUp() override {
+    fs::create_directories(shipped_);
+    std::ofstream(shipped_ / "abp.toml") << "name = \"abp\"\n";
+    std::ofstream(shipped_ / "rtp.toml") << "name = \"rtp\"\n";
+    before_ = fs::current_path();
+    fs::current_path(folder_ / ".");
+  }
+  void TearDown() override { fs::current_path(before_); }
+
+  TemporaryFolder folder_;
+  fs::path shipped_ = folder_ / "shipped";
+  fs::path before_;
+};
+
+TEST_F(ExperimentLookup, FindsAShippedOneByItsName) {
+  EXPECT_EQ(findExperiment("abp", shipped_), shipped_ / "abp.toml");
+  EXPECT_EQ(findExperiment("abp.toml", shipped_), shipped_ / "abp.toml");
+}
+
+TEST_F(ExperimentLookup, PrefersAFileButNotAFolderOfThatName) {
+  std::ofstream("rtp") << "mine\n";
+  fs::create_directory("abp");
+
+  EXPECT_EQ(findExperiment("rtp", shipped_), "rtp");
+  EXPECT_EQ(findExperiment("abp", shipped_), shipped_ / "abp.toml");
+}
+
+TEST_F(ExperimentLookup, LeavesPathsToTheReaderOfFiles) {
+  EXPECT_EQ(findExperiment("experiments/abp.toml", shipped_), "experiments/abp.toml");
+  EXPECT_EQ(findExperiment("./abp", shipped_), "./abp");
+}
+
+TEST_F(ExperimentLookup, SaysWhereItLookedAndWhatThereIs) {
+  try {
+    static_cast<void>(findExperiment("apb", shipped_));
+    FAIL() << "found an experiment that is not there";
+  } catch (const UserError& error) {
+    EXPECT_THAT(error.what(), AllOf(HasSubstr(fs::absolute("apb").string()),
+                                    HasSubstr((shipped_ / "apb.toml").string()),
+                                    HasSubstr("there are abp, rtp")));
+  }
+  EXPECT_THROW(static_cast<void>(findExperiment("apb", folder_ / "absent")), UserError);
+}
+
+}  // namespace
+}  // namespace lab::runner

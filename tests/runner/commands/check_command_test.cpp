@@ -1,0 +1,39 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "runner/commands/commands.hpp"
+#include "tests/common/experiment_samples.hpp"
+
+namespace lab::runner::check_command_test {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+std::string said(const std::vector<std::string>& set) {
+  const fs::path file =
+      fs::path(testing::TempDir()) / ("check_test_" + std::to_string(getpid()) + ".toml");
+  std::ofstream(file) << kSmall;
+  testing::internal::CaptureStdout();
+  EXPECT_EQ(check(file, set), kDone);
+  std::fflush(stdout);
+  fs::remove(file);
+  return testing::internal::GetCapturedStdout();
+}
+
+TEST(CheckCommand, SaysThePersistenceLengthOfTheExactLaw) {
+  // As `lab theory` and the report have it (tests/analyzer/laws_test.cpp); v / D_r is 4 cm.
+  EXPECT_THAT(said({}), HasSubstr("L_s = 4.197 cm"));
+  EXPECT_THAT(said({"programs.abp.epsilon_s=0.1", "programs.abp.eta_rad_s=6"}),
+              HasSubstr("D_r = 0.6 rad^2/s, L_s = 5.0"));
+}
+
+}  // namespace
+}  // namespace lab::runner::check_command_test

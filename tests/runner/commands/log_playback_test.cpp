@@ -1,0 +1,235 @@
+#include "runner/commands/log_playback.hpp"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <lab/experiment_event_t.hpp>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "common/bus/channels.hpp"
+#include "common/bus/codec.hpp"
+
+namespace lab::runner {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+constexpr std::int64_t kLog = 7'000'000'000;  // when the log began
+constexpr std::int64_t kWall = 50;
+
+std::int64_t us(double seconds) { return static_cast<std::int64_t>(std::llround(seconds * 1e6)); }
+
+LogEvent frame(double at) {
+  return {"F" + std::to_string(static_cast<int>(std::lround(at * 10))), {}, kLog + us(at)};
+}
+
+LogEvent happening(double at, std::int8_t kind, const std::string& text, double said_again = 0) {
+  experiment_event_t event{};
+  event.utime = kLog + us(at);
+  event.kind = kind;
+  event.text = text;
+  return {std::string(channels::kExperimentEvent), encode(event), kLog + us(at + said_again)};
+}
+
+/// 60 s with a frame each half second; START at 0 and again at 30, a mark at 20 that was said
+/// thrice, one at 55.
+std::vector<LogEvent> film() {
+  std::vector<LogEvent> events;
+  for (int i = 0; i <= 120; ++i) events.push_back(frame(i * 0.5));
+  events.push_back(happening(0, experiment_event_t::START, "file"));
+  events.push_back(happening(30, experiment_event_t::START, "file"));
+  for (const double again : {0.0, 0.001, 0.002}) {
+    events.push_back(happening(20, experiment_event_t::MARK, "fell over", again));
+  }
+  events.push_back(happening(55, experiment_event_t::MARK, "late"));
+  std::ranges::stable_sort(events, {}, &LogEvent::utime);
+  return events;
+}
+
+class Deck : public testing::Test {
+ protected:
+  explicit Deck(AtEnd at_end = AtEnd::kStand) : deck_(events_, "run-1", 1, at_end, kWall) {}
+
+  /// What is sent at this time of the wall clock [s].
+  std::vector<std::string> playTo(double s) {
+    now_ = kWall + us(s);
+    std::vector<std::string> sent;
+    deck_.advance(now_);
+    deck_.play(now_, [&sent](const LogEvent& event) {
+      experiment_event_t happened{};
+      const bool happening = event.channel == channels::kExperimentEvent;
+      EXPECT_TRUE(!happening || decode(event.data, happened));
+      sent.push_back(happening ? happened.text : event.channel);
+    });
+    return sent;
+  }
+
+  std::string wish(std::int8_t action, double value = 0) {
+    experiment_command_t command{};
+    command.action = action;
+    command.value = value;
+    return deck_.obey(command, now_);
+  }
+
+  std::vector<LogEvent> events_ = film();
+  std::int64_t now_ = kWall;
+  LogDeck deck_;
+};
+
+TEST_F(Deck, PlaysInOrderOfTime) {
+  EXPECT_THAT(playTo(0), ElementsAre("F0", "file"));
+  EXPECT_THAT(playTo(1.2), ElementsAre("F5", "F10"));
+  EXPECT_THAT(playTo(1.3), IsEmpty());
+  const experiment_status_t status = deck_.status(now_);
+  EXPECT_EQ(status.phase, experiment_status_t::PLAYING);
+  EXPECT_EQ(status.run, "run-1");
+  EXPECT_DOUBLE_EQ(status.elapsed, 1.3);
+  EXPECT_DOUBLE_EQ(status.left, 58.7);
+  EXPECT_EQ(status.rate, 1);
+  EXPECT_EQ(status.jumps, 0);
+  EXPECT_EQ(status.step, -1);
+}
+
+TEST_F(Deck, AJumpAheadTellsWhatHappenedOnceAndTheTwoSecondsBefore) {
+  playTo(1);
+  EXPECT_EQ(wish(experiment_command_t::SEEK, 40), "");
+  EXPECT_EQ(deck_.status(now_).jumps, 1) << "said before anything of the new place";
+  EXPECT_THAT(playTo(1), ElementsAre("file", "fell over", "F380", "F385", "F390", "F395", "F400"));
+  EXPECT_THAT(playTo(1.5), ElementsAre("F405"));
+  EXPECT_EQ(deck_.status(now_).jumps, 1);
+}
+
+TEST_F(Deck, AJumpBackForgetsWhatWasStillToCome) {
+  playTo(60);
+  EXPECT_EQ(wish(experiment_command_t::SEEK, 3), "");
+  EXPECT_THAT(playTo(60), ElementsAre("file", "F10", "F15", "F20", "F25", "F30"));
+  EXPECT_EQ(wish(experiment_command_t::SEEK, 0.75), "");
+  EXPECT_THAT(playTo(60), ElementsAre("F0", "file", "F5"));
+  EXPECT_EQ(deck_.status(now_).jumps, 2);
+}
+
+TEST_F(Deck, AHappeningWithinTheTwoSecondsComesAsItWasSaid) {
+  EXPECT_EQ(wish(experiment_command_t::SEEK, 20.4), "");
+  EXPECT_THAT(playTo(0), ElementsAre("file", "F185", "F190", "F195", "F200", "fell over",
+                                     "fell over", "fell over"));
+}
+
+TEST_F(Deck, JumpsWhilePausedAndStaysPaused) {
+  playTo(5);
+  EXPECT_EQ(wish(experiment_command_t::PAUSE), "");
+  EXPECT_THAT(wish(experiment_command_t::PAUSE), HasSubstr("already"));
+  EXPECT_EQ(wish(experiment_command_t::SEEK, 10), "");
+  EXPECT_EQ(playTo(6).back(), "F100");
+  EXPECT_THAT(playTo(30), IsEmpty());
+  EXPECT_EQ(deck_.status(now_).phase, experiment_status_t::PLAY_PAUSED);
+  EXPECT_DOUBLE_EQ(deck_.status(now_).elapsed, 10);
+  EXPECT_EQ(wish(experiment_command_t::RESUME), "");
+  EXPECT_THAT(wish(experiment_command_t::RESUME), HasSubstr("already"));
+  EXPECT_THAT(playTo(30.6), ElementsAre("F105"));
+}
+
+TEST_F(Deck, ChangesItsSpeedWhereItIs) {
+  playTo(10);
+  EXPECT_EQ(wish(experiment_command_t::SPEED, 4), "");
+  EXPECT_THAT(playTo(10), IsEmpty());
+  EXPECT_THAT(playTo(10.25), ElementsAre("F105", "F110"));
+  EXPECT_EQ(deck_.status(now_).rate, 4);
+  EXPECT_EQ(deck_.status(now_).jumps, 0);
+  wish(experiment_command_t::PAUSE);
+  EXPECT_EQ(wish(experiment_command_t::SPEED, 2), "");
+  EXPECT_TRUE(deck_.paused());
+  EXPECT_EQ(deck_.rate(), 0);
+}
+
+TEST_F(Deck, RefusesPlacesAndSpeedsThatAreNone) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (const double to : {-0.1, 60.1, nan, 1e300}) {
+    EXPECT_THAT(wish(experiment_command_t::SEEK, to), HasSubstr("allowed 0 to 60.000"));
+  }
+  for (const double speed : {0.0, -1.0, 1e5, nan}) {
+    EXPECT_THAT(wish(experiment_command_t::SPEED, speed), HasSubstr("allowed 0.001 to 10000"));
+  }
+  EXPECT_EQ(deck_.status(now_).jumps, 0);
+  EXPECT_EQ(wish(experiment_command_t::SEEK, 60), "") << "its last moment";
+}
+
+TEST_F(Deck, RefusesWhatOnlyARunningLabCanDo) {
+  EXPECT_THAT(wish(experiment_command_t::MARK), HasSubstr("a recorded run"));
+  EXPECT_THAT(wish(99), HasSubstr("a recorded run"));
+}
+
+TEST_F(Deck, StandsAtItsEndAndBeginsAnewWhenItIsToGoOn) {
+  playTo(59);
+  playTo(61);
+  EXPECT_FALSE(deck_.paused());
+  EXPECT_TRUE(deck_.advance(kWall + us(61.1)));
+  EXPECT_TRUE(deck_.paused());
+  EXPECT_FALSE(deck_.over());
+  EXPECT_FALSE(deck_.advance(kWall + us(61.2))) << "said once";
+  now_ = kWall + us(70);
+  EXPECT_DOUBLE_EQ(deck_.status(now_).elapsed, 60);
+  EXPECT_EQ(wish(experiment_command_t::RESUME), "");
+  EXPECT_EQ(deck_.status(now_).jumps, 1);
+  EXPECT_THAT(playTo(70), ElementsAre("F0", "file"));
+}
+
+TEST_F(Deck, EndsWhenSomebodyWishes) {
+  EXPECT_EQ(wish(experiment_command_t::END), "");
+  EXPECT_TRUE(deck_.over());
+}
+
+TEST_F(Deck, IsOverWithItsLogWhereNobodyLooks) {
+  LogDeck dut(events_, "run-1", 10, AtEnd::kOver, kWall);
+  const auto nobody = [](const LogEvent&) {};
+  dut.play(kWall + us(6.1), nobody);
+  EXPECT_EQ(dut.sent(), events_.size());
+  EXPECT_FALSE(dut.over());
+  EXPECT_TRUE(dut.advance(kWall + us(6.2)));
+  EXPECT_TRUE(dut.over());
+}
+
+TEST_F(Deck, BeginsAgainWithAJumpWhereItIsToGoRoundAndRound) {
+  LogDeck dut(events_, "run-1", 10, AtEnd::kAgain, kWall);
+  std::size_t sent = 0;
+  const auto count = [&sent](const LogEvent&) { ++sent; };
+  dut.play(kWall + us(6.1), count);
+  EXPECT_EQ(sent, events_.size());
+  EXPECT_TRUE(dut.advance(kWall + us(6.2)));
+  EXPECT_EQ(dut.status(kWall + us(6.2)).jumps, 1);
+  dut.play(kWall + us(6.2), count);
+  EXPECT_EQ(sent, events_.size() + 2);
+}
+
+TEST(DeckOfAFullLog, PlaysItInPortionsAndLeavesNothingOut) {
+  std::vector<LogEvent> events;
+  for (int i = 0; i < 4500; ++i) events.push_back({std::to_string(i), {}, kLog + i});
+  LogDeck dut(events, "run-1", 1, AtEnd::kStand, kWall);
+  std::vector<std::string> sent;
+  const std::int64_t late = kWall + us(1);
+  const auto play = [&] {
+    const std::size_t before = sent.size();
+    EXPECT_FALSE(dut.advance(late));
+    dut.play(late, [&sent](const LogEvent& event) { sent.push_back(event.channel); });
+    return sent.size() - before;
+  };
+  EXPECT_EQ(play(), 2000U);
+  EXPECT_EQ(play(), 2000U);
+  EXPECT_EQ(play(), 500U);
+  experiment_command_t seek{};
+  seek.action = experiment_command_t::SEEK;
+  seek.value = dut.length();
+  ASSERT_EQ(dut.obey(seek, late), "");
+  sent.clear();
+  EXPECT_EQ(play(), 2000U);
+  EXPECT_EQ(play(), 2000U) << "what came before a jump's place too";
+  EXPECT_EQ(play(), 500U);
+  for (std::size_t i = 0; i < sent.size(); ++i) ASSERT_EQ(sent[i], std::to_string(i));
+  EXPECT_TRUE(dut.advance(late)) << "its end";
+}
+
+}  // namespace
+}  // namespace lab::runner

@@ -1,0 +1,117 @@
+#include "runner/doctor/doctor_dds.hpp"
+
+#include <gmock/gmock.h>
+
+namespace lab::runner::doctor_dds_test {
+namespace {
+
+using testing::HasSubstr;
+using Level = Finding::Level;
+
+const DdsEndpoint kWriter{true, "rt/lab/robot1/pose", "PoseStamped_", true, false};
+const DdsEndpoint kReader{false, "rt/lab/robot1/pose", "PoseStamped_", true, false};
+
+std::vector<Finding> findingsOf(std::vector<DdsEndpoint> endpoints) {
+  DdsFacts facts;
+  facts.endpoints = std::move(endpoints);
+  facts.participants = 2;
+  return judgeDds(facts);
+}
+
+TEST(DoctorOfDds, CountsWhoIsThere) {
+  const auto found = findingsOf({kWriter, kReader, kReader});
+
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].level, Level::kOk);
+  EXPECT_EQ(found[0].what, "DDS domain 0: 2 participants, 1 writers, 2 readers");
+}
+
+TEST(DoctorOfDds, NamesWhatDoesNotFit) {
+  DdsEndpoint best_effort = kWriter;
+  best_effort.reliable = false;
+  DdsEndpoint late = kReader;
+  late.latched = true;
+  DdsEndpoint other_type = kReader;
+  other_type.type = "String_";
+
+  EXPECT_THAT(findingsOf({best_effort, kReader}).at(1).what,
+              HasSubstr("rt/lab/robot1/pose hears nothing of a writer: it is best effort"));
+  EXPECT_THAT(findingsOf({kWriter, late}).at(1).what, HasSubstr("wanted transient local"));
+  EXPECT_THAT(findingsOf({kWriter, other_type}).at(1).what, HasSubstr("wanted String_"));
+  EXPECT_THAT(findingsOf({best_effort, kReader}).at(1).fix, HasSubstr("/lab/robot1/pose"));
+  EXPECT_EQ(findingsOf({best_effort, kReader, kReader}).size(), 2U) << "said once";
+}
+
+TEST(DoctorOfDds, LeavesAloneWhatFitsAndWhatIsOfAnotherTopic) {
+  DdsEndpoint modest = kReader;
+  modest.reliable = false;
+  DdsEndpoint elsewhere = kReader;
+  elsewhere.topic = "rt/other";
+  elsewhere.type = "String_";
+
+  EXPECT_EQ(findingsOf({kWriter, modest, elsewhere}).size(), 1U);
+}
+
+// The lab reads commands in two types; who speaks one of them is heard.
+TEST(DoctorOfDds, AnOwnerWhoReadsTwoTypesHearsBoth) {
+  const DdsEndpoint teleop{true, "rt/lab/robot1/cmd_vel", "Twist_", true, false, "teleop"};
+  const DdsEndpoint plain{false, "rt/lab/robot1/cmd_vel", "Twist_", true, false, "lab"};
+  DdsEndpoint stamped = plain;
+  stamped.type = "TwistStamped_";
+  EXPECT_EQ(findingsOf({teleop, plain, stamped}).size(), 1U);
+
+  DdsEndpoint elsewhere = stamped;  // hears nothing, whatever others read
+  elsewhere.owner = "echo";
+  const auto found = findingsOf({teleop, plain, stamped, elsewhere});
+  ASSERT_EQ(found.size(), 2U);
+  EXPECT_THAT(found[1].what, HasSubstr("its type is Twist_, wanted TwistStamped_"));
+
+  DdsEndpoint text = teleop;  // neither of the two
+  text.type = "String_";
+  EXPECT_EQ(findingsOf({text, plain, stamped}).size(), 3U);
+}
+
+TEST(DoctorOfDds, SaysThatOnlyCertificatesAreSeen) {
+  DdsFacts facts;
+  facts.secured = true;
+  EXPECT_THAT(judgeDds(facts).at(0).what, HasSubstr("secured"));
+}
+
+TEST(DoctorOfDds, ListensAsTheGatewayWould) {
+  Gateway gateway;
+  gateway.configuration = "no_such.xml";
+  EXPECT_THAT(surveyDds(gateway, "/nowhere", 0).problem,
+              HasSubstr("/nowhere/no_such.xml: gateway.configuration"));
+}
+
+TEST(DoctorOfPorts, NamesThoseThatAreTaken) {
+  const auto all = [](int) { return true; };
+  const auto none = [](int) { return false; };
+  Experiment experiment;
+  EXPECT_TRUE(judgePorts(experiment, none, none).empty()) << "any port will do, no ROS 2";
+
+  experiment.network.port = 23456;
+  experiment.gateway.ros = true;
+  experiment.gateway.domain = 3;
+  EXPECT_TRUE(judgePorts(experiment, all, all).empty());
+  const auto found = judgePorts(experiment, none, none);
+  ASSERT_EQ(found.size(), 2U);
+  EXPECT_EQ(found[0].level, Level::kWarning);
+  EXPECT_THAT(found[0].what, HasSubstr("UDP port 23456 (network.port) is taken"));
+  EXPECT_THAT(found[0].fix, HasSubstr("another network.port"));
+  EXPECT_THAT(found[1].what, HasSubstr("UDP port 8150 (of gateway.domain = 3) is taken"));
+  EXPECT_THAT(found[1].fix, HasSubstr("another gateway.domain"));
+}
+
+TEST(DoctorOfDds, SaysWhyADomainCannotBeEntered) {
+  DdsFacts facts;
+  facts.problem = "no free participant index";
+
+  const auto found = judgeDds(facts);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].level, Level::kWarning);
+  EXPECT_THAT(found[0].what, HasSubstr("no free participant index"));
+}
+
+}  // namespace
+}  // namespace lab::runner::doctor_dds_test

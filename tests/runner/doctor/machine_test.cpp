@@ -1,0 +1,118 @@
+#include "runner/doctor/machine.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sched.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <fstream>
+
+namespace lab::runner {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+/// A folder of its own for each test, gone afterwards.
+class Machine : public testing::Test {
+ protected:
+  Machine() {
+    std::string pattern = (fs::temp_directory_path() / "machine_test.XXXXXX").string();
+    folder_ = mkdtemp(pattern.data());
+  }
+  ~Machine() override { fs::remove_all(folder_); }
+
+  fs::path write(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ / name) << text;
+    return folder_ / name;
+  }
+
+  fs::path folder_;
+};
+
+// These tests run in a network of their own with multicast routed over lo.
+
+TEST_F(Machine, FindsNoFaultWithMulticastThatComesBack) {
+  const auto problem = multicastProblem();
+
+  EXPECT_FALSE(problem) << *problem;
+}
+
+TEST_F(Machine, KnowsThatMulticastLeavesByTheLoopback) { EXPECT_EQ(multicastInterface(), "lo"); }
+
+TEST_F(Machine, FindsMulticastBrokenInAnEmptyNetwork) {
+  const auto look = [] {
+    if (unshare(CLONE_NEWNET) != 0) std::exit(1);
+    const auto problem = multicastProblem();
+    if (!problem || problem->find("224.0.0.0/4 dev lo") == std::string::npos) std::exit(2);
+    if (multicastInterface()) std::exit(3);
+    if (survey(".", "").loopback_up) std::exit(4);
+    std::exit(0);
+  };
+
+  EXPECT_EXIT(look(), testing::ExitedWithCode(0), "");
+}
+
+TEST_F(Machine, ReadsTheDeviceOfARoute) {
+  EXPECT_EQ(interfaceOfRoute("multicast 239.255.76.67 dev eth0 src 10.0.0.2 uid 0 \n    cache"),
+            "eth0");
+  EXPECT_EQ(interfaceOfRoute("RTNETLINK answers: Network is unreachable"), std::nullopt);
+  EXPECT_EQ(interfaceOfRoute("multicast 239.255.76.67 dev"), std::nullopt);
+}
+
+TEST_F(Machine, AsksTheNearestAncestorForFreeSpace) {
+  EXPECT_GT(freeBytes(folder_), 0);
+  EXPECT_GT(freeBytes(folder_ / "runs" / "not yet" / "made"), 0);
+}
+
+TEST_F(Machine, FindsOnlyExecutableFilesInThePath) {
+  fs::permissions(write("tool", "#!/bin/sh\n"), fs::perms::owner_all);
+  fs::permissions(write("text", "tool"), fs::perms::owner_read);
+  fs::create_directory(folder_ / "folder");
+  setenv("PATH", ("/nowhere:" + folder_.string()).c_str(), 1);
+
+  EXPECT_EQ(findProgram("tool"), folder_ / "tool");
+  EXPECT_EQ(findProgram("text"), std::nullopt);
+  EXPECT_EQ(findProgram("folder"), std::nullopt);
+  EXPECT_EQ(findProgram("absent"), std::nullopt);
+}
+
+TEST_F(Machine, CallsARegistrationStaleWhenItsOwnerIsGone) {
+  const fs::path gone = write("4194305.json", "{}");  // above the largest pid that Linux gives
+  write(std::to_string(getpid()) + ".json", "{}");
+  write("4194305.txt", "not a registration");
+  write("note.json", "{}");
+
+  EXPECT_THAT(staleRegistrations(folder_), ElementsAre(gone));
+  EXPECT_THAT(staleRegistrations(folder_ / "absent"), IsEmpty());
+}
+
+TEST_F(Machine, SeesThePortsThatListenOnEveryAddress) {
+  const char* text =
+      "   sl  local_address rem_address   st tx_queue rx_queue tr\n"
+      " 5210: 00000000:7531 00000000:0000 07 00000000:00000000 00:00000000\n"   // 30001
+      " 5211: 00000000:4E20 00000000:0000 07 00000000:00000000 00:00000000\n"   // 20000
+      " 5212: 00000000:7531 00000000:0000 07 00000000:00000000 00:00000000\n"   // 30001 again
+      " 5213: 0100007F:7532 00000000:0000 07 00000000:00000000 00:00000000\n"   // one address
+      " 5214: 00000000:7533 08080808:0035 01 00000000:00000000 00:00000000\n"   // connected
+      " 5215: 00000000:4E1F 00000000:0000 07 00000000:00000000 00:00000000\n"   // 19999
+      " 5216: 00000000:EA60 00000000:0000 07 00000000:00000000 00:00000000\n";  // 60000
+
+  EXPECT_THAT(listeningPorts(text), ElementsAre(20000, 30001));
+}
+
+TEST_F(Machine, SurveysWhatItCanSayOfEveryMachine) {
+  const MachineFacts facts = survey(folder_, folder_);
+
+  EXPECT_TRUE(facts.loopback_up);
+  EXPECT_GT(facts.receive_buffer, 0);
+  EXPECT_LE(facts.receive_buffer, 4194304);
+  EXPECT_GT(facts.free_bytes, 0);
+  EXPECT_GE(facts.cpus, 1U);
+  EXPECT_THAT(facts.busy_ports, IsEmpty());
+}
+
+}  // namespace
+}  // namespace lab::runner

@@ -1,0 +1,95 @@
+#include "runner/film/light_preview.hpp"
+
+#include <gtest/gtest.h>
+
+#include "common/experiment/experiment_file.hpp"
+
+namespace lab::runner {
+namespace {
+
+Experiment scriptOf(const std::string& steps) {
+  return parseExperiment(R"(fileversion = 1
+name = "preview"
+duration_s = 100
+program = "stand"
+[[robots]]
+id = 1
+x_cm = 30
+y_cm = 30
+theta_deg = 90
+[programs.stand]
+model = "stand"
+)" + steps,
+                         "preview.toml");
+}
+
+std::string step(double at, const std::string& layers, double ramp = 0) {
+  return "[[light.steps]]\nat_s = " + std::to_string(at) + "\nramp_s = " + std::to_string(ramp) +
+         "\nlayers = [" + layers + "]\n";
+}
+
+constexpr const char* kBright = R"({kind = "uniform", intensity = 0.8})";
+constexpr const char* kDark = R"({kind = "uniform", intensity = 0.2})";
+
+TEST(LightPreview, ShowsAStillStepOnceAndAMovingOneAtFourMoments) {
+  const Experiment experiment =
+      scriptOf(step(0, kBright) +
+               step(10, R"({kind = "wave", period_cm = 40, speed_cm_s = 8, intensity = 1})") +
+               step(90, R"({kind = "disk", radius_cm = 9, vx_cm_s = 0.1, intensity = 1})", 2));
+  LightPreview dut(experiment, {});
+  ASSERT_EQ(dut.steps(), 3U);
+  EXPECT_EQ(dut.length(0), 10);
+  EXPECT_EQ(dut.length(2), 10);  // to the end of the run
+  EXPECT_EQ(dut.moments(0), std::vector<double>{0});
+  EXPECT_EQ(dut.span(0), 0);
+  EXPECT_NEAR(dut.span(1), 5, 1e-12);  // a period of 40 cm at 8 cm/s
+  ASSERT_EQ(dut.moments(1).size(), 4U);
+  EXPECT_NEAR(dut.moments(1)[1], 1.25, 1e-12);
+  EXPECT_EQ(dut.moments(2).front(), 2);  // after the ramp
+  EXPECT_EQ(dut.moments(2).back(), 8);
+}
+
+TEST(LightPreview, FadesFromTheStepBefore) {
+  const Experiment experiment = scriptOf(step(0, kBright) + step(10, kDark, 4));
+  LightPreview dut(experiment, {});
+  EXPECT_NEAR(light::evaluate(dut.field(1, 1), 0.5, 0.5), 0.65, 1e-12);
+  EXPECT_NEAR(light::evaluate(dut.field(1, 4), 0.5, 0.5), 0.2, 1e-12);
+}
+
+TEST(LightPreview, DrawsFollowersAndTrailsWhereRobotsStart) {
+  const Experiment experiment = scriptOf(
+      step(0, R"({kind = "disk", radius_cm = 3, x_cm = 10, follow = "robots", intensity = 1})") +
+      step(50,
+           R"({kind = "disk", radius_cm = 6, follow = "trail", decay_per_s = 0, intensity = 1})"));
+  LightPreview dut(experiment, {});
+  const light::Field spot = dut.field(0, 1);
+  EXPECT_EQ(light::evaluate(spot, 0.3, 0.4), 1);  // 10 cm ahead of a robot that looks along y
+  EXPECT_EQ(light::evaluate(spot, 0.3, 0.3), 0);
+  EXPECT_LT(light::evaluate(dut.field(1, 0), 0.3, 0.3), 0.1);
+  EXPECT_GT(light::evaluate(dut.field(1, 5), 0.3, 0.3), 0.9);
+  EXPECT_LT(light::evaluate(dut.field(1, 5), 0.6, 0.6), 0.01);
+}
+
+TEST(LightPreview, OpensGatesThatAskForAProgram) {
+  const Experiment experiment = scriptOf(
+      step(0, R"({kind = "uniform", intensity = 0.7, gate = "program", gate_program = "stand"})"));
+  LightPreview dut(experiment, {});
+  EXPECT_EQ(light::evaluate(dut.field(0, 0), 0.5, 0.5), 0.7);
+}
+
+TEST(LightPreview, PaintsAPictureWithWordsAboveTheLight) {
+  const Experiment experiment = scriptOf(step(0, kBright));
+  LightPreview dut(experiment, {});
+  const tracker::RgbImage picture = dut.picture(0, 0, 120);
+  EXPECT_EQ(picture.width, 120);
+  ASSERT_GT(picture.height, 90);
+  for (int y = picture.height - 90; y < picture.height; ++y) {
+    ASSERT_EQ(*picture.at(60, y), 204) << y;
+  }
+  bool words = false;
+  for (int x = 0; x < picture.width; ++x) words = words || *picture.at(x, 5) == 255;
+  EXPECT_TRUE(words);
+}
+
+}  // namespace
+}  // namespace lab::runner

@@ -1,0 +1,139 @@
+#include "runner/hosts/host_contract.hpp"
+
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+#include <random>
+
+namespace lab::runner {
+namespace {
+
+using testing::HasSubstr;
+
+HostSpec bench() {
+  HostSpec host;
+  host.name = "bench";
+  host.ssh = "pi@robot-bench";
+  return host;
+}
+
+TEST(HostHello, SurvivesTheWay) {
+  const HostHello own = ownHello();
+  const auto dut = helloFrom(toJson(own));
+
+  ASSERT_TRUE(dut);
+  EXPECT_EQ(toJson(*dut), toJson(own));
+  EXPECT_EQ(refusal(bench(), own, *dut), "");
+  EXPECT_FALSE(helloFrom({{"say", "pong"}}));
+  EXPECT_FALSE(helloFrom({{"say", "hello"}, {"version", 7}}));
+}
+
+TEST(HostHello, OfAnotherLabIsRefusedWithBothNamedAndTheWayOut) {
+  const HostHello own = ownHello();
+  HostHello version = own;
+  version.version = "9.9";
+  EXPECT_THAT(refusal(bench(), own, version), HasSubstr("host bench: found another version"));
+  EXPECT_THAT(refusal(bench(), own, version), HasSubstr("9.9"));
+  EXPECT_THAT(refusal(bench(), own, version), HasSubstr(own.version));
+  EXPECT_THAT(refusal(bench(), own, version), HasSubstr("git pull"));
+
+  HostHello contract = own;
+  ++contract.contract_version;
+  HostHello types = own;
+  types.fingerprints = "0";
+  for (const HostHello& hello : {contract, types}) {
+    EXPECT_THAT(refusal(bench(), own, hello), HasSubstr("other message types"));
+  }
+
+  HostHello here = own;
+  here.revision = "aaaa";
+  HostHello there = own;
+  there.revision = "bbbb";
+  EXPECT_THAT(refusal(bench(), here, there), HasSubstr("(bbbb) there"));
+  there.revision.clear();  // built from a copy without git: nobody knows
+  EXPECT_EQ(refusal(bench(), here, there), "");
+}
+
+/// The offset is known to within half a round trip, whatever the two ways take.
+TEST(ClockMeasurement, IsRightToWithinItsError) {
+  std::mt19937 random(1);
+  std::exponential_distribution<double> delay(1 / 3000.0);  // [1/us]
+  for (int trial = 0; trial < 1000; ++trial) {
+    const std::int64_t ahead = trial * 17 - 8000;
+    ClockMeasurement dut;
+    std::int64_t now = 1'000'000'000;
+    for (int i = 0; i < 11; ++i) {
+      const std::int64_t asked = now;
+      const std::int64_t met = asked + 100 + static_cast<std::int64_t>(delay(random));
+      now = met + 100 + static_cast<std::int64_t>(delay(random));
+      dut.add(asked, met + ahead, now);
+    }
+    ASSERT_EQ(dut.count(), 11);
+    ASSERT_LE(std::abs(dut.best().offset - static_cast<double>(ahead) * 1e-6),
+              dut.best().error + 1e-9);
+  }
+}
+
+TEST(ClockMeasurement, IsThatOfTheFastestAnswer) {
+  ClockMeasurement dut;
+  dut.add(1000, 5000, 11000);  // round trip 10 ms
+  dut.add(20000, 22500, 21000);  // 1 ms: 2 ms ahead of the middle
+  dut.add(30000, 30000, 40000);
+
+  EXPECT_NEAR(dut.best().offset, 0.002, 1e-12);
+  EXPECT_NEAR(dut.best().error, 0.0005, 1e-12);
+}
+
+TEST(ClockRefusal, TakesOnlyWhatIsCertain) {
+  EXPECT_EQ(clockRefusal(bench(), {0.0049, 0.0001}, 0.005), "");
+  EXPECT_EQ(clockRefusal(bench(), {0.0060, 0.0020}, 0.005), "");
+  EXPECT_THAT(clockRefusal(bench(), {0.0060, 0.0005}, 0.005),
+              HasSubstr("6.0 ms ahead of this one (known to 0.5 ms), allowed 5 ms"));
+  EXPECT_THAT(clockRefusal(bench(), {-2, 0.0005}, 0.005), HasSubstr("2000.0 ms behind"));
+}
+
+TEST(SshEnds, AreTheFirstAndTheThirdWord) {
+  const auto dut = endsOf("10.77.1.1 50022 10.77.2.1 22");
+  ASSERT_TRUE(dut);
+  EXPECT_EQ(dut->here, "10.77.1.1");
+  EXPECT_EQ(dut->there, "10.77.2.1");
+  EXPECT_FALSE(endsOf(""));
+}
+
+TEST(SshTrouble, NamesTheWayOut) {
+  const auto trouble = [](const char* said, const char* ending = "exit code 255") {
+    return sshTrouble(bench(), said, ending);
+  };
+  EXPECT_THAT(trouble("ssh: Could not resolve hostname robot-bench: Name or service not known\r\n"),
+              HasSubstr("hosts.bench.ssh = "));
+  EXPECT_THAT(trouble("pi@robot-bench: Permission denied (publickey,password).\r\n"),
+              HasSubstr("ssh-copy-id pi@robot-bench [pi@robot-bench: Permission denied"));
+  EXPECT_THAT(trouble("Host key verification failed.\r\n"), HasSubstr("ssh pi@robot-bench once"));
+  EXPECT_THAT(trouble("@ WARNING: REMOTE HOST IDENTIFICATION HAS CHANGED! @\nHost key verification "
+                      "failed.\n"),
+              HasSubstr("ssh-keygen -R robot-bench"));
+  EXPECT_THAT(trouble("ssh: connect to host robot-bench port 22: Connection refused\r\n"),
+              HasSubstr("openssh-server"));
+  EXPECT_THAT(trouble("ssh: connect to host robot-bench port 22: Connection timed out\r\n"),
+              HasSubstr("is the cable in?"));
+  EXPECT_THAT(trouble("bash: line 1: exec: lab: not found\n", "exit code 127"),
+              HasSubstr("hosts.bench.programs"));
+  EXPECT_THAT(trouble("The following argument was not expected: host-agent\n", "exit code 109"),
+              HasSubstr("older version"));
+  EXPECT_THAT(trouble("bash: line 1: /x/lab: Permission denied\n", "exit code 126"),
+              HasSubstr("cannot be executed"));
+  EXPECT_EQ(trouble("", "killed by signal 15"),
+            "host bench (ssh pi@robot-bench): ssh ended (killed by signal 15)");
+}
+
+TEST(AgentCommand, QuotesTheFolderForTheShellThere) {
+  HostSpec host = bench();
+  EXPECT_EQ(agentCommand(host), "exec lab host-agent");
+  host.programs = "/opt/it's a lab/bin";
+  EXPECT_EQ(agentCommand(host), "exec '/opt/it'\\''s a lab/bin/lab' host-agent");
+  host.programs = "~/lab/bin";
+  EXPECT_EQ(agentCommand(host), "exec ~/'lab/bin/lab' host-agent");
+}
+
+}  // namespace
+}  // namespace lab::runner

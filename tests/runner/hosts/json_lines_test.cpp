@@ -1,0 +1,134 @@
+#include "runner/hosts/json_lines.hpp"
+
+#include <gmock/gmock.h>
+#include <unistd.h>
+
+#include <array>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+namespace lab::runner {
+namespace {
+
+struct Pipe {
+  Pipe() { EXPECT_EQ(pipe(ends.data()), 0); }
+  ~Pipe() {
+    close(ends[0]);
+    if (open) close(ends[1]);
+  }
+  void end() {
+    close(ends[1]);
+    open = false;
+  }
+  std::array<int, 2> ends{};
+  bool open = true;
+};
+
+struct Heard {
+  std::vector<nlohmann::json> messages;
+  std::vector<std::string> noise;
+  void listen(JsonLines& lines) {
+    lines.receive([this](const auto& message) { messages.push_back(message); },
+                  [this](const auto& line) { noise.push_back(line); });
+  }
+};
+
+TEST(JsonLines, BringsWhatWasSentWholeAndInOrder) {
+  Pipe there;
+  Pipe unused;
+  JsonLines sender(unused.ends[0], there.ends[1]);
+  JsonLines dut(there.ends[0], unused.ends[1]);
+  Heard heard;
+
+  sender.send({{"do", "ping"}, {"utime", 1234567890123456}});
+  sender.send({{"say", "line"}, {"text", "two\nlines"}});
+  heard.listen(dut);
+
+  ASSERT_EQ(heard.messages.size(), 2U);
+  EXPECT_EQ(heard.messages[0]["utime"], 1234567890123456);
+  EXPECT_EQ(heard.messages[1]["text"], "two\nlines");
+  EXPECT_FALSE(dut.closed());
+}
+
+TEST(JsonLines, AKeyOfAnotherTypeIsNoiseOnce) {
+  Pipe there;
+  Pipe unused;
+  JsonLines dut(there.ends[0], unused.ends[1]);
+  const std::string text = "{\"say\":5}\n{\"say\":\"alive\"}\n";
+  ASSERT_EQ(write(there.ends[1], text.data(), text.size()), static_cast<ssize_t>(text.size()));
+  std::vector<std::string> said;
+  std::vector<std::string> noise;
+  for (int i = 0; i < 2; ++i) {
+    dut.receive([&](const auto& message) { said.push_back(message.value("say", "")); },
+                [&](const auto& line) { noise.push_back(line); });
+  }
+  EXPECT_EQ(said, std::vector<std::string>{"alive"});
+  EXPECT_EQ(noise, std::vector<std::string>{"{\"say\":5}"});
+}
+
+TEST(JsonLines, WaitsForTheRestOfALineAndSetsNoiseApart) {
+  Pipe there;
+  Pipe unused;
+  JsonLines dut(there.ends[0], unused.ends[1]);
+  Heard heard;
+
+  ASSERT_EQ(write(there.ends[1], "motd\n[1]\n{\"a\"", 13), 13);
+  heard.listen(dut);
+  EXPECT_TRUE(heard.messages.empty());
+  EXPECT_THAT(heard.noise, testing::ElementsAre("motd", "[1]"));
+
+  ASSERT_EQ(write(there.ends[1], ":1}\n", 4), 4);
+  heard.listen(dut);
+  ASSERT_EQ(heard.messages.size(), 1U);
+  EXPECT_EQ(heard.messages[0]["a"], 1);
+}
+
+TEST(JsonLines, NeverWaitsForASlowReader) {
+  Pipe there;
+  Pipe unused;
+  JsonLines sender(unused.ends[0], there.ends[1]);
+  JsonLines dut(there.ends[0], unused.ends[1]);
+  const std::string large(1'000'000, 'x');  // a pipe holds 65536
+
+  sender.send({{"data", large}});
+  EXPECT_GT(sender.waiting(), 900'000U);
+  Heard heard;
+  for (int i = 0; i < 100 && heard.messages.empty(); ++i) {
+    heard.listen(dut);
+    sender.flush();
+  }
+
+  ASSERT_EQ(heard.messages.size(), 1U);
+  EXPECT_EQ(heard.messages[0]["data"], large);
+  EXPECT_EQ(sender.waiting(), 0U);
+}
+
+TEST(JsonLines, NoticesThatTheOtherSideHasGone) {
+  Pipe there;
+  Pipe unused;
+  JsonLines dut(there.ends[0], unused.ends[1]);
+  Heard heard;
+
+  ASSERT_EQ(write(there.ends[1], "{}\n", 3), 3);
+  there.end();
+  heard.listen(dut);
+
+  EXPECT_EQ(heard.messages.size(), 1U);
+  EXPECT_TRUE(dut.closed());
+}
+
+TEST(EncodedBytes, AreThoseOfRfc4648AndComeBack) {
+  EXPECT_EQ(encodedBytes(""), "");
+  EXPECT_EQ(encodedBytes("f"), "Zg==");
+  EXPECT_EQ(encodedBytes("fo"), "Zm8=");
+  EXPECT_EQ(encodedBytes("foo"), "Zm9v");
+  EXPECT_EQ(encodedBytes("foobar"), "Zm9vYmFy");
+  std::string all;
+  for (int i = 0; i < 1000; ++i) all += static_cast<char>(i * 7);
+  for (std::size_t size = 0; size < all.size(); ++size) {
+    ASSERT_EQ(decodedBytes(encodedBytes(all.substr(0, size))), all.substr(0, size));
+  }
+}
+
+}  // namespace
+}  // namespace lab::runner

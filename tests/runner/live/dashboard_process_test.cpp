@@ -1,0 +1,138 @@
+#include "runner/live/dashboard_process.hpp"
+
+#include <gmock/gmock.h>
+#include <sys/stat.h>
+
+#include <chrono>
+#include <csignal>
+#include <fstream>
+#include <thread>
+
+#include "runner/command_line/exit_code.hpp"
+#include "tests/common/temporary_folder.hpp"
+
+namespace lab::runner {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::SizeIs;
+
+TEST(WantsDashboard, InRealTimeUnlessToldOtherwise) {
+  EXPECT_TRUE(wantsDashboard({}, false, nullptr));
+  EXPECT_TRUE(wantsDashboard({}, false, ""));
+  EXPECT_FALSE(wantsDashboard({}, false, "true"));
+  EXPECT_TRUE(wantsDashboard(true, false, "true"));
+  EXPECT_FALSE(wantsDashboard(false, false, nullptr));
+  EXPECT_FALSE(wantsDashboard({}, true, nullptr));
+  EXPECT_FALSE(wantsDashboard(false, true, nullptr));
+  EXPECT_THROW((void)wantsDashboard(true, true, nullptr), UserError);
+}
+
+/// With a shell script in the program's place.
+class Page : public testing::Test {
+ protected:
+  DashboardOptions options(const std::string& script) {
+    const fs::path program = folder_ / "dashboard";
+    std::ofstream(program) << "#!/bin/sh\n" << script;
+    fs::permissions(program, fs::perms::owner_all);
+    return {.program = program,
+            .url = "memq://",
+            .runs = folder_ / "",
+            .address_file = folder_ / "address",
+            .address_copy = folder_ / "copy",
+            .output = folder_ / "output"};
+  }
+
+  /// Looks after it until `done`, for 10 s at most.
+  bool lookUntil(DashboardProcess& page, const std::function<bool()>& done) {
+    for (int i = 0; i < 1000 && !done(); ++i) {
+      page.lookAfter([this](const std::string& what) { said_.push_back(what); });
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    return done();
+  }
+
+  TemporaryFolder folder_;
+  std::vector<std::string> said_;
+  std::function<void(const std::string&)> say_ = [this](const std::string& what) {
+    said_.push_back(what);
+  };
+};
+
+constexpr const char* kGood = R"(
+while [ $# -gt 0 ]; do [ "$1" = --address-file ] && file=$2; shift; done
+echo "http://127.0.0.1:8480/#token=$$" > "$file.new"; mv "$file.new" "$file"
+echo $$ >> "$file.pids"
+exec sleep 60
+)";
+
+TEST_F(Page, TellsItsAddressToItsOwnerAloneAndLeavesNothing) {
+  {
+    DashboardProcess page(options(kGood));
+    page.start(say_);
+    ASSERT_TRUE(lookUntil(page, [&] { return !page.address().empty(); }));
+    EXPECT_THAT(page.address(), HasSubstr("http://127.0.0.1:8480/#token="));
+    struct stat status {};
+    ASSERT_EQ(stat((folder_ / "copy").c_str(), &status), 0);
+    EXPECT_EQ(status.st_mode & 0777, 0600U);
+    std::string copy;
+    std::getline(std::ifstream(folder_ / "copy"), copy);
+    EXPECT_EQ(copy, page.address());
+  }
+  EXPECT_FALSE(fs::exists(folder_ / "address"));
+  EXPECT_FALSE(fs::exists(folder_ / "copy"));
+  EXPECT_THAT(said_, IsEmpty());
+}
+
+TEST_F(Page, IgnoresTheAddressOfAnEarlierOne) {
+  std::ofstream(folder_ / "address") << "http://127.0.0.1:1/#token=old\n";
+  DashboardProcess page(options(kGood));
+  page.start(say_);
+  ASSERT_TRUE(lookUntil(page, [&] { return !page.address().empty(); }));
+  EXPECT_THAT(page.address(), HasSubstr(":8480/"));
+}
+
+TEST_F(Page, ComesAgainWhenItIsKilledWithItsAddressBeforeIt) {
+  DashboardProcess page(options(kGood));
+  page.start(say_);
+  ASSERT_TRUE(lookUntil(page, [&] { return !page.address().empty(); }));
+  const std::string before = page.address();
+  int pid = 0;
+  ASSERT_TRUE(lookUntil(page, [&] {
+    return static_cast<bool>(std::ifstream(folder_ / "address.pids") >> pid);
+  }));
+  ASSERT_EQ(kill(pid, SIGKILL), 0);
+  ASSERT_TRUE(lookUntil(page, [&] { return !said_.empty(); }));
+  EXPECT_THAT(said_, testing::ElementsAre("dashboard died (killed by signal 9) and was restarted"));
+  EXPECT_TRUE(fs::exists(folder_ / "address")) << "for the next one to take up";
+  ASSERT_TRUE(lookUntil(page, [&] { return page.address() != before; }));
+  std::string copy;
+  std::getline(std::ifstream(folder_ / "copy"), copy);
+  EXPECT_EQ(copy, page.address()) << "of another port or token";
+  EXPECT_FALSE(page.givenUp());
+}
+
+TEST_F(Page, IsGivenUpWhenItDiesAgainAndAgain) {
+  DashboardProcess page(options("exit 3\n"));
+  page.start(say_);
+  ASSERT_TRUE(lookUntil(page, [&] { return page.givenUp(); }));
+  EXPECT_THAT(said_, SizeIs(6));
+  EXPECT_THAT(said_.back(), HasSubstr("everything else goes on"));
+}
+
+TEST_F(Page, IsDoneWithoutWhereItIsNotInstalled) {
+  DashboardOptions missing = options(kGood);
+  missing.program = folder_ / "nowhere";
+  DashboardProcess page(missing);
+  page.start(say_);
+  EXPECT_TRUE(page.givenUp());
+  page.lookAfter(say_);
+  EXPECT_THAT(said_, testing::ElementsAre(testing::AllOf(
+                         HasSubstr(missing.program.string() + " is not there: build the lab"),
+                         HasSubstr("everything else goes on"))));
+}
+
+}  // namespace
+}  // namespace lab::runner

@@ -1,0 +1,383 @@
+// What the conductor does when somebody wants something of a running experiment.
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <lab/experiment_event_t.hpp>
+#include <lab/light_command_t.hpp>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/bus/channels.hpp"
+#include "common/experiment/experiment_file.hpp"
+#include "common/experiment/experiment_messages.hpp"
+#include "common/bus/memory_bus.hpp"
+#include "common/service/node.hpp"
+#include "common/math/units.hpp"
+#include "common/loop/virtual_loop.hpp"
+#include "runner/live/experiment_controller.hpp"
+
+namespace lab::runner {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+constexpr const char* kPlanned = R"(fileversion = 1
+name = "wishes"
+duration_s = 30
+program = "abp"
+[[robots]]
+id = 1
+[programs.rtp]
+model = "rtp"
+v_cm_s = 5
+gamma_per_s = 3
+tau_t_s = 0.5
+[programs.abp]
+model = "abp"
+v_cm_s = 3
+epsilon_s = 0.5
+eta_rad_s = 3
+)";
+
+constexpr const char* kSteps = R"([[light.steps]]
+at_s = 0
+label = "one"
+layers = [{kind = "uniform", intensity = 0.5}]
+[[light.steps]]
+at_s = 10
+label = "two"
+layers = [{kind = "uniform", intensity = 0.6}]
+)";
+
+constexpr const char* kWaits = R"([[light.steps]]
+label = "one"
+until = {tumbles = 3}
+hold_s = 10
+layers = [{kind = "uniform", intensity = 0.5}]
+[[light.steps]]
+label = "two"
+hold_s = 5
+layers = [{kind = "uniform", intensity = 0.6}]
+)";
+
+/// Robots that tumble, and a step that waits for it.
+std::string tumbling() {
+  std::string file = std::string(kPlanned) + kWaits;
+  const std::string program = "program = \"abp\"";
+  return file.replace(file.find(program), program.size(), "program = \"rtp\"");
+}
+
+/// A conductor on a bus with a robot that obeys, and somebody who wishes.
+class ConductorWishes : public testing::Test {
+ protected:
+  ConductorWishes() {
+    loop_.drainWith([this] { bus_.deliver(); });
+    page_.subscribe<experiment_status_t>(channels::kExperimentStatus, [this](const auto& status) {
+      statuses_.push_back(status);
+      phases_[status.phase] = true;
+    });
+    page_.subscribe<experiment_event_t>(channels::kExperimentEvent, [this](const auto& event) {
+      const bool is_new = marks_.empty() || marks_.back() != event.text;
+      if (event.kind == experiment_event_t::MARK && is_new) marks_.push_back(event.text);
+      if (event.kind != experiment_event_t::STEP) return;
+      begins_[event.label] = since(event.commanded_utime);
+    });
+    page_.subscribe<light_command_t>(channels::kLightCommand,
+                                     [this](const auto& command) { light_ = command; });
+    page_.subscribe<robot_command_t>(channels::kRobotCommand, [this](const auto& command) {
+      if (!robot_answers_) return;
+      robot_status_t status{};
+      status.robots.resize(1);
+      status.num_robots = 1;
+      status.robots[0].robot_id = 1;
+      status.robots[0].utime = loop_.now();
+      status.robots[0].command_seq = command.seq;
+      status.robots[0].command_instance = command.instance;
+      status.robots[0].tumble_count = tumbles_;
+      robot_.publish(channels::kRobotStatus, status);
+    });
+  }
+
+  void start(const std::string& file) {
+    experiment_ = parseExperiment(file, "test");
+    conductor_.emplace(ServiceContext{node_, loop_, experiment_, "runs/wishes-01"},
+                       writeExperiment(experiment_), [this](Ending ending, const std::string& why) {
+                         if (!ending_) ended_at_ = since(loop_.now());
+                         ending_ = ending;
+                         why_ = why;
+                         loop_.stop();
+                       });
+    node_.start();
+    begin_ = loop_.now();
+    conductor_->begin();
+    script_ = begin_;
+    loop_.runUntil(begin_ + 1'000'000);
+    ASSERT_TRUE(conductor_->inScript());
+  }
+
+  /// To `s` after the script began.
+  void goTo(double s) { loop_.runUntil(script_ + units::microseconds(s)); }
+
+  void wish(std::int8_t action, const std::string& text = {}, int copies = 1) {
+    experiment_command_t command{};
+    command.action = action;
+    command.text = text;
+    command.seq = ++seq_;
+    for (int i = 0; i < copies; ++i) page_.publishCommand(channels::kExperimentCommand, command);
+    bus_.deliver();
+  }
+
+  [[nodiscard]] double since(std::int64_t utime) const { return units::seconds(utime - script_); }
+  [[nodiscard]] const experiment_status_t& status() const { return statuses_.back(); }
+
+  VirtualLoop loop_;
+  MemoryBus bus_{[this] { return loop_.now(); }};
+  Node node_{bus_, loop_, {"lab", 0, 1}};
+  Node page_{bus_, loop_, {"page", 0, 5}};
+  Node robot_{bus_, loop_, {"sim_svc", 0, 1}};
+  Experiment experiment_;
+  std::optional<Conductor> conductor_;
+  std::int64_t begin_ = 0;
+  std::int64_t script_ = 0;
+  std::int64_t seq_ = 0;
+  std::int32_t tumbles_ = 0;
+  bool robot_answers_ = true;
+
+  std::vector<experiment_status_t> statuses_;
+  std::map<std::int8_t, bool> phases_;
+  std::vector<std::string> marks_;
+  std::map<std::string, double> begins_;
+  light_command_t light_{};
+  std::optional<Ending> ending_;
+  double ended_at_ = 0;
+  std::string why_;
+};
+
+TEST_F(ConductorWishes, SaysHowTheRunStands) {
+  start(std::string(kPlanned) + kSteps);
+  goTo(4);
+  EXPECT_EQ(status().sender, "lab");
+  EXPECT_EQ(status().run, "") << "in virtual time";
+  EXPECT_EQ(status().phase, experiment_status_t::SCRIPT);
+  EXPECT_NEAR(status().elapsed, 4, 0.5);
+  EXPECT_DOUBLE_EQ(status().left, 30 - status().elapsed);
+  EXPECT_EQ(status().at_most, 0);
+  EXPECT_EQ(status().rate, 1);
+  EXPECT_EQ(status().step, 0);
+  EXPECT_EQ(status().label, "one");
+  EXPECT_DOUBLE_EQ(status().step_left, 10 - status().elapsed);
+  EXPECT_EQ(status().stop, "");
+  EXPECT_EQ(status().commander, "");
+
+  statuses_.clear();
+  goTo(9.99);
+  EXPECT_EQ(statuses_.size(), 11U) << "2 Hz";
+  statuses_.clear();
+  goTo(10.2);
+  EXPECT_EQ(status().step, 1);
+  EXPECT_EQ(status().label, "two");
+  EXPECT_TRUE(std::isnan(status().step_left)) << "nothing follows";
+  goTo(40);
+  conductor_->conclude("over");
+  bus_.deliver();
+  EXPECT_EQ(status().phase, experiment_status_t::ENDED);
+  EXPECT_EQ(status().left, 0);
+}
+
+TEST_F(ConductorWishes, APauseShiftsWhatIsStillToCome) {
+  start(std::string(kPlanned) + kSteps);
+  goTo(4);
+  wish(experiment_command_t::PAUSE, "", 3);
+  EXPECT_EQ(status().phase, experiment_status_t::PAUSED);
+  EXPECT_EQ(status().command_seq, 1);
+  EXPECT_EQ(status().commander, "page");
+  EXPECT_EQ(status().command_instance, 5);
+  EXPECT_EQ(status().refusal, "");
+  EXPECT_TRUE(conductor_->progress().paused);
+  const std::int64_t light = light_.seq;
+
+  goTo(4 + 30);  // behind the step's time, and the run's
+  EXPECT_EQ(status().phase, experiment_status_t::PAUSED);
+  EXPECT_DOUBLE_EQ(status().elapsed, 4);
+  EXPECT_DOUBLE_EQ(status().left, 26);
+  EXPECT_DOUBLE_EQ(status().step_left, 6);
+  EXPECT_EQ(light_.seq, light) << "the light stays";
+  EXPECT_FALSE(ending_);
+  goTo(4 + 33.2);
+  wish(experiment_command_t::RESUME);
+  EXPECT_EQ(status().phase, experiment_status_t::SCRIPT);
+
+  goTo(100);
+  EXPECT_EQ(ending_, Ending::kDone);
+  conductor_->conclude(why_);
+  bus_.deliver();
+  EXPECT_DOUBLE_EQ(begins_.at("one"), 0);
+  EXPECT_DOUBLE_EQ(begins_.at("two"), 10 + 33.2);
+  EXPECT_DOUBLE_EQ(ended_at_, 30 + 33.2);
+  EXPECT_THAT(marks_,
+              ElementsAre("script paused by page", "script resumed by page after 33.2 s"));
+  EXPECT_THAT(conductor_->faults(), IsEmpty());
+}
+
+TEST_F(ConductorWishes, PausesAddUp) {
+  start(std::string(kPlanned) + kSteps);
+  for (const double at : {2.0, 5.0, 9.0}) {
+    goTo(at);
+    wish(experiment_command_t::PAUSE);
+    goTo(at + 0.25);
+    wish(experiment_command_t::RESUME);
+  }
+  goTo(100);
+  conductor_->conclude(why_);
+  bus_.deliver();
+  EXPECT_DOUBLE_EQ(begins_.at("two"), 10.75);
+  EXPECT_DOUBLE_EQ(ended_at_, 30.75);
+}
+
+TEST_F(ConductorWishes, AConditionsPatienceStandsToo) {
+  start(tumbling());
+  goTo(6);
+  wish(experiment_command_t::PAUSE);
+  goTo(16);
+  wish(experiment_command_t::RESUME);
+  goTo(19.9);
+  EXPECT_EQ(status().step, 0);
+  goTo(20.1);
+  EXPECT_EQ(status().step, 1);
+  EXPECT_THAT(conductor_->faults(), ElementsAre(HasSubstr("waited 10 s in vain")));
+}
+
+TEST_F(ConductorWishes, WhatAStepWaitsForMayComeAboutInAPause) {
+  start(tumbling());
+  goTo(2);
+  wish(experiment_command_t::PAUSE);
+  tumbles_ = 3;
+  goTo(5);
+  EXPECT_EQ(status().step, 0);
+  wish(experiment_command_t::RESUME);
+  EXPECT_EQ(status().step, 1);
+  goTo(100);
+  conductor_->conclude(why_);
+  bus_.deliver();
+  EXPECT_DOUBLE_EQ(begins_.at("two"), 5);
+  EXPECT_DOUBLE_EQ(ended_at_, 10);
+  EXPECT_THAT(conductor_->faults(), IsEmpty());
+}
+
+TEST_F(ConductorWishes, StopRulesGoOnInAPause) {
+  start(std::string(kPlanned) +
+        "[[stop_when]]\nestimate = \"D_r\"\nprogram = \"abp\"\nrelative_error_percent = 10\n");
+  EXPECT_EQ(status().at_most, 1);
+  EXPECT_THAT(status().stop, HasSubstr("not known yet"));
+  wish(experiment_command_t::PAUSE);
+  goTo(5);
+  analysis_t message{};
+  message.robot_id = analysis_t::POOL;
+  message.program = toMessage(experiment_.programs.at("abp"));
+  message.estimates.resize(1);
+  message.num_estimates = 1;
+  message.estimates[0].name = "D_r";
+  message.estimates[0].value = 1;
+  message.estimates[0].sigma = 0.05;
+  page_.publish(channels::kAnalysis, message);
+  bus_.deliver();
+  EXPECT_EQ(ending_, Ending::kDone);
+  EXPECT_DOUBLE_EQ(ended_at_, 5);
+}
+
+TEST_F(ConductorWishes, RefusesWhatMakesNoSenseWithAReason) {
+  start(std::string(kPlanned) + kSteps);
+  wish(experiment_command_t::RESUME);
+  EXPECT_THAT(status().refusal, HasSubstr("is not paused"));
+  wish(experiment_command_t::PAUSE);
+  EXPECT_EQ(status().refusal, "");
+  wish(experiment_command_t::PAUSE);
+  EXPECT_THAT(status().refusal, HasSubstr("paused already"));
+  wish(experiment_command_t::SEEK);
+  EXPECT_THAT(status().refusal, HasSubstr("only a played log"));
+  wish(experiment_command_t::SPEED);
+  EXPECT_THAT(status().refusal, HasSubstr("only a played log"));
+  wish(99);
+  EXPECT_THAT(status().refusal, HasSubstr("unknown"));
+  wish(experiment_command_t::MARK);
+  EXPECT_THAT(status().refusal, HasSubstr("needs a text"));
+  wish(experiment_command_t::MARK, "two\nlines");
+  EXPECT_THAT(status().refusal, HasSubstr("control characters"));
+  EXPECT_EQ(status().command_seq, 8);
+  EXPECT_THAT(marks_, ElementsAre("script paused by page"));
+  conductor_->conclude("over");
+  wish(experiment_command_t::PAUSE);
+  EXPECT_THAT(status().refusal, HasSubstr("over"));
+}
+
+TEST_F(ConductorWishes, AMarkStandsInTheRecordOnce) {
+  start(std::string(kPlanned) + kSteps);
+  wish(experiment_command_t::MARK, "robot 4 lost a wheel, \u03B7 wrong", 5);
+  EXPECT_THAT(marks_, ElementsAre("page: robot 4 lost a wheel, \u03B7 wrong"));
+  EXPECT_EQ(status().refusal, "");
+}
+
+TEST_F(ConductorWishes, EndsByHandEvenInAPause) {
+  start(std::string(kPlanned) + kSteps);
+  goTo(3);
+  wish(experiment_command_t::PAUSE);
+  goTo(5);
+  wish(experiment_command_t::END, "enough");
+  EXPECT_EQ(ending_, Ending::kWished);
+  EXPECT_EQ(why_, "ended by page: enough");
+  conductor_->conclude(why_);
+  bus_.deliver();
+  EXPECT_EQ(status().phase, experiment_status_t::ENDED);
+  EXPECT_DOUBLE_EQ(status().elapsed, 3) << "pauses do not count";
+  EXPECT_EQ(status().command_seq, 2);
+}
+
+TEST_F(ConductorWishes, EndingByHandMakesAnUnmetConditionNoBetter) {
+  std::string file = tumbling();
+  file.replace(file.find("hold_s = 10"), 11, "hold_s = 10\nif_not = \"safe\"");
+  start(file);
+  robot_answers_ = false;  // so that nobody confirms that it stands
+  goTo(10.5);
+  ASSERT_EQ(status().phase, experiment_status_t::LEAVING);
+  ASSERT_FALSE(ending_);
+  wish(experiment_command_t::END, "enough");
+  EXPECT_EQ(ending_, Ending::kUnmet);
+  EXPECT_THAT(why_, HasSubstr("waited 10 s in vain"));
+  EXPECT_THAT(why_, HasSubstr("; ended by page: enough"));
+}
+
+TEST_F(ConductorWishes, TheOnlookersTroublesAreNoFaults) {
+  start(std::string(kPlanned) + kSteps);
+  Node onlooker(bus_, loop_, {"dashboard", 0, 1});
+  onlooker.fault("no port is free");
+  bus_.deliver();
+  EXPECT_THAT(conductor_->faults(), IsEmpty());
+  EXPECT_THAT(marks_, ElementsAre("dashboard: no port is free"));
+  Node service(bus_, loop_, {"tracker_svc", 0, 1});
+  service.fault("no camera");
+  bus_.deliver();
+  EXPECT_THAT(conductor_->faults(), ElementsAre("tracker_svc: no camera"));
+}
+
+/// While the robots are still asked for their table.
+TEST_F(ConductorWishes, APauseBeforeTheScriptIsRefused) {
+  experiment_ = parseExperiment(std::string(kPlanned) + "[[robots]]\nid = 2\n" + kSteps, "test");
+  conductor_.emplace(ServiceContext{node_, loop_, experiment_, "runs/wishes-02"}, "",
+                     [](Ending, const std::string&) {});
+  wish(experiment_command_t::PAUSE);
+  EXPECT_TRUE(statuses_.empty()) << "nobody conducts yet";
+  conductor_->begin();
+  loop_.runUntil(loop_.now() + 1'000'000);
+  ASSERT_FALSE(conductor_->inScript());
+  EXPECT_EQ(status().phase, experiment_status_t::PREPARING);
+  EXPECT_EQ(status().step, -1);
+  wish(experiment_command_t::PAUSE);
+  EXPECT_THAT(status().refusal, HasSubstr("has not begun"));
+}
+
+}  // namespace
+}  // namespace lab::runner

@@ -1,0 +1,137 @@
+#include "runner/runs/lab_registry.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <fstream>
+
+#include "runner/command_line/exit_code.hpp"
+
+namespace lab::runner {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+class LabRegistry : public testing::Test {
+ protected:
+  LabRegistry() {
+    fs::create_directories(folder);
+    setenv("XDG_RUNTIME_DIR", folder.c_str(), 1);
+  }
+  ~LabRegistry() override { fs::remove_all(folder); }
+
+  fs::path folder = fs::path(testing::TempDir()) / ("registry_test_" + std::to_string(getpid()));
+};
+
+TEST_F(LabRegistry, ASingleLabIsImpliedAndGoneWithItsRegistration) {
+  {
+    const Registration dut({"abp-1", "udpm://x", getpid(), "/runs/abp-1", false});
+    EXPECT_EQ(findLab("").name, "abp-1");
+    EXPECT_EQ(findLab("abp-1").url, "udpm://x");
+  }
+  EXPECT_THROW(static_cast<void>(findLab("")), UserError);
+}
+
+TEST_F(LabRegistry, OfSeveralLabsOneMustBeNamed) {
+  const Registration first({"one", "udpm://1", getpid(), "/runs/one", false});
+  const Registration second({"two", "udpm://2", getppid(), "/runs/two", false});
+  EXPECT_EQ(findLab("two").url, "udpm://2");
+  EXPECT_THAT([] { static_cast<void>(findLab("")); }, ThrowsMessage<UserError>(HasSubstr("--lab")));
+  EXPECT_THAT([] { static_cast<void>(findLab("three")); },
+              ThrowsMessage<UserError>(HasSubstr("no lab named three")));
+}
+
+TEST_F(LabRegistry, NoTwoLabsThatRunHaveOneName) {
+  const fs::path mine = folder / "mine" / "abp-1";
+  const fs::path yours = folder / "yours" / "abp-1";
+  fs::create_directories(mine);
+  fs::create_directories(yours);
+
+  const Registration first({"abp-1", "udpm://1", getppid(), mine.string(), false});
+  const Registration second({"abp-1", "udpm://2", getpid(), yours.string(), false});
+  const Registration third({"abp-1", "udpm://3", 1, "", false});
+
+  EXPECT_EQ(first.name(), "abp-1");
+  EXPECT_EQ(second.name(), "abp-1-2");
+  EXPECT_EQ(third.name(), "abp-1-3");
+  EXPECT_EQ(findLab("abp-1").url, "udpm://1");
+  EXPECT_EQ(findLab("abp-1-2").url, "udpm://2");
+  EXPECT_EQ(findLab(yours.string() + "/").url, "udpm://2") << "its folder names it too";
+}
+
+TEST_F(LabRegistry, ANameIsFreeAgainWithTheEndOfItsLab) {
+  { const Registration earlier({"abp-1", "udpm://1", getppid(), "", false}); }
+  // What a killed runner left, whose process id has come round to this one.
+  std::ofstream(registryDirectory() / (std::to_string(getpid()) + ".json"))
+      << R"({"name": "abp-1", "url": "udpm://0", "pid": )" << getpid()
+      << R"(, "directory": "", "replay": false})";
+
+  const Registration dut({"abp-1", "udpm://2", getpid(), "", false});
+
+  EXPECT_EQ(dut.name(), "abp-1");
+}
+
+TEST_F(LabRegistry, ANameOfSeveralLabsIsRefusedWithTheirFolders) {
+  const Registration first({"abp-1", "udpm://1", getppid(), "/a/abp-1", false});
+  // As versions without unique names register.
+  std::ofstream(registryDirectory() / "1.json")
+      << R"({"name": "abp-1", "url": "udpm://2", "pid": 1, "directory": "/b/abp-1", "replay": false})";
+
+  const auto find = [] { static_cast<void>(findLab("abp-1")); };
+
+  EXPECT_THAT(find, ThrowsMessage<UserError>(HasSubstr("say which with --lab FOLDER: ")));
+  EXPECT_THAT(find, ThrowsMessage<UserError>(HasSubstr("/a/abp-1")));
+  EXPECT_THAT(find, ThrowsMessage<UserError>(HasSubstr("/b/abp-1")));
+}
+
+TEST_F(LabRegistry, ForgetsLabsWhoseRunnerDied) {
+  constexpr int kNobody = 999'999'999;
+  const fs::path file = registryDirectory() / "999999999.json";
+  fs::create_directories(registryDirectory());
+  std::ofstream(file) << R"({"name": "dead", "url": "udpm://d", "pid": )" << kNobody
+                      << R"(, "directory": "/runs/dead", "replay": false})";
+  EXPECT_THAT(runningLabs(), testing::IsEmpty());
+  EXPECT_FALSE(fs::exists(file));
+}
+
+TEST_F(LabRegistry, ClearsAwayWhatDeadRunnersKept) {
+  fs::create_directories(registryDirectory());
+  const fs::path mine = ownFile(".web.txt");
+  std::ofstream(mine) << "";
+  for (const char* ending : {".web", ".web.txt", ".web.part", ".web.html"}) {
+    std::ofstream(registryDirectory() / (std::string("999999999") + ending)) << "";
+  }
+  EXPECT_THAT(runningLabs(), testing::IsEmpty());
+  std::vector<fs::path> left;
+  for (const auto& entry : fs::directory_iterator(registryDirectory())) left.push_back(entry);
+  EXPECT_THAT(left, testing::ElementsAre(mine));
+  {
+    const OwnFile dut(".web.txt");
+    EXPECT_EQ(dut.path(), mine);
+  }
+  EXPECT_FALSE(fs::exists(mine));
+}
+
+TEST_F(LabRegistry, APortBelongsToOneLab) {
+  constexpr int kPort = 23450;
+  {
+    const PortLock dut(kPort);
+    EXPECT_THAT([] { const PortLock second(kPort); },
+                ThrowsMessage<UserError>(HasSubstr("port 23450")));
+  }
+  EXPECT_NO_THROW(const PortLock again(kPort));
+}
+
+TEST_F(LabRegistry, SurvivesGarbage) {
+  fs::create_directories(registryDirectory());
+  std::ofstream(registryDirectory() / "1.json") << "not json";
+  std::ofstream(registryDirectory() / "2.json") << R"({"name": "x", "pid": "x"})";
+  EXPECT_THAT(runningLabs(), testing::IsEmpty());
+}
+
+}  // namespace
+}  // namespace lab::runner
