@@ -160,12 +160,12 @@ function(lab_tests prefix)
 endfunction()
 
 # lab_benchmark(name SOURCES x.cpp... [LINK target...])
-# Runs alone, with the long tests, and leaves its figures in benchmarks/results/.
+# Runs alone, with the long tests, and leaves its figures in tests/benchmarks/results/.
 function(lab_benchmark name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE lab_options ${ARG_LINK} benchmark::benchmark)
-  set(results "${PROJECT_SOURCE_DIR}/benchmarks/results")
+  set(results "${PROJECT_SOURCE_DIR}/tests/benchmarks/results")
   file(MAKE_DIRECTORY "${results}")
   add_test(NAME ${name}
     COMMAND ${name} "--benchmark_out=${results}/${name}.json" --benchmark_out_format=json)

@@ -27,33 +27,33 @@ if(TARGET robot_emulator)
 endif()
 
 # Texts say `./lab`, as a clone's user types it; a package's user types `active-lab NAME`.
-install(CODE "execute_process(COMMAND \"${PROJECT_SOURCE_DIR}/packaging/stage_texts.sh\"
+install(CODE "execute_process(COMMAND \"${PROJECT_SOURCE_DIR}/cmake/packaging/stage_texts.sh\"
   \"${PROJECT_SOURCE_DIR}\" \"${staged}/texts\" COMMAND_ERROR_IS_FATAL ANY)" COMPONENT main)
 install(DIRECTORY "${staged}/texts/experiments" DESTINATION share/active-lab COMPONENT main)
-install(DIRECTORY "${staged}/texts/examples" "${staged}/texts/docs"
+install(DIRECTORY "${staged}/texts/docs"
   DESTINATION ${documents} COMPONENT main USE_SOURCE_PERMISSIONS)
 install(FILES "${staged}/texts/CHANGELOG.md"
   DESTINATION ${documents} COMPONENT main)
 
 # Beside the programs.
-install(FILES packaging/70-active-lab.rules DESTINATION lib/udev/rules.d COMPONENT main)
-install(FILES packaging/active-lab.bash DESTINATION share/bash-completion/completions
+install(FILES cmake/packaging/70-active-lab.rules DESTINATION lib/udev/rules.d COMPONENT main)
+install(FILES cmake/packaging/active-lab.bash DESTINATION share/bash-completion/completions
   RENAME active-lab COMPONENT main)
-install(FILES packaging/active-lab.desktop DESTINATION share/applications COMPONENT main)
-install(FILES packaging/active-lab.svg DESTINATION share/icons/hicolor/scalable/apps COMPONENT main)
+install(FILES cmake/packaging/active-lab.desktop DESTINATION share/applications COMPONENT main)
+install(FILES cmake/packaging/active-lab.svg DESTINATION share/icons/hicolor/scalable/apps COMPONENT main)
 file(READ LICENSE license)
 string(REGEX REPLACE "^[^\n]*\n[^\n]*\n[^\n]*\n\n" "" license "${license}")  # title, holders
 string(STRIP "${license}" license)
 string(REPLACE "\n\n" "\n.\n" license "${license}")
 string(REPLACE "\n" "\n " license "${license}")
-configure_file(packaging/copyright.in "${staged}/copyright" @ONLY)
+configure_file(cmake/packaging/copyright.in "${staged}/copyright" @ONLY)
 install(FILES "${staged}/copyright" DESTINATION ${documents} COMPONENT main)
 install(FILES "${staged}/copyright" DESTINATION share/doc/active-lab-gateway COMPONENT gateway)
 
 # lab_man_page(component page program): out of --help of the installed program, which is how it says
 # what its users type.
 function(lab_man_page component page program)
-  install(CODE "execute_process(COMMAND \"${PROJECT_SOURCE_DIR}/packaging/man_page.sh\" ${page}
+  install(CODE "execute_process(COMMAND \"${PROJECT_SOURCE_DIR}/cmake/packaging/man_page.sh\" ${page}
     ${PROJECT_VERSION} \"${PROJECT_SOURCE_DIR}\"
     \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${programs}/${program}\"
     \"${staged}/${page}.1.gz\" COMMAND_ERROR_IS_FATAL ANY)" COMPONENT ${component})
@@ -68,7 +68,7 @@ endforeach()
 lab_man_page(gateway active-lab-dds_gateway dds_gateway)
 if(TARGET robot_emulator)
   lab_man_page(emulator active-lab-robot_emulator robot_emulator)
-  configure_file(packaging/copyright.emulator.in "${staged}/emulator/copyright" @ONLY)
+  configure_file(cmake/packaging/copyright.emulator.in "${staged}/emulator/copyright" @ONLY)
   install(FILES "${staged}/emulator/copyright" DESTINATION share/doc/active-lab-emulator
     COMPONENT emulator)
 endif()

@@ -14,7 +14,7 @@ inline constexpr std::array<std::string_view, 6> kSecurityFiles{
     "permissions_ca.pem", "governance.p7s", "permissions.p7s"};
 
 /// Nothing leaves this machine, and nobody elsewhere is heard. ROS 2 on this machine is met where it
-/// uses the loopback interface (Humble's ROS_LOCALHOST_ONLY, the files of examples/ros2); beside a
+/// uses the loopback interface (Humble's ROS_LOCALHOST_ONLY, the files of docs/examples/ros2); beside a
 /// network card not with its defaults, nor with Jazzy's LOCALHOST, whose nodes are at the card's
 /// address (docs/ros2.md).
 [[nodiscard]] std::string localConfiguration();

@@ -40,7 +40,7 @@ using KeyValue = diagnostic_msgs_msg_dds__KeyValue_;
 using DiagnosticStatus = diagnostic_msgs_msg_dds__DiagnosticStatus_;
 using DiagnosticArray = diagnostic_msgs_msg_dds__DiagnosticArray_;
 using Clock = rosgraph_msgs_msg_dds__Clock_;
-// The lab's own (examples/ros2/active_lab_msgs).
+// The lab's own (docs/examples/ros2/active_lab_msgs).
 using Program = active_lab_msgs_msg_dds__Program_;
 using Estimate = active_lab_msgs_msg_dds__Estimate_;
 using Curve = active_lab_msgs_msg_dds__Curve_;

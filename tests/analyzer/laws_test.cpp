@@ -8,7 +8,7 @@
 #include <string>
 
 #include "analyzer/phased_noise.hpp"
-#include "tests/analyzer/reference_table.hpp"
+#include "tests/support/reference_table.hpp"
 
 namespace lab::analysis::laws_test {
 namespace {

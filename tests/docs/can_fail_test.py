@@ -55,7 +55,7 @@ WRONG = {  # what is changed in the good page, and what is said of it
 def said_of(page):
     with tempfile.TemporaryDirectory() as folder:
         root = Path(folder)
-        for name in ("experiments", "examples", "lcmtypes", "lab"):
+        for name in ("experiments", "docs/examples", "lcmtypes", "lab"):
             (root / name).symlink_to(ROOT / name)
         (root / "page.md").write_text(page, encoding="utf-8")
         test = str(HERE / "commands_test.py")

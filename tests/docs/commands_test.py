@@ -113,7 +113,7 @@ def unknown_to_script(words):
 
 def missing_file_in(line):
     """Of the files of this project that a command line names."""
-    for word in re.findall(r"(?<![\w/.~-])(?:experiments|examples|tests|lcmtypes)/[\w./-]+", line):
+    for word in re.findall(r"(?<![\w/.~-])(?:experiments|docs/examples|tests|lcmtypes)/[\w./-]+", line):
         if not (ROOT / word).exists():
             return f"there is no {word}"
     return ""
@@ -132,7 +132,7 @@ class Folder:
         for name in ("home", "runtime", "tmp", "build/release"):
             (self.path / name).mkdir(parents=True)
         (self.path / "runtime").chmod(0o700)
-        for name in ("experiments", "examples", "lcmtypes"):
+        for name in ("experiments", "docs/examples", "lcmtypes"):
             shutil.copytree(ROOT / name, self.path / name)
         (self.path / "lab").symlink_to(PROGRAMS / "lab")
         (self.path / "build/release/bin").symlink_to(PROGRAMS)

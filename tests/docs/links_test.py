@@ -12,7 +12,7 @@ from pathlib import Path
 from markdown import Page
 
 ROOT = Path()
-FOLDERS = ("docs", "experiments", "examples", "tests", "benchmarks", "lcmtypes", "cmake")
+FOLDERS = ("docs", "experiments", "tests", "lcmtypes", "cmake")
 
 
 @lru_cache(maxsize=None)

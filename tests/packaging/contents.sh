@@ -31,8 +31,8 @@ for name in active-lab active-lab-gateway active-lab-emulator; do
     sed -n "s#^$name ##p" "$here/expected_files.txt"
     if [ $name = active-lab ]; then
       (cd "$source" && find experiments -type f -printf '0644 usr/share/active-lab/%p\n')
-      (cd "$source" && find docs examples -type f -perm /100 -printf '0755 usr/share/doc/active-lab/%p\n')
-      (cd "$source" && find docs examples -type f ! -perm /100 -printf '0644 usr/share/doc/active-lab/%p\n')
+      (cd "$source" && find docs -type f -perm /100 -printf '0755 usr/share/doc/active-lab/%p\n')
+      (cd "$source" && find docs -type f ! -perm /100 -printf '0644 usr/share/doc/active-lab/%p\n')
     fi
   } | sort -k 2 >expected
   (cd "$name" && find . ! -type d -printf '%04m %P\n') | sed 's/^0777 usr.bin/link usr\/bin/' |

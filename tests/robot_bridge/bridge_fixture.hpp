@@ -22,7 +22,7 @@
 #include "common/serial/memory_serial.hpp"
 #include "common/loop/virtual_loop.hpp"
 #include "robot_bridge/bridge_service.hpp"
-#include "tests/robot_bridge/wire_robot.hpp"
+#include "tests/support/wire_robot.hpp"
 
 namespace lab::bridge {
 

@@ -16,8 +16,8 @@
 #include "common/serial/memory_serial.hpp"
 #include "common/loop/virtual_loop.hpp"
 #include "sim_svc/sim_service.hpp"
-#include "tests/common/temporary_folder.hpp"
-#include "tests/sim_svc/wire_host.hpp"
+#include "tests/support/temporary_folder.hpp"
+#include "tests/support/wire_host.hpp"
 
 namespace lab::sim {
 namespace {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/detector/circle_picture.hpp"
+#include "tests/support/circle_picture.hpp"
 
 namespace lab::detector {
 namespace {

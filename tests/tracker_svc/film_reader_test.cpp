@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "tracker_svc/cameras/grey.hpp"
-#include "tests/cameras/film_samples.hpp"
-#include "tests/common/temporary_folder.hpp"
+#include "tests/support/film_samples.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace lab {
 namespace {

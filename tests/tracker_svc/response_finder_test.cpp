@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "tests/detector/kinds/scenes.hpp"
+#include "tests/support/tracker_scenes/scenes.hpp"
 
 namespace lab::detector::response_finder_test {
 namespace {

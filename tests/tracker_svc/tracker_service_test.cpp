@@ -12,7 +12,7 @@
 #include "common/loop/virtual_loop.hpp"
 #include "light/optics/simulated_camera.hpp"
 #include "sim_svc/camera_painter.hpp"
-#include "tests/common/temporary_folder.hpp"
+#include "tests/support/temporary_folder.hpp"
 #include "tests/tracker_svc/covered_cap.hpp"
 
 namespace lab::tracker {

@@ -10,7 +10,7 @@
 #include <iterator>
 
 #include "common/bus/channels.hpp"
-#include "tests/common/temporary_folder.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace lab::log_file_test {
 namespace {

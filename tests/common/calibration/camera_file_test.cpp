@@ -7,7 +7,7 @@
 
 #include "common/experiment/experiment_file.hpp"
 #include "light/optics/simulated_camera.hpp"
-#include "tests/common/temporary_folder.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace lab {
 namespace {

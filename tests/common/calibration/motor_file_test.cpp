@@ -6,7 +6,7 @@
 #include <fstream>
 
 #include "common/experiment/experiment_file.hpp"
-#include "tests/common/temporary_folder.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace lab {
 namespace {

@@ -15,8 +15,8 @@
 
 #include "tracker_svc/camera_devices.hpp"
 #include "common/camera/frame_ring.hpp"
-#include "tests/cameras/loop_until.hpp"
-#include "tests/common/temporary_folder.hpp"
+#include "tests/support/loop_until.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace lab {
 namespace {

@@ -1,7 +1,7 @@
 #include <gmock/gmock.h>
 
 #include "common/experiment/experiment_log_size.hpp"
-#include "tests/common/experiment_samples.hpp"
+#include "tests/support/experiment_samples.hpp"
 
 namespace lab {
 namespace {

@@ -5,8 +5,8 @@
 #include <numbers>
 
 #include "common/math/random.hpp"
-#include "tests/common/experiment_samples.hpp"
-#include "tests/common/temporary_folder.hpp"
+#include "tests/support/experiment_samples.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace lab {
 namespace {

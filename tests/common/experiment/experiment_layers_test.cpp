@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "common/math/random.hpp"
-#include "tests/common/experiment_samples.hpp"
+#include "tests/support/experiment_samples.hpp"
 
 namespace lab {
 namespace {

@@ -1,6 +1,6 @@
 #include <gmock/gmock.h>
 
-#include "tests/common/experiment_samples.hpp"
+#include "tests/support/experiment_samples.hpp"
 
 namespace lab {
 namespace {

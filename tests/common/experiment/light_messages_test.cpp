@@ -6,7 +6,7 @@
 #include <stdexcept>
 
 #include "common/bus/bus.hpp"
-#include "tests/light/light_samples.hpp"
+#include "tests/support/light_samples.hpp"
 
 namespace lab {
 namespace {

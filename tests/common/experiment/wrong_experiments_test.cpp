@@ -4,7 +4,7 @@
 
 #include <sstream>
 
-#include "tests/common/experiment_samples.hpp"
+#include "tests/support/experiment_samples.hpp"
 
 namespace lab {
 namespace {

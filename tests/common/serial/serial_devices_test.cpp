@@ -15,7 +15,7 @@
 #include <string>
 
 #include "common/serial/serial_line.hpp"
-#include "tests/common/temporary_folder.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace lab {
 namespace {

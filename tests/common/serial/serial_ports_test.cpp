@@ -10,7 +10,7 @@
 #include "common/serial/memory_serial.hpp"
 #include "common/serial/serial_devices.hpp"
 #include "common/loop/virtual_loop.hpp"
-#include "tests/common/temporary_folder.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace lab::serial_ports_test {
 namespace {

@@ -5,7 +5,7 @@
 #include <thread>
 
 #include "dashboard/control/json_object_reader.hpp"
-#include "tests/common/temporary_folder.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace lab::dashboard::lab_starter_test {
 namespace {

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "dashboard/web/web_server.hpp"
-#include "tests/common/temporary_folder.hpp"
-#include "tests/dashboard/raw_client.hpp"
+#include "tests/support/temporary_folder.hpp"
+#include "tests/support/raw_http_client.hpp"
 
 namespace lab::dashboard {
 

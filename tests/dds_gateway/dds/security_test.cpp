@@ -1,4 +1,4 @@
-// DDS Security with the certificates of examples/dds_security/make_certificates.sh.
+// DDS Security with the certificates of docs/examples/dds_security/make_certificates.sh.
 #include <arpa/inet.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

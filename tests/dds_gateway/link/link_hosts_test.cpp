@@ -5,7 +5,7 @@
 #include <lab/robot_stop_t.hpp>
 #include <lab/tracked_frame_t.hpp>
 
-#include "tests/dds_gateway/hosts.hpp"
+#include "tests/support/network_hosts.hpp"
 
 namespace lab::gateway {
 namespace {

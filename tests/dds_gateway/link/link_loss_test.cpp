@@ -4,7 +4,7 @@
 #include <lab/tracked_frame_t.hpp>
 
 #include "common/math/percentiles.hpp"
-#include "tests/dds_gateway/hosts.hpp"
+#include "tests/support/network_hosts.hpp"
 
 namespace lab::gateway {
 namespace {

@@ -31,7 +31,7 @@
 #include "dds_gateway/dds/endpoint.hpp"
 #include "dds_gateway/ros/ros_type.hpp"
 #include "runner/yielded_robots.hpp"
-#include "tests/common/temporary_folder.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace lab::gateway {
 

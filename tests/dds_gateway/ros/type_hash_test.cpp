@@ -73,12 +73,12 @@ TEST(TypeHashes, AreThoseOfRos2) {
   for (const auto& [ours, theirs] : known) EXPECT_EQ(ours, "RIHS01_" + std::string(theirs));
 }
 
-// Who builds examples/ros2/active_lab_msgs has the same messages, by name, order and hash.
+// Who builds docs/examples/ros2/active_lab_msgs has the same messages, by name, order and hash.
 TEST(TypeHashes, MsgFilesDefineOurMessages) {
   const std::string package = "active_lab_msgs";
   int files = 0;
   for (const auto& entry :
-       fs::directory_iterator(fs::path(LAB_ROOT) / "examples/ros2/active_lab_msgs/msg")) {
+       fs::directory_iterator(fs::path(LAB_ROOT) / "docs/examples/ros2/active_lab_msgs/msg")) {
     const std::string name = package + "/msg/" + entry.path().stem().string();
     EXPECT_EQ(fromMsg(textOf(entry.path()), package), idl().at(name)) << name;
     ++files;

@@ -8,7 +8,7 @@
 #include <limits>
 #include <numbers>
 
-#include "tests/light/light_samples.hpp"
+#include "tests/support/light_samples.hpp"
 
 namespace lab::light::drive_test {
 namespace {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "tests/light/light_samples.hpp"
+#include "tests/support/light_samples.hpp"
 
 namespace lab::light {
 namespace {

@@ -5,7 +5,7 @@
 #include <stdexcept>
 
 #include "light/field/image.hpp"
-#include "tests/light/light_samples.hpp"
+#include "tests/support/light_samples.hpp"
 
 namespace lab::light {
 namespace {

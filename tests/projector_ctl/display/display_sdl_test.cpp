@@ -16,7 +16,7 @@
 #include "light/optics/simulated_projector.hpp"
 #include "projector_ctl/display/display_sdl.hpp"
 #include "projector_ctl/display/screen.hpp"
-#include "tests/projector_ctl/virtual_x.hpp"
+#include "tests/support/virtual_x.hpp"
 
 namespace lab::projector {
 namespace {

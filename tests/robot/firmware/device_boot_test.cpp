@@ -2,7 +2,7 @@
 
 #include <set>
 
-#include "tests/firmware/robot_on_bench.hpp"
+#include "tests/support/robot_on_bench.hpp"
 
 namespace lab::firmware {
 namespace {

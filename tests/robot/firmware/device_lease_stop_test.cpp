@@ -1,6 +1,6 @@
 #include <gmock/gmock.h>
 
-#include "tests/firmware/robot_on_bench.hpp"
+#include "tests/support/robot_on_bench.hpp"
 
 namespace lab::firmware {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <map>
 
-#include "tests/firmware/robot_on_bench.hpp"
+#include "tests/support/robot_on_bench.hpp"
 
 namespace lab::firmware::device_reports_test {
 namespace {

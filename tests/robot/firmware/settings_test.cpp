@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/firmware/robot_on_bench.hpp"
+#include "tests/support/robot_on_bench.hpp"
 #include "robot/wire/crc16.hpp"
 
 namespace lab::firmware {

@@ -8,7 +8,7 @@
 #include "common/loop/virtual_loop.hpp"
 #include "robot_bridge/lines/line_survey.hpp"
 #include "robot_bridge/lines/uid_writer.hpp"
-#include "tests/robot_bridge/wire_robot.hpp"
+#include "tests/support/wire_robot.hpp"
 
 namespace lab::bridge {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "common/serial/memory_serial.hpp"
 #include "common/loop/virtual_loop.hpp"
-#include "tests/robot_bridge/wire_robot.hpp"
+#include "tests/support/wire_robot.hpp"
 #include "robot/wire/crc16.hpp"
 
 namespace lab::bridge {

@@ -9,8 +9,8 @@
 #include "common/loop/asio_loop.hpp"
 #include "common/serial/serial_devices.hpp"
 #include "robot_bridge/lines/port_manager.hpp"
-#include "tests/common/temporary_folder.hpp"
-#include "tests/robot_bridge/wire_robot.hpp"
+#include "tests/support/temporary_folder.hpp"
+#include "tests/support/wire_robot.hpp"
 
 namespace lab::bridge {
 namespace {

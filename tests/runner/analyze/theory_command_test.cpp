@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/analyzer/reference_table.hpp"
+#include "tests/support/reference_table.hpp"
 
 namespace {
 

@@ -12,7 +12,7 @@
 #include "common/calibration/camera_file.hpp"
 #include "common/experiment/experiment_file.hpp"
 #include "common/math/random.hpp"
-#include "tests/common/temporary_folder.hpp"
+#include "tests/support/temporary_folder.hpp"
 #include "light/field/image.hpp"
 #include "light/optics/simulated_camera.hpp"
 #include "runner/commands/commands.hpp"

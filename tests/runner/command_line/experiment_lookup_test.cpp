@@ -6,7 +6,7 @@
 #include <fstream>
 
 #include "runner/command_line/exit_code.hpp"
-#include "tests/common/temporary_folder.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace lab::runner {
 namespace {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "runner/commands/commands.hpp"
-#include "tests/common/experiment_samples.hpp"
+#include "tests/support/experiment_samples.hpp"
 
 namespace lab::runner::check_command_test {
 namespace {

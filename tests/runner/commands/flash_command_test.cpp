@@ -12,7 +12,7 @@
 #include "common/loop/asio_loop.hpp"
 #include "common/serial/serial_devices.hpp"
 #include "runner/commands/commands.hpp"
-#include "tests/firmware/robot_on_bench.hpp"
+#include "tests/support/robot_on_bench.hpp"
 
 namespace lab::runner {
 namespace {

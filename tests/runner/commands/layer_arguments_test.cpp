@@ -9,7 +9,7 @@
 #include "common/experiment/experiment_file.hpp"
 #include "light/field/image.hpp"
 #include "runner/command_line/exit_code.hpp"
-#include "tests/common/temporary_folder.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace lab::runner {
 namespace {

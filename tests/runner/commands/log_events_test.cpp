@@ -8,7 +8,7 @@
 
 #include "common/bus/channels.hpp"
 #include "common/bus/log_file.hpp"
-#include "tests/common/temporary_folder.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace lab::runner {
 namespace {

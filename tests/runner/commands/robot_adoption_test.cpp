@@ -9,7 +9,7 @@
 #include "common/experiment/experiment.hpp"
 #include "common/serial/memory_serial.hpp"
 #include "common/loop/virtual_loop.hpp"
-#include "tests/firmware/robot_on_bench.hpp"
+#include "tests/support/robot_on_bench.hpp"
 
 namespace lab::runner {
 namespace {

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "light/optics/simulated_camera.hpp"
-#include "tests/common/temporary_folder.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace lab::runner {
 namespace {

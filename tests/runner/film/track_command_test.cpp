@@ -11,7 +11,7 @@
 #include <sstream>
 #include <string_view>
 
-#include "tests/runner/../common/temporary_folder.hpp"
+#include "tests/support/temporary_folder.hpp"
 #include "tests/runner/../tracker_svc/painted_film.hpp"
 #include "tracker_svc/film_reader.hpp"
 #include "common/calibration/camera_file.hpp"

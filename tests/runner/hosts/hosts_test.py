@@ -245,7 +245,7 @@ def three(hosts):
 
 def certificates(hosts):
     """A folder for the lab, and in it what somebody forgot there."""
-    make = os.path.join(os.path.dirname(TWO_HOSTS), '../examples/dds_security/make_certificates.sh')
+    make = os.path.join(os.path.dirname(TWO_HOSTS), '../docs/examples/dds_security/make_certificates.sh')
     subprocess.run([make, hosts.path('keys'), 'lab'], check=True, stderr=subprocess.DEVNULL)
     shutil.copy(hosts.path('keys/ca/key.pem'), hosts.path('keys/lab/ca_key.pem'))
     return hosts.path('keys/lab')

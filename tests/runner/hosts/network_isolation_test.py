@@ -14,7 +14,7 @@ import time
 
 SCENARIO, PROGRAMS = sys.argv[1], os.path.abspath(sys.argv[2])
 LOOPBACK = os.path.join(os.path.dirname(os.path.abspath(__file__)),
-                        '../../examples/ros2/cyclonedds.xml')
+                        '../../../docs/examples/ros2/cyclonedds.xml')
 
 EXPERIMENT = '''
 fileversion = 1

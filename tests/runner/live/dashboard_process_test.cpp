@@ -9,7 +9,7 @@
 #include <thread>
 
 #include "runner/command_line/exit_code.hpp"
-#include "tests/common/temporary_folder.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace lab::runner {
 namespace {

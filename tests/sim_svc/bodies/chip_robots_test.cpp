@@ -13,9 +13,9 @@
 #include "common/loop/virtual_loop.hpp"
 #include "robot/firmware/settings.hpp"
 #include "sim_svc/bodies/external_robots.hpp"
-#include "tests/common/temporary_folder.hpp"
-#include "tests/sim_svc/wire_host.hpp"
-#include "tests/sim_svc/world_fixture.hpp"
+#include "tests/support/temporary_folder.hpp"
+#include "tests/support/wire_host.hpp"
+#include "tests/support/world_fixture.hpp"
 
 namespace lab::sim::chip_robots_test {
 namespace {

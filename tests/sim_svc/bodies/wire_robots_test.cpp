@@ -9,8 +9,8 @@
 #include "common/math/random.hpp"
 #include "common/loop/virtual_loop.hpp"
 #include "sim_svc/bodies/external_robots.hpp"
-#include "tests/sim_svc/wire_host.hpp"
-#include "tests/sim_svc/world_fixture.hpp"
+#include "tests/support/wire_host.hpp"
+#include "tests/support/world_fixture.hpp"
 
 namespace lab::sim {
 namespace {

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "sim_svc/world.hpp"
-#include "tests/sim_svc/world_fixture.hpp"
+#include "tests/support/world_fixture.hpp"
 
 namespace lab::sim::world_crowd_test {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "tests/sim_svc/world_fixture.hpp"
+#include "tests/support/world_fixture.hpp"
 
 namespace lab::sim::world_outside_test {
 namespace {

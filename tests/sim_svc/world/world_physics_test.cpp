@@ -5,7 +5,7 @@
 #include <functional>
 
 #include "sim_svc/world.hpp"
-#include "tests/sim_svc/world_fixture.hpp"
+#include "tests/support/world_fixture.hpp"
 
 namespace lab::sim {
 namespace {

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "tracker_svc/camera_devices.hpp"
-#include "tests/cameras/loop_until.hpp"
-#include "tests/common/temporary_folder.hpp"
+#include "tests/support/loop_until.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace lab {
 namespace {

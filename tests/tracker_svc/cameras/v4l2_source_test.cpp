@@ -6,7 +6,7 @@
 
 #include <vector>
 
-#include "tests/cameras/loop_until.hpp"
+#include "tests/support/loop_until.hpp"
 #include "tests/tracker_svc/cameras/scripted_camera.hpp"
 
 namespace lab {

@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "tracker_svc/circle_fit.hpp"
-#include "tests/detector/circle_picture.hpp"
+#include "tests/support/circle_picture.hpp"
 
 namespace lab::detector {
 namespace {

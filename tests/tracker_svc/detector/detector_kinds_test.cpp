@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "tests/detector/kinds/bars.hpp"
-#include "tests/detector/kinds/scenes.hpp"
+#include "tests/support/tracker_scenes/acceptance_limits.hpp"
+#include "tests/support/tracker_scenes/scenes.hpp"
 
 namespace lab::cases {
 namespace {

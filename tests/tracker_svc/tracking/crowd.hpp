@@ -10,7 +10,7 @@
 
 #include "common/math/random.hpp"
 #include "sim_svc/world.hpp"
-#include "tests/sim_svc/world_fixture.hpp"
+#include "tests/support/world_fixture.hpp"
 #include "tracker_svc/tracking/cap_tracker.hpp"
 
 namespace lab::tracker {

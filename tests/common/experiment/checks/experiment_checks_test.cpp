@@ -1,7 +1,7 @@
 // Rules at their edges: what is just allowed. What is not: wrong_experiments/.
 #include <gmock/gmock.h>
 
-#include "tests/common/experiment_samples.hpp"
+#include "tests/support/experiment_samples.hpp"
 
 namespace lab {
 namespace {

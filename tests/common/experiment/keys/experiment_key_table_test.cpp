@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include "tests/common/experiment_samples.hpp"
+#include "tests/support/experiment_samples.hpp"
 
 namespace lab::keys {
 namespace {

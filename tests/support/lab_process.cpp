@@ -1,0 +1,134 @@
+#include "tests/support/lab_process.hpp"
+
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <stdexcept>
+#include <thread>
+
+namespace lab::system_test {
+namespace fs = std::filesystem;
+
+TemporaryFolder::TemporaryFolder() {
+  std::string pattern = (fs::temp_directory_path() / "lab-test-XXXXXX").string();
+  if (mkdtemp(pattern.data()) == nullptr) throw std::runtime_error("cannot make " + pattern);
+  path_ = pattern;
+}
+
+TemporaryFolder::~TemporaryFolder() {
+  std::error_code ignored;
+  fs::remove_all(path_, ignored);
+}
+
+Background::Background(const std::string& command) {
+  const std::string output = (folder_.path() / "output").string();
+  const std::string line = "exec >'" + output + "' 2>&1; " + command;
+  pid_ = fork();
+  if (pid_ == 0) {
+    setpgid(0, 0);
+    const std::string path = std::string(LAB_PROGRAMS) + ":" + std::getenv("PATH");
+    setenv("PATH", path.c_str(), 1);
+    execl("/bin/bash", "bash", "-c", line.c_str(), nullptr);
+    _exit(127);
+  }
+}
+
+Background::~Background() {
+  if (running()) {
+    kill(-pid_, SIGTERM);
+    if (!waitFor([this] { return !running(); }, std::chrono::seconds(5))) kill(-pid_, SIGKILL);
+  }
+  if (!ended_) waitpid(pid_, &status_, 0);
+}
+
+void Background::signal(int number) const { kill(pid_, number); }
+
+bool Background::running() {
+  if (!ended_) ended_ = waitpid(pid_, &status_, WNOHANG) == pid_;
+  return !ended_;
+}
+
+std::string Background::output() const {
+  const fs::path file = folder_.path() / "output";
+  return fs::exists(file) ? readFile(file) : "";
+}
+
+Finished Background::wait(std::chrono::seconds patience) {
+  if (!waitFor([this] { return !running(); }, patience)) {
+    kill(-pid_, SIGKILL);
+    waitpid(pid_, &status_, 0);
+    ended_ = true;
+    return {-SIGKILL, output() + "\n(did not end in time)"};
+  }
+  return {WIFEXITED(status_) ? WEXITSTATUS(status_) : -WTERMSIG(status_), output()};
+}
+
+Finished run(const std::string& command, std::chrono::seconds patience) {
+  return Background(command).wait(patience);
+}
+
+bool waitFor(const std::function<bool()>& condition, std::chrono::milliseconds patience) {
+  const auto deadline = std::chrono::steady_clock::now() + patience;
+  while (!condition()) {
+    if (std::chrono::steady_clock::now() > deadline) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  return true;
+}
+
+fs::path onlyRun(const fs::path& parent) {
+  std::vector<fs::path> runs;
+  for (const auto& entry : fs::directory_iterator(parent)) runs.push_back(entry.path());
+  if (runs.size() != 1) {
+    throw std::runtime_error(std::to_string(runs.size()) + " runs in " + parent.string());
+  }
+  return runs.front();
+}
+
+nlohmann::json readJson(const fs::path& file) { return nlohmann::json::parse(readFile(file)); }
+
+std::string readFile(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) throw std::runtime_error("no file " + file.string());
+  return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+}
+
+std::vector<pid_t> processesWith(const std::string& text) {
+  std::vector<pid_t> found;
+  for (const auto& entry : fs::directory_iterator("/proc")) {
+    const std::string name = entry.path().filename().string();
+    if (name.find_first_not_of("0123456789") != std::string::npos) continue;
+    std::ifstream stream(entry.path() / "cmdline", std::ios::binary);
+    const std::string line{std::istreambuf_iterator<char>(stream),
+                           std::istreambuf_iterator<char>()};
+    if (line.find(text) != std::string::npos && std::stoi(name) != getpid()) {
+      found.push_back(std::stoi(name));
+    }
+  }
+  return found;
+}
+
+std::vector<pid_t> childrenWith(pid_t parent, const std::string& text) {
+  std::vector<pid_t> children = processesWith(text);
+  std::erase_if(children, [parent](pid_t pid) {
+    std::ifstream stream("/proc/" + std::to_string(pid) + "/stat");
+    std::string line;
+    std::getline(stream, line);
+    const auto after_name = line.rfind(')');
+    if (after_name == std::string::npos) return true;
+    // ") S 123 ...": the state, then the parent.
+    return std::stoi(line.substr(after_name + 4)) != parent;
+  });
+  return children;
+}
+
+fs::path experiment(const std::string& name) {
+  return fs::path(LAB_EXPERIMENTS) / (name + ".toml");
+}
+
+}  // namespace lab::system_test

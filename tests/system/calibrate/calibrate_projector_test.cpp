@@ -1,0 +1,160 @@
+// lab calibrate projector against a simulated projector and camera, whose truth is known.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+
+#include "common/calibration/camera_file.hpp"
+#include "common/experiment/experiment_file.hpp"
+#include "common/calibration/projector_file.hpp"
+#include "light/optics/simulated_camera.hpp"
+#include "light/optics/simulated_projector.hpp"
+#include "tests/support/lab_process.hpp"
+
+namespace lab::system_test {
+namespace {
+
+namespace fs = std::filesystem;
+using optics::Place;
+using testing::HasSubstr;
+
+constexpr double kWidth = 1.2;
+constexpr double kHeight = 0.9;
+
+// Robot 1 stands where the light says whether a disk is in its place: see the last test.
+constexpr const char* kExperiment = R"(
+fileversion = 1
+name = "bent"
+seed = 5
+duration_s = 2
+program = "still"
+[[robots]]
+id = 1
+x_cm = 90
+y_cm = 25
+theta_deg = 0
+[programs.still]
+model = "stand"
+[projector]
+keystone_percent = 15
+barrel_percent = 8
+sheet_cm = 5
+[camera]
+tracker = "camera"
+width_px = 640
+height_px = 360
+fps = 20
+)";
+
+optics::ProjectorModel truth() {
+  return optics::simulatedProjector(kWidth, kHeight, 1920, 1080, {0.15, 0.08, 0, 0});
+}
+
+/// [m] rms over the arena between where light is wanted and where it falls.
+double trueError(const ProjectorCalibration& calibration) {
+  const optics::ProjectorModel believed = calibration.model();
+  double sum = 0;
+  int count = 0;
+  for (int j = 0; j <= 9; ++j) {
+    for (int i = 0; i <= 12; ++i) {
+      const Place place{kWidth * i / 12, kHeight * j / 9};
+      const Place wanted = believed.placeOf(truth().pixelOf(place)).value();
+      sum += std::pow(wanted.x - place.x, 2) + std::pow(wanted.y - place.y, 2);
+      ++count;
+    }
+  }
+  return std::sqrt(sum / count);
+}
+
+class CalibrateProjector : public testing::Test {
+ protected:
+  CalibrateProjector() { std::ofstream(file()) << kExperiment; }
+
+  [[nodiscard]] fs::path file() const { return folder_.path() / "bent.toml"; }
+  [[nodiscard]] fs::path out() const { return folder_.path() / "projector.json"; }
+
+  Finished calibrate(const std::string& more = "") {
+    return run("lab calibrate projector " + file().string() + " --virtual-time --frames 2 --out " +
+                   out().string() + " --runs " + (folder_.path() / "runs").string() + " " + more,
+               std::chrono::seconds(240));
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(CalibrateProjector, FindsTheLensAndSaysHowWell) {
+  // A camera that is known to some 0.2 mm, as good ones are, and says so.
+  CameraCalibration camera;
+  camera.camera = optics::simulatedCamera(640, 360, kWidth, kHeight);
+  const optics::CameraModel real(camera.camera);
+  camera.camera.fx *= 1.0004;
+  camera.camera.fy *= 1.0003;
+  camera.camera.translation[0] += 1e-4;
+  const optics::CameraModel believed(camera.camera);
+  double sum = 0;
+  int count = 0;
+  for (int j = 0; j <= 9; ++j) {
+    for (int i = 0; i <= 12; ++i) {
+      const Place place{kWidth * i / 12, kHeight * j / 9};
+      const Place seen = believed.toPlane(real.project(place.x, place.y, 0.05), 0.05).value();
+      sum += std::pow(seen.x - place.x, 2) + std::pow(seen.y - place.y, 2);
+      ++count;
+    }
+  }
+  camera.residual = std::sqrt(sum / count);
+  ASSERT_NEAR(*camera.residual, 2e-4, 1e-4);
+  std::ofstream(folder_.path() / "camera.json") << cameraFileText(camera);
+  const Finished done = calibrate("--set camera.calibration=\\\"camera.json\\\"");
+  ASSERT_EQ(done.exit_code, 0) << done.output;
+  const ProjectorCalibration found = readProjectorFile(out());
+  const double error = trueError(found);
+  std::printf("claimed %.4f mm, true %.4f mm\n", *found.accuracy * 1e3, error * 1e3);
+  EXPECT_LT(error, 0.5e-3);
+  EXPECT_NEAR(*found.accuracy / error, 1, 0.2);
+  EXPECT_TRUE(fs::exists(folder_.path() / "projector-residuals.png"));
+  // The lens alone is found far better than the camera is known.
+  EXPECT_LT(*found.residual, 0.1e-3);
+}
+
+TEST_F(CalibrateProjector, AfterItADiskIsWhereItShouldBe) {
+  const Finished done = calibrate();
+  ASSERT_EQ(done.exit_code, 0) << done.output;
+  EXPECT_LT(trueError(readProjectorFile(out())), 0.05e-3);
+  // What projector_ctl believes and what the projector is, together: a place by its light's source.
+  const Experiment experiment = loadExperiment(
+      file(), {"projector.calibration=\"projector.json\"", "projector.sheet_cm=0"});
+  const optics::Bending calibrated(
+      projectorInForce(experiment, folder_.path(), 1920, 1080).model, truth());
+  const optics::Bending before(optics::ProjectorModel(kWidth, kHeight, 1920, 1080), truth());
+  const Place edge{0.9, 0.25};
+  const auto off = [&](const optics::Bending& bending) {
+    const Place source = bending.source(edge).value();
+    return std::hypot(source.x - edge.x, source.y - edge.y);
+  };
+  EXPECT_GT(off(before), 0.01);
+  EXPECT_LT(off(calibrated), 0.1e-3);
+  // lab check takes the file, and says what is wrong with another.
+  const std::string check = "lab check " + file().string() + " --set projector.calibration=";
+  EXPECT_EQ(run(check + "\\\"projector.json\\\"").exit_code, 0);
+  EXPECT_THAT(run(check + "\\\"none.json\\\"").output, HasSubstr("none.json: cannot be read"));
+  EXPECT_THAT(run(check + "\\\"projector.json\\\" --set projector.width_px=1280").output,
+              HasSubstr("expected 1280 x 1080"));
+}
+
+TEST_F(CalibrateProjector, RefusesTheBareFloorAndSaysWhatToDo) {
+  const Finished floor = calibrate("--set projector.sheet_cm=0");
+  EXPECT_EQ(floor.exit_code, 2) << floor.output;
+  EXPECT_THAT(floor.output, HasSubstr("--projector-cm x,y,z"));
+  EXPECT_FALSE(fs::exists(out()));
+}
+
+TEST_F(CalibrateProjector, RefusesAPictureThatLeavesCornersDark) {
+  const Finished dark = calibrate("--set projector.offset_x_cm=6");
+  EXPECT_EQ(dark.exit_code, 1) << dark.output;
+  EXPECT_THAT(dark.output, HasSubstr("does not reach the arena's corner"));
+  EXPECT_FALSE(fs::exists(out()));
+}
+
+}  // namespace
+}  // namespace lab::system_test

@@ -1,0 +1,51 @@
+// Simulated hours against the exact tables, through the code that a lab uses: the world, the
+// stitcher and the accumulator. ensemble_long_test.cpp does the other tables.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "tests/system/laws/hour_ensemble.hpp"
+
+namespace lab::system_test {
+namespace {
+
+/// The paper's formulas neglect epsilon: the same films must tell them from the exact laws.
+void expectPaperFails(const HourCurves& curves) {
+  std::vector<double> paper;
+  for (const int lag : curves.set.lags) {
+    paper.push_back(analysis::paperMsd(curves.set.law, lag / curves.set.fps));
+  }
+  EXPECT_GT(std::abs(largestDeviation(curves.set, curves.msd, paper).z), 20);
+}
+
+class SimulatedHours : public testing::TestWithParam<const char*> {};
+
+TEST_P(SimulatedHours, InTheArenaFollowTheExactLaw) {
+  const HourFilms films = {.table = GetParam()};
+  const HourCurves dut = filmHours(films);
+  expectExactLaw(films, dut);
+  if (analysis::isHeldNoise(dut.set.law.kind)) {
+    expectPaperFails(dut);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Programs, SimulatedHours,
+                         testing::Values("fig2b_ABP_v3_eps0.5_eta3", "fig3b_NABP_va1_V10_eps0.1",
+                                         "fig3d_BP_V7_eps0.2", "fig4d_RTP_v5_gam1_tt0.5"),
+                         [](const auto& parameter) { return testName(parameter.param); });
+
+class RealHardwareHours : public testing::TestWithParam<const char*> {};
+
+TEST_P(RealHardwareHours, InTheArenaFollowTheExactLawAtTheMeasuredSpeed) {
+  const HourFilms films = {.table = GetParam(), .hardware = Hardware::kReal};
+  expectExactLaw(films, filmHours(films));
+}
+
+// The programs whose speed the steps of the wheels change.
+INSTANTIATE_TEST_SUITE_P(Programs, RealHardwareHours,
+                         testing::Values("fig2b_ABP_v3_eps0.5_eta3", "fig4d_RTP_v5_gam1_tt0.5"),
+                         [](const auto& parameter) { return testName(parameter.param); });
+
+}  // namespace
+}  // namespace lab::system_test

@@ -1,0 +1,80 @@
+// The optical loop without a shortcut: robots, painted frames, detector, identities after the
+// handshake, log and the analyzer's feed, held against the exact laws. One program a run, in virtual
+// time.
+#include <gmock/gmock.h>
+
+#include <cstdlib>
+#include <fstream>
+
+#include "tests/support/lab_process.hpp"
+#include "tests/system/laws/run_against_law.hpp"
+#include "tests/system/runs/truth_comparison.hpp"
+
+namespace lab::system_test {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Walls and reversals leave a film fewer windows than it has frames.
+const RunSize kSize{3, 600, 120, 0.6};
+
+/// Each frame of the table in the long tier; in the CI tier ten a second or a few more.
+int thinning(double fps) {
+  constexpr double kRate = 10;  // [1/s]
+  if (std::getenv("LAB_LONG") != nullptr) return 1;
+  return std::max(1, static_cast<int>(std::floor(fps / kRate)));
+}
+
+fs::path writeExperimentFile(const fs::path& folder, const Chain& chain, int thinned) {
+  const fs::path file = folder / "loop.toml";
+  std::ofstream(file) << "fileversion = 1\nname = \"loop\"\nseed = 3\nduration_s = "
+                      << kSize.duration + 5
+                      << "\nprogram = \"dut\"\n"
+                         "[robot]\nclock_error_percent = 0\n"
+                         "[[robots]]\nid = 1\ncount = "
+                      << kSize.robots
+                      << "\n[reversal]\non = \"any\"\ndistance_cm = 15\n[programs.dut]\n"
+                      << chain.program << "[camera]\ntracker = \"camera\"\ncamera = \"sim\"\nfps = "
+                      << readReferenceSet(chain.table).fps / thinned << "\n";
+  return file;
+}
+
+class OpticalLoop : public testing::TestWithParam<Chain> {};
+
+TEST_P(OpticalLoop, AgreesWithTheExactLaw) {
+  const int thinned = thinning(readReferenceSet(GetParam().table).fps);
+  const TemporaryFolder folder;
+  const fs::path file = writeExperimentFile(folder.path(), GetParam(), thinned);
+  const Finished lab = run("lab run " + file.string() + " --virtual-time --no-report --out " +
+                               (folder.path() / "runs").string(),
+                           std::chrono::hours(1));
+  ASSERT_EQ(lab.exit_code, 0) << lab.output;
+  EXPECT_THAT(lab.output, testing::Not(testing::HasSubstr("marked"))) << lab.output;
+
+  const fs::path run_folder = onlyRun(folder.path() / "runs");
+  const Truth truth = compareWithTruth(run_folder);
+  std::cout << truth.compared << " poses against the truth: worst " << truth.worst * 1e3 << " mm, "
+            << truth.worst_turn * 180 / std::numbers::pi << " degrees; " << truth.collisions
+            << " collisions; spacing error " << truth.tracker.spacing_error * 1e6 << " um\n";
+  EXPECT_GT(truth.compared, 1000);  // some frames are of the instants of the truth
+  EXPECT_EQ(truth.swapped, 0);
+  EXPECT_EQ(truth.flipped, 0);
+  EXPECT_LT(truth.worst, 1e-3);
+  EXPECT_LT(truth.worst_turn, 0.02);
+  EXPECT_EQ(truth.tracker.bindings, kSize.robots);
+  EXPECT_EQ(truth.tracker.unbindings, 0);
+  EXPECT_EQ(truth.tracker.flips, 0);
+  EXPECT_EQ(truth.tracker.moved, 0) << truth.tracker.warning;
+
+  const Measured measured = measure(run_folder, GetParam().table, kSize, thinned);
+  const double films = expectLaw(measured, GetParam().table, kSize.film);
+  EXPECT_GE(films, 0.8 * kSize.robots * kSize.duration / kSize.film) << "films";
+}
+
+INSTANTIATE_TEST_SUITE_P(ABP, OpticalLoop, testing::Values(kAbpChain));
+INSTANTIATE_TEST_SUITE_P(NABP, OpticalLoop, testing::Values(kNoisyAbpChain));
+INSTANTIATE_TEST_SUITE_P(BP, OpticalLoop, testing::Values(kBpChain));
+INSTANTIATE_TEST_SUITE_P(RTP, OpticalLoop, testing::Values(kRtpChain));
+
+}  // namespace
+}  // namespace lab::system_test

@@ -1,0 +1,238 @@
+/// Live runs in which something breaks, or somebody ends them.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <algorithm>
+#include <lab/experiment_event_t.hpp>
+
+#include "common/bus/channels.hpp"
+#include "common/bus/codec.hpp"
+#include "common/bus/log_file.hpp"
+#include "tests/support/lab_process.hpp"
+
+namespace lab::system_test::broken_run_test {
+namespace {
+
+using std::chrono::seconds;
+using testing::Contains;
+using testing::ContainsRegex;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+namespace fs = std::filesystem;
+
+class BrokenRun : public testing::Test {
+ protected:
+  BrokenRun() { setenv("XDG_RUNTIME_DIR", folder.path().c_str(), 1); }
+
+  [[nodiscard]] std::string labRun(double duration_s, const std::string& more = "") const {
+    return "exec lab run " + experiment("abp").string() + " --no-web --out " + runs().string() +
+           " --set duration_s=" + std::to_string(duration_s) + " " + more;
+  }
+  [[nodiscard]] fs::path runs() const { return folder.path() / "runs"; }
+  [[nodiscard]] fs::path theRun() const { return onlyRun(runs()); }
+
+  static bool waitUntilRunning(Background& lab) {
+    return waitFor([&] { return lab.output().find("running ") != std::string::npos; }, seconds(20));
+  }
+
+  /// One process of the lab.
+  static pid_t processOf(const Background& lab, const std::string& name) {
+    const std::vector<pid_t> found = childrenWith(lab.pid(), "/" + name);
+    return found.size() == 1 ? found.front() : -1;
+  }
+
+  /// What the run's logs hold of one kind of event.
+  [[nodiscard]] std::vector<std::string> recorded(std::int8_t kind) const {
+    std::vector<fs::path> logs;
+    for (const auto& entry : fs::directory_iterator(theRun())) {
+      if (entry.path().filename().string().starts_with("log.lcmlog")) logs.push_back(entry.path());
+    }
+    std::sort(logs.begin(), logs.end());
+    std::vector<std::string> texts;
+    readLog(logs, [&texts, kind](const Packet& packet) {
+      experiment_event_t event{};
+      if (packet.channel != channels::kExperimentEvent || !decode(packet.data, event)) return;
+      if (event.kind == kind) texts.push_back(event.text);
+    });
+    return texts;
+  }
+
+  static void pass(seconds time) {
+    waitFor([] { return false; }, time);
+  }
+
+  TemporaryFolder folder;
+};
+
+class EndedByTheUser : public BrokenRun, public testing::WithParamInterface<int> {};
+
+TEST_P(EndedByTheUser, SaysHowFarItCame) {
+  Background lab(labRun(600));
+  ASSERT_TRUE(waitUntilRunning(lab)) << lab.output();
+  pass(seconds(2));
+  lab.signal(GetParam());
+
+  const Finished ended = lab.wait(seconds(30));
+
+  EXPECT_EQ(ended.exit_code, 0) << ended.output;
+  EXPECT_THAT(ended.output, ContainsRegex("\nended by the user after [1-9] s of 600 s\n"));
+}
+
+TEST_P(EndedByTheUser, SaysSoInVirtualTimeToo) {
+  Background lab(labRun(100'000, "--virtual-time"));
+  ASSERT_TRUE(waitUntilRunning(lab)) << lab.output();
+  pass(seconds(1));
+  lab.signal(GetParam());
+
+  const Finished ended = lab.wait(seconds(30));
+
+  EXPECT_EQ(ended.exit_code, 0) << ended.output;
+  EXPECT_THAT(ended.output, ContainsRegex("\nended by the user after [1-9][0-9]* s of 100000 s\n"));
+}
+
+INSTANTIATE_TEST_SUITE_P(Each, EndedByTheUser, testing::Values(SIGINT, SIGTERM),
+                         [](const auto& parameter) {
+                           return parameter.param == SIGINT ? "CtrlC" : "Sigterm";
+                         });
+
+/// The runner sleeps while its services get ready: it finds their last READY and the Ctrl-C at
+/// once.
+TEST_F(BrokenRun, ACtrlCTogetherWithTheLastReadyEndsIt) {
+  Background lab(labRun(600));
+  ASSERT_TRUE(waitFor([&] { return processOf(lab, "sim_svc") > 0; }, seconds(20)));
+  lab.signal(SIGSTOP);
+  pass(seconds(2));
+
+  lab.signal(SIGINT);
+  lab.signal(SIGCONT);
+
+  const Finished ended = lab.wait(seconds(20));
+  EXPECT_GE(ended.exit_code, 0) << ended.output;
+  EXPECT_THAT(ended.output, HasSubstr("ended by the user"));
+  EXPECT_THAT(processesWith(runs().string()), IsEmpty());
+}
+
+/// So quickly that there is no time to close the run: nothing can be written any more.
+TEST_F(BrokenRun, ADiskThatIsFullAtOnceKeepsTheReason) {
+  fs::create_directories(runs());
+  const std::string disk = runs().string();
+  const fs::path kept = folder.path() / "kept";
+  const Finished lab = run(
+      "exec unshare -Urm bash -c 'mount -t tmpfs -o size=170m none " + disk +
+      " && { sleep 6; dd if=/dev/zero of=" + disk + "/ballast bs=1M status=none; } & sleep 1; (" +
+      labRun(60) + "); code=$?; cp -r " + disk + "/abp-* " + kept.string() + "; exit $code'");
+
+  EXPECT_EQ(lab.exit_code, 3) << lab.output;
+  EXPECT_THAT(lab.output, HasSubstr("marked   the disk is full"));
+  EXPECT_THAT(lab.output, ContainsRegex("no report: .*(disk is full|is the disk full)"));
+  EXPECT_LT(lab.output.find("marked   the disk is full"), lab.output.find("no report: "))
+      << "the cause first";
+  EXPECT_TRUE(fs::exists(kept / "log.lcmlog")) << lab.output;
+  const fs::path provenance = kept / "provenance.json";
+  EXPECT_TRUE(!fs::exists(provenance) || fs::file_size(provenance) > 0) << lab.output;
+  EXPECT_FALSE(fs::exists(kept / "provenance.json.part"));
+}
+
+TEST_F(BrokenRun, AFolderThatIsTakenAwayClosesTheRun) {
+  Background lab(labRun(600));
+  ASSERT_TRUE(waitUntilRunning(lab)) << lab.output();
+  fs::remove_all(theRun());
+
+  const Finished ended = lab.wait(seconds(20));
+
+  EXPECT_EQ(ended.exit_code, 3) << ended.output;
+  EXPECT_THAT(ended.output, HasSubstr("marked   the run's folder"));
+  EXPECT_THAT(processesWith(runs().string()), IsEmpty());
+}
+
+TEST_F(BrokenRun, ALogThatIsTakenAwayClosesTheRun) {
+  Background lab(labRun(600));
+  ASSERT_TRUE(waitUntilRunning(lab)) << lab.output();
+  fs::remove(theRun() / "log.lcmlog");
+
+  const Finished ended = lab.wait(seconds(20));
+
+  EXPECT_EQ(ended.exit_code, 3) << ended.output;
+  EXPECT_THAT(ended.output, HasSubstr("log.lcmlog is gone"));
+}
+
+TEST_F(BrokenRun, TheLoggersDeathIsInTheLogOfTheOneThatFollows) {
+  Background lab(labRun(8));
+  ASSERT_TRUE(waitUntilRunning(lab)) << lab.output();
+  const pid_t logger = processOf(lab, "lcm-logger");
+  ASSERT_GT(logger, 0);
+  kill(logger, SIGKILL);
+
+  const Finished ended = lab.wait(seconds(60));
+
+  EXPECT_EQ(ended.exit_code, 0) << ended.output;
+  const std::string fault = "lcm-logger died (killed by signal 9) and was restarted";
+  EXPECT_THAT(ended.output, HasSubstr("marked   " + fault));
+  EXPECT_THAT(recorded(experiment_event_t::FAULT), Contains(fault));
+}
+
+TEST_F(BrokenRun, AServiceThatHangsIsSaidAndThatItIsBackToo) {
+  Background lab(labRun(14));
+  ASSERT_TRUE(waitUntilRunning(lab)) << lab.output();
+  const pid_t simulator = processOf(lab, "sim_svc");
+  ASSERT_GT(simulator, 0);
+  kill(simulator, SIGSTOP);
+  pass(seconds(5));
+  kill(simulator, SIGCONT);
+
+  const Finished ended = lab.wait(seconds(60));
+
+  EXPECT_EQ(ended.exit_code, 0) << ended.output;
+  const std::string fault = "sim_svc has not been heard of for 3 s";
+  EXPECT_THAT(ended.output, HasSubstr("marked   " + fault));
+  EXPECT_THAT(recorded(experiment_event_t::FAULT), Contains(fault));
+  EXPECT_THAT(recorded(experiment_event_t::MARK), Contains(HasSubstr("sim_svc is heard of again")));
+}
+
+TEST_F(BrokenRun, AServiceThatHangsToTheEndIsKilledAndThatIsSaid) {
+  Background lab(labRun(8));
+  ASSERT_TRUE(waitUntilRunning(lab)) << lab.output();
+  const pid_t analyzer = processOf(lab, "analyzer");
+  ASSERT_GT(analyzer, 0);
+  kill(analyzer, SIGSTOP);
+
+  const Finished ended = lab.wait(seconds(60));
+
+  EXPECT_THAT(ended.output, HasSubstr("marked   analyzer has not been heard of for 3 s"));
+  const std::string fault = "analyzer did not end when it was asked to and was killed after 3 s";
+  EXPECT_THAT(ended.output, HasSubstr("marked   " + fault));
+  EXPECT_THAT(recorded(experiment_event_t::FAULT), Contains(fault));
+}
+
+TEST_F(BrokenRun, ALoggerThatHangsIsSaid) {
+  Background lab(labRun(8));
+  ASSERT_TRUE(waitUntilRunning(lab)) << lab.output();
+  const pid_t logger = processOf(lab, "lcm-logger");
+  ASSERT_GT(logger, 0);
+  kill(logger, SIGSTOP);
+
+  const Finished ended = lab.wait(seconds(60));
+
+  EXPECT_THAT(ended.output, HasSubstr("marked   lcm-logger has written nothing for 3 s"));
+  EXPECT_THAT(ended.output, HasSubstr("marked   lcm-logger did not end when it was asked to"));
+}
+
+/// Its services are heard of as before once it looks again.
+TEST_F(BrokenRun, ARunnerThatWasHaltedBlamesNobody) {
+  Background lab(labRun(12));
+  ASSERT_TRUE(waitUntilRunning(lab)) << lab.output();
+  lab.signal(SIGSTOP);
+  pass(seconds(6));
+  lab.signal(SIGCONT);
+
+  const Finished ended = lab.wait(seconds(60));
+
+  EXPECT_EQ(ended.exit_code, 0) << ended.output;
+  EXPECT_THAT(ended.output, Not(HasSubstr("heard of")));
+  EXPECT_THAT(ended.output, Not(HasSubstr("written nothing")));
+}
+
+}  // namespace
+}  // namespace lab::system_test::broken_run_test

@@ -1,0 +1,267 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <lab/robot_status_t.hpp>
+#include <map>
+
+#include "common/bus/channels.hpp"
+#include "common/bus/message_header.hpp"
+#include "common/bus/log_file.hpp"
+#include "tests/support/lab_process.hpp"
+
+namespace lab::system_test {
+namespace {
+
+using std::chrono::seconds;
+using testing::HasSubstr;
+namespace fs = std::filesystem;
+
+/// Short live runs of the light-switching experiment: two steps a second and a half each.
+class LiveRun : public testing::Test {
+ protected:
+  LiveRun() { setenv("XDG_RUNTIME_DIR", folder.path().c_str(), 1); }
+
+  [[nodiscard]] std::string labRun(double duration_s, const std::string& more = "") const {
+    return "exec lab run " + experiment("light_switching").string() + " --out " + runs().string() +
+           " --set duration_s=" + std::to_string(duration_s) +
+           " --set light.steps[0].hold_s=1.5 --set light.steps[1].hold_s=1.5"
+           " --set light.steps[2].hold_s=1.5 " +
+           more;
+  }
+  [[nodiscard]] fs::path runs() const { return folder.path() / "runs"; }
+  [[nodiscard]] fs::path theRun() const { return onlyRun(runs()); }
+
+  /// The bus that a running lab has printed.
+  static std::string busOf(Background& lab) {
+    std::string url;
+    waitFor(
+        [&] {
+          const std::string output = lab.output();
+          const auto at = output.find("udpm://");
+          const auto end = output.find('\n', at);
+          if (at == std::string::npos || end == std::string::npos) return false;
+          url = output.substr(at, end - at);
+          return true;
+        },
+        seconds(10));
+    return url;
+  }
+
+  static bool waitUntilRunning(Background& lab) {
+    return waitFor([&] { return lab.output().find("running ") != std::string::npos; }, seconds(15));
+  }
+
+  TemporaryFolder folder;
+};
+
+struct Stream {
+  double messages = 0;
+  std::int64_t last_seq = 0;
+};
+
+/// By "channel sender".
+std::map<std::string, Stream> streams(const fs::path& log) {
+  std::map<std::string, Stream> all;
+  readLog({log}, [&all](const Packet& packet) {
+    const auto header = peekHeader(packet.data);
+    if (!header) return;
+    Stream& stream = all[std::string(packet.channel) + " " + std::string(header->sender)];
+    ++stream.messages;
+    stream.last_seq = header->seq;
+  });
+  return all;
+}
+
+TEST_F(LiveRun, LeavesLogReportAndSummaryBehind) {
+  const Finished lab = run(labRun(6));
+  ASSERT_EQ(lab.exit_code, 0) << lab.output;
+  for (const char* file : {"experiment.toml", "log.lcmlog", "summary.json", "report.html",
+                           "trajectories.csv", "provenance.json"}) {
+    EXPECT_GT(fs::file_size(theRun() / file), 100U) << file;
+  }
+  EXPECT_THAT(lab.output, HasSubstr((theRun() / "report.html").string()));
+  EXPECT_THAT(processesWith(runs().string()), testing::IsEmpty());
+}
+
+TEST_F(LiveRun, StopAndLightByHandReachTheRobots) {
+  Background lab(labRun(12));
+  ASSERT_TRUE(waitUntilRunning(lab)) << lab.output();
+  const Finished light = run("lab light 0.9 --for 3");
+  EXPECT_EQ(light.exit_code, 0) << light.output;
+  const Finished stop = run("lab stop");
+  EXPECT_EQ(stop.exit_code, 0) << stop.output;
+  EXPECT_THAT(stop.output, HasSubstr("confirmed by 1 robot"));
+  const Finished clear = run("lab stop --clear");
+  EXPECT_EQ(clear.exit_code, 0) << clear.output;
+  const Finished spy = run("lab spy --seconds 1.5");
+  for (const char* channel : {"TRACKED_FRAME", "ROBOT_STATUS", "LIGHT_STATUS", "ANALYSIS"}) {
+    EXPECT_THAT(spy.output, HasSubstr(channel));
+  }
+  EXPECT_EQ(lab.wait(seconds(60)).exit_code, 0) << lab.output();
+}
+
+TEST_F(LiveRun, AHandStartedLoggerHearsTheSameStreams) {
+  Background lab(labRun(6));
+  const std::string url = busOf(lab);
+  const fs::path by_hand = folder.path() / "by_hand.lcmlog";
+  Background logger("exec lcm-logger -q '--lcm-url=" + url + "' " + by_hand.string());
+  ASSERT_EQ(lab.wait(seconds(60)).exit_code, 0) << lab.output();
+  logger.signal(SIGTERM);
+  logger.wait(seconds(10));
+  const auto own = streams(theRun() / "log.lcmlog");
+  const auto heard = streams(by_hand);
+  EXPECT_GE(own.size(), 11U);
+  for (const auto& [stream, last] : own) {
+    ASSERT_TRUE(heard.contains(stream)) << stream;
+    EXPECT_EQ(heard.at(stream).last_seq, last.last_seq) << stream;
+    // It may have begun a moment later than the lab's own.
+    EXPECT_NEAR(heard.at(stream).messages, last.messages, 0.1 * last.messages + 5) << stream;
+  }
+}
+
+TEST_F(LiveRun, AStopOutlastsARestartOfTheSimulator) {
+  Background lab(labRun(12));
+  ASSERT_TRUE(waitUntilRunning(lab)) << lab.output();
+  ASSERT_EQ(run("lab stop").exit_code, 0);
+  for (const pid_t pid : childrenWith(lab.pid(), "/sim_svc")) kill(pid, SIGKILL);
+  const Finished ended = lab.wait(seconds(60));
+  ASSERT_EQ(ended.exit_code, 0) << ended.output;
+  EXPECT_THAT(ended.output, HasSubstr("sim_svc died"));
+  int moving_after_restart = 0;
+  std::int64_t first_instance = 0;
+  readLog({theRun() / "log.lcmlog"}, [&](const Packet& packet) {
+    robot_status_t status{};
+    if (packet.channel != channels::kRobotStatus || !decode(packet.data, status)) return;
+    if (first_instance == 0) first_instance = status.instance;
+    const robot_state_t& robot = status.robots.at(0);
+    const bool moves = robot.wheel_left != 0 || robot.wheel_right != 0;
+    if (status.instance != first_instance && moves) ++moving_after_restart;
+  });
+  EXPECT_EQ(moving_after_restart, 0);
+}
+
+TEST_F(LiveRun, ANetworkThatGoesDownClosesTheRunWithItsData) {
+  Background lab(
+      "unshare -n bash -c 'ip link set lo up; ip route add 224.0.0.0/4 dev lo; "
+      "{ sleep 5; ip link set lo down; } & " +
+      labRun(30) + "'");
+  const Finished ended = lab.wait(seconds(60));
+  EXPECT_EQ(ended.exit_code, 3) << ended.output;
+  EXPECT_TRUE(fs::exists(theRun() / "report.html"));
+  EXPECT_THAT(processesWith(runs().string()), testing::IsEmpty());
+}
+
+TEST_F(LiveRun, ARunEndedByTheUserKeepsItsData) {
+  Background lab(labRun(60));
+  ASSERT_TRUE(waitUntilRunning(lab)) << lab.output();
+  waitFor([] { return false; }, seconds(2));
+  lab.signal(SIGINT);
+  const Finished ended = lab.wait(seconds(30));
+  EXPECT_EQ(ended.exit_code, 0) << ended.output;
+  EXPECT_TRUE(fs::exists(theRun() / "report.html"));
+  EXPECT_THAT(processesWith(runs().string()), testing::IsEmpty());
+}
+
+TEST_F(LiveRun, ADiskThatFillsStopsTheRobotsAndClosesTheRun) {
+  fs::create_directories(runs());
+  const std::string disk = runs().string();
+  const Finished lab = run("exec unshare -Urm bash -c 'mount -t tmpfs -o size=200m none " + disk +
+                           " && { sleep 4; head -c 160M /dev/zero >" + disk + "/ballast; } & " +
+                           "sleep 1; " + labRun(30) + "'");
+  EXPECT_EQ(lab.exit_code, 3) << lab.output;
+  EXPECT_THAT(lab.output, HasSubstr("the disk is full"));
+}
+
+TEST_F(LiveRun, KillingTheRunnerLeavesNoOrphans) {
+  Background lab(labRun(60));
+  ASSERT_TRUE(waitUntilRunning(lab)) << lab.output();
+  ASSERT_GE(processesWith(runs().string()).size(), 4U);
+  lab.signal(SIGKILL);
+  EXPECT_TRUE(waitFor([&] { return processesWith(runs().string()).empty(); }, seconds(10)));
+}
+
+class KilledService : public LiveRun, public testing::WithParamInterface<const char*> {};
+
+TEST_P(KilledService, IsRestartedAndTheRunIsMarked) {
+  const std::string name = GetParam();
+  Background lab(labRun(8));
+  ASSERT_TRUE(waitUntilRunning(lab)) << lab.output();
+  waitFor([] { return false; }, seconds(2));
+  const std::vector<pid_t> processes = childrenWith(lab.pid(), "/" + name);
+  ASSERT_FALSE(processes.empty());
+  for (const pid_t pid : processes) kill(pid, SIGKILL);
+  const Finished ended = lab.wait(seconds(60));
+  EXPECT_EQ(ended.exit_code, 0) << ended.output;
+  EXPECT_THAT(ended.output, HasSubstr("marked   " + name + " died (killed by signal 9)"));
+  EXPECT_THAT(readFile(theRun() / "report.html"), HasSubstr(name + " died"));
+  EXPECT_EQ(fs::exists(theRun() / "log.lcmlog.01"), name == "lcm-logger");
+  EXPECT_EQ(run("lab analyze " + theRun().string()).exit_code, 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Each, KilledService,
+                         testing::Values("sim_svc", "projector_ctl", "analyzer", "lcm-logger"),
+                         [](const auto& parameter) {
+                           std::string name = parameter.param;
+                           std::erase_if(name, [](char c) { return c == '_' || c == '-'; });
+                           return name;
+                         });
+
+/// What must be refused before anything starts.
+class Refusal : public LiveRun {
+ protected:
+  void expectRefused(const Finished& lab, const std::string& text) const {
+    EXPECT_EQ(lab.exit_code, 2) << lab.output;
+    EXPECT_THAT(lab.output, HasSubstr(text));
+    EXPECT_FALSE(fs::exists(runs())) << "a run was begun";
+    EXPECT_THAT(processesWith(runs().string()), testing::IsEmpty());
+  }
+};
+
+TEST_F(Refusal, WithoutAMulticastRoute) {
+  expectRefused(run("unshare -n bash -c 'ip link set lo up; " + labRun(5) + "'"), "ip route add");
+}
+
+TEST_F(Refusal, WithoutLcmLogger) {
+  // A PATH with gnuplot and without lcm-logger.
+  const fs::path programs = folder.path() / "bin";
+  fs::create_directories(programs);
+  const std::string gnuplot = run("command -v gnuplot").output;
+  fs::create_symlink(gnuplot.substr(0, gnuplot.find('\n')), programs / "gnuplot");
+  expectRefused(run("PATH=" + programs.string() + ":" LAB_PROGRAMS "; " + labRun(5)),
+                "lcm-logger is not installed: sudo apt-get install liblcm-bin");
+}
+
+TEST_F(Refusal, OnAPortOnWhichSomebodySpeaks) {
+  // A service started by hand beats once a second.
+  Background analyzer("exec analyzer --lcm-url 'udpm://239.255.76.67:23457?ttl=0'");
+  ASSERT_TRUE(waitFor(
+      [] {
+        return run("lab spy --lcm-url 'udpm://239.255.76.67:23457?ttl=0' --seconds 1.5")
+                   .output.find("analyzer") != std::string::npos;
+      },
+      std::chrono::seconds(15)));
+  expectRefused(run(labRun(5, "--set network.port=23457")), "SERVICE_STATUS from analyzer");
+}
+
+TEST_F(Refusal, OnThePortOfAnotherLab) {
+  Background first(labRun(20, "--set network.port=23456"));
+  ASSERT_TRUE(waitUntilRunning(first));
+  const TemporaryFolder other;
+  const Finished second = run("lab run " + experiment("abp").string() + " --out " +
+                              (other.path() / "runs").string() + " --set network.port=23456");
+  EXPECT_EQ(second.exit_code, 2);
+  EXPECT_THAT(second.output, HasSubstr("23456"));
+  EXPECT_FALSE(fs::exists(other.path() / "runs"));
+  first.signal(SIGINT);
+  EXPECT_EQ(first.wait(seconds(30)).exit_code, 0);
+}
+
+TEST_F(Refusal, WithTooLittleDisk) {
+  expectRefused(run("lab run " + experiment("swarm").string() + " --out " + runs().string() +
+                    " --set robots[0].count=100 --set duration_s=860000"),
+                "too little disk");
+}
+
+}  // namespace
+}  // namespace lab::system_test

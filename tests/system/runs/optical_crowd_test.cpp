@@ -1,0 +1,79 @@
+// Twenty robots that cross and touch before the simulated camera, while the projector goes black and
+// frames are lost: which cap is which robot must never be told wrongly. A minute in the CI tier, ten in
+// the long one.
+#include <gmock/gmock.h>
+
+#include <cstdlib>
+#include <fstream>
+
+#include "tests/support/lab_process.hpp"
+#include "tests/system/runs/truth_comparison.hpp"
+
+namespace lab::system_test {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool isLong() { return std::getenv("LAB_LONG") != nullptr; }
+
+/// @param ambient [1] light in the room: what is left to see when the projector is black
+fs::path writeExperimentFile(const fs::path& folder, double ambient) {
+  const double duration = isLong() ? 600 : 60;
+  const fs::path file = folder / "crowd.toml";
+  std::ofstream(file) << "fileversion = 1\nname = \"crowd\"\nseed = 11\nduration_s = " << duration
+                      << "\n[[robots]]\nid = 1\ncount = 20\n"
+                         "[programs.abp]\nmodel = \"abp\"\nv_cm_s = 5\nepsilon_s = 0.5\n"
+                         "eta_rad_s = 3\n"
+                         "[light_table]\nbands = [{light = [0, 1], program = \"abp\"}]\n"
+                         "[reversal]\non = \"walls\"\ndistance_cm = 6\n"
+                         "[light]\nrepeat = true\nlength_s = 30\n"
+                         "[[light.steps]]\nat_s = 0\nlabel = \"lit\"\n"
+                         "layers = [{kind = \"uniform\", intensity = 0.8}]\n"
+                         "[[light.steps]]\nat_s = 20\nlabel = \"black\"\n"
+                         "layers = [{kind = \"uniform\", intensity = 0}]\n"
+                         "[[light.steps]]\nat_s = 22\nlabel = \"lit again\"\n"
+                         "layers = [{kind = \"uniform\", intensity = 0.8}]\n"
+                         "[camera]\ntracker = \"camera\"\nfps = 15\nframe_loss = 0.01\nambient = "
+                      << ambient << "\n";
+  return file;
+}
+
+Truth runCrowd(double ambient) {
+  const TemporaryFolder folder;
+  const Finished lab = run("lab run " + writeExperimentFile(folder.path(), ambient).string() +
+                               " --virtual-time --no-report --out " +
+                               (folder.path() / "runs").string(),
+                           std::chrono::hours(1));
+  EXPECT_EQ(lab.exit_code, 0) << lab.output;
+  EXPECT_THAT(lab.output, testing::Not(testing::HasSubstr("tracker saw no cap"))) << lab.output;
+  const Truth truth = compareWithTruth(onlyRun(folder.path() / "runs"));
+  std::cout << truth.compared << " poses of known robots, " << truth.unidentified
+            << " sightings of unknown ones; worst " << truth.worst * 1e3 << " mm, "
+            << truth.worst_turn * 180 / std::numbers::pi << " degrees; " << truth.collisions
+            << " collisions, " << truth.tracker.bindings << " bindings, "
+            << truth.tracker.unbindings << " given up, " << truth.tracker.flips
+            << " flips refused\n";
+  return truth;
+}
+
+TEST(OpticalCrowd, KeepsEveryIdentityWhileTheProjectorIsBlack) {
+  const Truth truth = runCrowd(0.03);
+  EXPECT_EQ(truth.swapped, 0);
+  EXPECT_EQ(truth.flipped, 0);
+  EXPECT_GT(truth.collisions, 10);
+  EXPECT_LT(truth.worst, 2e-3);
+  EXPECT_GT(truth.compared, isLong() ? 30'000 : 3'000);
+}
+
+TEST(OpticalCrowd, NeverTellsAWrongIdentityAfterBlackPictures) {
+  const Truth truth = runCrowd(0);
+  EXPECT_EQ(truth.swapped, 0);
+  EXPECT_EQ(truth.flipped, 0);
+  EXPECT_GT(truth.tracker.dark, 30);
+  // What had become doubtful is known again, by motion alone.
+  EXPECT_GE(truth.tracker.bindings, 20 + truth.tracker.unbindings - 2);
+  EXPECT_LE(truth.tracker.unbound, 2);
+}
+
+}  // namespace
+}  // namespace lab::system_test

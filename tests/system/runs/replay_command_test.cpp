@@ -1,0 +1,114 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <cmath>
+#include <lab/analysis_t.hpp>
+#include <lab/robot_status_t.hpp>
+#include <map>
+
+#include "common/bus/channels.hpp"
+#include "common/bus/log_file.hpp"
+#include "tests/support/lab_process.hpp"
+
+namespace lab::system_test {
+namespace {
+
+namespace fs = std::filesystem;
+using std::chrono::seconds;
+
+/// A short recorded run.
+class Replay : public testing::Test {
+ protected:
+  Replay() {
+    setenv("XDG_RUNTIME_DIR", folder.path().c_str(), 1);
+    const Finished lab =
+        run("lab run " + experiment("light_switching").string() +
+            " --virtual-time --no-report --out " + (folder.path() / "runs").string());
+    if (lab.exit_code != 0) throw std::runtime_error(lab.output);
+    log = onlyRun(folder.path() / "runs") / "log.lcmlog";
+  }
+
+  TemporaryFolder folder;
+  fs::path log;
+};
+
+/// The last ANALYSIS of every program and robot, by the analyzer whose instance is (or is not) 1,
+/// that of virtual time.
+std::map<std::pair<int, int>, analysis_t> lastAnalyses(const fs::path& log, bool virtual_time) {
+  std::map<std::pair<int, int>, analysis_t> last;
+  readLog({log}, [&](const Packet& packet) {
+    analysis_t analysis{};
+    if (packet.channel != channels::kAnalysis || !decode(packet.data, analysis)) return;
+    if ((analysis.instance == 1) != virtual_time) return;
+    last[{analysis.program.kind, analysis.robot_id}] = analysis;
+  });
+  return last;
+}
+
+TEST_F(Replay, StockLogplayerFeedsAHandStartedAnalyzerThatFindsTheSame) {
+  const std::string url = "'udpm://239.255.76.67:24681?ttl=0&recv_buf_size=4194304'";
+  const fs::path again = folder.path() / "again.lcmlog";
+  Background logger("exec lcm-logger -q --lcm-url=" + url + " " + again.string());
+  Background analyzer("exec analyzer --lcm-url " + url);
+  ASSERT_TRUE(waitFor([&] { return fs::exists(again) && fs::file_size(again) > 0; }, seconds(10)));
+  const Finished player = run("lcm-logplayer -s 15 -l " + url + " " + log.string());
+  ASSERT_EQ(player.exit_code, 0) << player.output;
+  waitFor([] { return false; }, seconds(2));  // the analyzer's last round
+  analyzer.signal(SIGTERM);
+  EXPECT_EQ(analyzer.wait(seconds(10)).exit_code, 0);
+  logger.signal(SIGTERM);
+  logger.wait(seconds(10));
+
+  const auto before = lastAnalyses(log, true);
+  const auto after = lastAnalyses(again, false);
+  ASSERT_EQ(before.size(), 6U) << "three programs, pool and robot";
+  ASSERT_EQ(after.size(), before.size());
+  int compared = 0;
+  for (const auto& [key, expected] : before) {
+    const analysis_t& found = after.at(key);
+    if (expected.program.kind == program_t::RTP) {
+      // It ran last: the run's last round came up to a second before its end, and half a second of
+      // frames followed that.
+      EXPECT_NEAR(found.observed, expected.observed, 1.6);
+      continue;
+    }
+    EXPECT_EQ(found.observed, expected.observed);
+    ASSERT_EQ(found.estimates.size(), expected.estimates.size());
+    for (std::size_t i = 0; i < expected.estimates.size(); ++i) {
+      if (std::isnan(expected.estimates[i].value)) continue;
+      ++compared;
+      EXPECT_EQ(found.estimates[i].value, expected.estimates[i].value);
+      EXPECT_EQ(found.estimates[i].sigma, expected.estimates[i].sigma);
+    }
+  }
+  EXPECT_GE(compared, 14);
+}
+
+TEST_F(Replay, LabReplayPlaysAPartOnABusOfItsOwnAndSaysReplay) {
+  const fs::path heard = folder.path() / "heard.lcmlog";
+  Background player("exec lab replay " + log.string() +
+                    " --from 10 --to 40 --speed 10 --port 24683 --channel ROBOT_STATUS");
+  Background logger("exec lcm-logger -q '--lcm-url=udpm://239.255.76.67:24683?ttl=0' " +
+                    heard.string());
+  const Finished ended = player.wait(seconds(30));
+  EXPECT_EQ(ended.exit_code, 0) << ended.output;
+  logger.signal(SIGTERM);
+  logger.wait(seconds(10));
+  int messages = 0;
+  readLog({heard}, [&messages](const Packet& packet) {
+    // How the player stands is always said.
+    if (packet.channel == channels::kExperimentStatus) return;
+    EXPECT_EQ(packet.channel, channels::kRobotStatus);
+    robot_status_t status{};
+    ASSERT_TRUE(decode(packet.data, status));
+    EXPECT_EQ(status.robots.at(0).origin, robot_state_t::REPLAY);
+    ++messages;
+  });
+  // 30 s at 50 Hz, less what was played before the logger listened.
+  EXPECT_GT(messages, 1000);
+  EXPECT_LE(messages, 1501);
+}
+
+}  // namespace
+}  // namespace lab::system_test

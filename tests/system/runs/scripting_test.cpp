@@ -1,0 +1,100 @@
+// docs/scripting.md: what it shows is what the files hold, and both programs work on a live lab.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <lab/light_status_t.hpp>
+
+#include "common/bus/channels.hpp"
+#include "common/bus/log_file.hpp"
+#include "tests/support/lab_process.hpp"
+
+namespace lab::system_test {
+namespace {
+
+namespace fs = std::filesystem;
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+using testing::HasSubstr;
+
+const fs::path kRoot = LAB_ROOT;
+
+/// The intensities that one sender showed, in order.
+std::vector<double> shownBy(const std::string& commander, const fs::path& log) {
+  std::vector<double> shown;
+  readLog({log}, [&](const Packet& packet) {
+    light_status_t status{};
+    if (packet.channel != channels::kLightStatus || !decode(packet.data, status)) return;
+    if (status.commander != commander || status.layers.empty()) return;
+    const double intensity = status.layers.front().intensity;
+    if (shown.empty() || shown.back() != intensity) shown.push_back(intensity);
+  });
+  return shown;
+}
+
+class Scripting : public testing::Test {
+ protected:
+  Scripting() { setenv("XDG_RUNTIME_DIR", folder_.path().c_str(), 1); }
+
+  /// A live lab, its script's light overruled by `program` with the bus's URL behind it.
+  Finished overrule(const std::string& program) {
+    Background lab("exec lab run " + experiment("light_switching").string() +
+                   " --no-report --set duration_s=12 --out " +
+                   (folder_.path() / "runs").string());
+    if (!waitFor([&lab] { return lab.output().find("running") != std::string::npos; },
+                 milliseconds(15'000))) {
+      ADD_FAILURE() << lab.output();
+      return {};
+    }
+    const std::string text = lab.output();
+    const std::size_t begin = text.find("udpm://");
+    const std::string url = text.substr(begin, text.find_first_of(" \n", begin) - begin);
+    Finished finished = run(program + " '" + url + "'", seconds(30));
+    EXPECT_EQ(lab.wait(seconds(60)).exit_code, 0) << lab.output();
+    return finished;
+  }
+
+  [[nodiscard]] fs::path log() const { return onlyRun(folder_.path() / "runs") / "log.lcmlog"; }
+  [[nodiscard]] const fs::path& folder() const { return folder_.path(); }
+
+ private:
+  TemporaryFolder folder_;
+};
+
+TEST(ScriptingPage, ShowsTheProgramsAsTheyAre) {
+  const std::string page = readFile(kRoot / "docs" / "scripting.md");
+  for (const char* file : {"docs/examples/light_switching.sh", "docs/examples/light_switching.py"}) {
+    EXPECT_TRUE(page.find(readFile(kRoot / file)) != std::string::npos)
+        << file << " must stand in docs/scripting.md word by word";
+  }
+}
+
+TEST_F(Scripting, TheShellScriptShowsItsLights) {
+  const std::string script = (kRoot / "docs/examples" / "light_switching.sh").string();
+  const Finished shell = overrule("LAB=lab sh " + script + " 1 #");
+  EXPECT_EQ(shell.exit_code, 0) << shell.output;
+  EXPECT_THAT(shownBy("lab_light", log()), testing::ElementsAre(0.2, 0.5, 0.9));
+}
+
+TEST_F(Scripting, ThePythonProgramShowsItsLightsAndHearsTheRobots) {
+  if (run("python3 -c 'import socket, struct'").exit_code != 0) {
+    GTEST_SKIP() << "no python3 here: apt-get install python3-minimal";
+  }
+  const fs::path types = folder() / "python";
+  fs::create_directories(types);
+  const Finished generated = run("lcm-gen -p --ppath " + types.string() + " " +
+                                 (kRoot / "lcmtypes").string() + "/*.lcm");
+  ASSERT_EQ(generated.exit_code, 0) << generated.output;
+  const Finished python =
+      overrule("PYTHONPATH=" + types.string() + " PYTHONDONTWRITEBYTECODE=1 python3 " +
+               (kRoot / "docs/examples" / "light_switching.py").string() + " --hold 1.5");
+  EXPECT_EQ(python.exit_code, 0) << python.output;
+  EXPECT_THAT(shownBy("light_switching.py", log()), testing::ElementsAre(0.2, 0.5, 0.9));
+  // Models as program_t numbers them: BP 3, ABP 1, RTP 4.
+  EXPECT_THAT(python.output, HasSubstr("dim: BP: shown after"));
+  EXPECT_THAT(python.output, HasSubstr("models now [(1, 3)]"));
+  EXPECT_THAT(python.output, HasSubstr("models now [(1, 1)]"));
+  EXPECT_THAT(python.output, HasSubstr("models now [(1, 4)]"));
+}
+
+}  // namespace
+}  // namespace lab::system_test
