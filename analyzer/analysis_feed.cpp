@@ -69,7 +69,7 @@ AnalysisConfig analysisConfig(const Experiment& experiment) {
 AnalysisFeed::AnalysisFeed(const Experiment& experiment)
     : wheel_base_(experiment.hardware.diameter), analysis_(analysisConfig(experiment)) {
   for (const RobotSpec& robot : experiment.robots) {
-    if (robot.body == Body::kReplay) ghosts_.insert(robot.id);
+    if (robot.body == Body::kReplay) replayed_robots_.insert(robot.id);
   }
 }
 
@@ -93,7 +93,7 @@ void AnalysisFeed::take(const tracked_frame_t& frame) {
 
 void AnalysisFeed::take(const robot_status_t& status) {
   for (const robot_state_t& state : status.robots) {
-    if (ghosts_.contains(state.robot_id)) continue;
+    if (replayed_robots_.contains(state.robot_id)) continue;
     anchor(state.utime);
     const std::int64_t boot = bootOf(status, state);
     analysis_.addTelemetry(state.robot_id, toLaw(lawful(state), wheel_base_),
@@ -119,7 +119,7 @@ std::int64_t AnalysisFeed::bootOf(const robot_status_t& status, const robot_stat
   }
   boots.last_utime = std::max(boots.last_utime, state.utime);
   boots.last_epoch = std::max(boots.last_epoch, state.program_epoch);
-  book_.key(lawful(state));
+  program_keys_.key(lawful(state));
   return boots.number;
 }
 
@@ -156,7 +156,7 @@ void AnalysisFeed::onPiece(PieceSink sink) {
 }
 
 program_t AnalysisFeed::programOf(const ProgramLaw& law) const {
-  for (const program_t& program : book_.programs()) {
+  for (const program_t& program : program_keys_.programs()) {
     if (toLaw(program, wheel_base_) == law) return program;
   }
   return {};

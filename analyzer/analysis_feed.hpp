@@ -101,9 +101,10 @@ class AnalysisFeed {
   std::int64_t bootOf(const robot_status_t& status, const robot_state_t& state);
 
   double wheel_base_;
-  std::set<std::int32_t> ghosts_;  ///< replayed robots: what they did was counted in their own run
+  std::set<std::int32_t>
+      replayed_robots_;  ///< replayed robots: what they did was counted in their own run
   Analysis analysis_;
-  ProgramBook book_;
+  ProgramKeys program_keys_;
   std::map<std::int32_t, Boots> boots_;
   Frame frame_;  ///< kept to reuse its memory
   std::int64_t origin_utime_ = 0;

@@ -6,14 +6,14 @@
 #include <fstream>
 
 #include "analyzer/report/figures/figures.hpp"
-#include "analyzer/report/summary/findings.hpp"
 #include "analyzer/report/html/report_page.hpp"
-#include "common/text/format.hpp"
-#include "analyzer/report_error.hpp"
 #include "analyzer/report/record/run_record.hpp"
 #include "analyzer/report/sections/segments.hpp"
+#include "analyzer/report/summary/findings.hpp"
 #include "analyzer/report/summary/summary.hpp"
 #include "analyzer/report/summary/trajectories.hpp"
+#include "analyzer/report_error.hpp"
+#include "common/text/format.hpp"
 
 namespace lab::report {
 namespace fs = std::filesystem;
@@ -124,8 +124,8 @@ AnalyzedRun analyzePoses(const fs::path& file, const fs::path& out_directory,
                          const PoseFileOptions& poses, const PoseProgram& program,
                          const AnalyzeOptions& options) {
   const PoseFile film = readPoses(file, poses);
-  return writeResults(poseRun(film, file.stem().string(), program, {options.depth, options.stitch}), out_directory,
-                      options.figures);
+  return writeResults(poseRun(film, file.stem().string(), program, {options.depth, options.stitch}),
+                      out_directory, options.figures);
 }
 
 }  // namespace lab::report

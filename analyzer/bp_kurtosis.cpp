@@ -8,15 +8,14 @@
 #include "analyzer/laws/numerics.hpp"
 
 namespace lab::analysis {
-namespace {
-
-}  // namespace
+namespace {}  // namespace
 
 BpKurtosis::BpKurtosis(double amplitude, double wheel_base, double epsilon)
     : noise_(HeldNoise::uniformWheels(0, amplitude, wheel_base, epsilon)),
       epsilon_(epsilon),
       q2_(noise_.chi(2 * epsilon)) {
-  // With u = d omega / 2 the speed is uniform in +-(V - |u|), and u has the density (V - |u|) / V^2.
+  // With u = d omega / 2 the speed is uniform in +-(V - |u|), and u has the density (V - |u|) /
+  // V^2.
   const GaussRule rule = gaussLegendre(std::min(200, 24 + noise_.points()));
   std::vector<double> square;
   std::vector<double> turned;

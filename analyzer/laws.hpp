@@ -9,8 +9,8 @@
 
 namespace lab::analysis {
 
-/// The paper's models. The numbers are those of the messages and of robot/dynamics/program.hpp; they are
-/// repeated here so that the analysis depends on nothing.
+/// The paper's models. The numbers are those of the messages and of robot/dynamics/program.hpp;
+/// they are repeated here so that the analysis depends on nothing.
 enum class ProgramKind : std::uint8_t {
   kNone = 0,      ///< Standing: no law.
   kAbp = 1,       ///< Active Brownian particle.
@@ -45,8 +45,9 @@ struct ProgramLaw {
 [[nodiscard]] double meanSpeed(const ProgramLaw& law);  ///< v (ABP, RTP), va (noisy ABP), 0 (BP).
 
 /// The fastest that a wheel must turn for the program, m/s: |v| + eta d/2 (ABP), |va| + V (noisy
-/// ABP, BP), the larger of |v| and largest_turn d / (2 tau_t) (RTP; rad, pi the short way round). Wheels
-/// that are slower saturate, and the law is then not the robot's. nan where a program has none.
+/// ABP, BP), the larger of |v| and largest_turn d / (2 tau_t) (RTP; rad, pi the short way round).
+/// Wheels that are slower saturate, and the law is then not the robot's. nan where a program has
+/// none.
 [[nodiscard]] double neededWheelSpeed(const ProgramLaw& law,
                                       double largest_turn = std::numbers::pi);
 

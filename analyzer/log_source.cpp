@@ -7,11 +7,11 @@
 #include <fstream>
 #include <string_view>
 
-#include "common/bus/channels.hpp"
-#include "common/bus/message_header.hpp"
-#include "common/bus/log_file.hpp"
 #include "analyzer/report/record/contract_check.hpp"
 #include "analyzer/report_error.hpp"
+#include "common/bus/channels.hpp"
+#include "common/bus/log_file.hpp"
+#include "common/bus/message_header.hpp"
 
 namespace lab::report {
 namespace fs = std::filesystem;
@@ -68,12 +68,12 @@ class Reading {
       ++facts_.other_channels[std::string(packet.channel)];
       return;
     }
-    const std::optional<Header> header = peekHeader(packet.data);
+    const std::optional<MessageHeader> header = peekHeader(packet.data);
     if (!header || !contract_.accept(packet.channel, header->fingerprint)) {
       ++facts_.decode_errors[std::string(packet.channel)];
       return;
     }
-    ledger_.count(packet.channel, *header, packet.received_utime);
+    loss_counter_.count(packet.channel, *header, packet.received_utime);
     if (!dispatch(packet)) ++facts_.decode_errors[std::string(packet.channel)];
   }
 
@@ -81,7 +81,7 @@ class Reading {
     contract_.judge(log_name);
     facts_.events = read.events;
     facts_.damaged_places = read.resyncs;
-    facts_.streams = ledger_.streams();
+    facts_.streams = loss_counter_.streams();
     return std::move(facts_);
   }
 
@@ -106,7 +106,7 @@ class Reading {
     if (packet.channel == channels::kServiceStatus) {
       return deliver<service_status_t>(packet.data, [this](const service_status_t& status) {
         contract_.take(status);
-        ledger_.take(status);
+        loss_counter_.take(status);
         sinks_.service(status);
       });
     }
@@ -119,7 +119,7 @@ class Reading {
 
   const MessageSinks& sinks_;
   LogFacts facts_;
-  LossLedger ledger_;
+  MessageLossCounter loss_counter_;
   ContractCheck contract_;
 };
 

@@ -38,8 +38,8 @@ class PhasedNoise {
 };
 
 /// The mean over frames that fall on `phases` equally spaced phases of the hold, as of a frame rate
-/// f with f epsilon = phases / m in lowest terms and clocks that keep it. `first` (s) is from one of
-/// the frames to the next update.
+/// f with f epsilon = phases / m in lowest terms and clocks that keep it. `first` (s) is from one
+/// of the frames to the next update.
 template <typename OfPhase>
 [[nodiscard]] double commensurateMean(double epsilon, int phases, double first,
                                       const OfPhase& of_phase) {

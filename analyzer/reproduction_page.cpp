@@ -5,14 +5,14 @@
 #include <cmath>
 #include <fstream>
 
-#include "common/process/version.hpp"
 #include "analyzer/report/figures/figure_files.hpp"
 #include "analyzer/report/figures/gnuplot.hpp"
 #include "analyzer/report/html/html_sections.hpp"
 #include "analyzer/report/html/html_style.hpp"
-#include "common/text/format.hpp"
-#include "analyzer/report_error.hpp"
 #include "analyzer/report/reproduction/reproduction_figures.hpp"
+#include "analyzer/report_error.hpp"
+#include "common/process/version.hpp"
+#include "common/text/format.hpp"
 
 namespace lab::report {
 namespace fs = std::filesystem;
@@ -62,10 +62,9 @@ std::string figureHtml(const PaperPanel& panel, const Figure& figure,
                            escapeHtml(sentence(verdict.exact_text)));
   }
   if (!verdict.paper_text.empty()) {
-    caption += fmt::format(
-        "<br><span class=\"{}\">{}</span>",
-        verdict.paper == PaperVerdict::kRejected ? "rejected" : "held",
-        escapeHtml(sentence(verdict.paper_text)));
+    caption += fmt::format("<br><span class=\"{}\">{}</span>",
+                           verdict.paper == PaperVerdict::kRejected ? "rejected" : "held",
+                           escapeHtml(sentence(verdict.paper_text)));
   }
   return fmt::format("<figure>{}<figcaption>{}</figcaption></figure>\n", drawing, caption);
 }
@@ -80,11 +79,12 @@ std::string summaryTable(const std::vector<PaperPanel>& panels, const Reproducti
                               : verdict.paper == PaperVerdict::kNotRejected ? "not rejected"
                               : verdict.paper == PaperVerdict::kUndecided   ? "undecided"
                                                                             : "–";
-    table.row({panel.id + " " + escapeHtml(panel.title),
-               fmt::format("<span class=\"{}\">{}</span>", verdictClass(verdict.exact),
-                           verdictWord(verdict.exact)),
-               verdict.exact == VerdictKind::kUndecided ? "–" : fmt::format("{:.1f}", verdict.max_z),
-               (panel.formula.empty() ? "" : escapeHtml(panel.formula) + ": ") + paper});
+    table.row(
+        {panel.id + " " + escapeHtml(panel.title),
+         fmt::format("<span class=\"{}\">{}</span>", verdictClass(verdict.exact),
+                     verdictWord(verdict.exact)),
+         verdict.exact == VerdictKind::kUndecided ? "–" : fmt::format("{:.1f}", verdict.max_z),
+         (panel.formula.empty() ? "" : escapeHtml(panel.formula) + ": ") + paper});
   }
   return table.text();
 }
@@ -97,17 +97,17 @@ std::string estimateTable(const Reproduction& reproduction, std::string& csv) {
     if (found == reproduction.end() || found->second.films.empty()) continue;
     std::string name = set.id;
     for (const Estimate& estimate : estimatesOf(found->second)) {
-      const PeopleUnit unit = peopleUnit(estimate.unit);
+      const DisplayUnit unit = displayUnit(estimate.unit);
       const double f = unit.factor;
       const double z = (estimate.value - estimate.theory) / estimate.sigma;
       file.row(set.id, estimate.name, unit.key, estimate.value * f, estimate.sigma * f,
                estimate.low95 * f, estimate.high95 * f, estimate.theory * f, z, estimate.note);
       const double error = estimate.sigma * f;
       table.row({std::exchange(name, ""), symbolHtml(estimate.name),
-                 fmt::format("{} ± {} {}", numberText(estimate.value * f, error),
-                             numberText(error, error), escapeHtml(unit.text)),
-                 fmt::format("{} to {}", numberText(estimate.low95 * f, error),
-                             numberText(estimate.high95 * f, error)),
+                 fmt::format("{} ± {} {}", valueText(estimate.value * f, error),
+                             valueText(error, error), escapeHtml(unit.text)),
+                 fmt::format("{} to {}", valueText(estimate.low95 * f, error),
+                             valueText(estimate.high95 * f, error)),
                  std::isfinite(estimate.theory) ? shortText(estimate.theory * f) : "–",
                  std::isfinite(z) ? fmt::format("{:+.1f}", z) : "–", escapeHtml(estimate.note)});
     }
@@ -134,13 +134,14 @@ std::string pageText(const std::vector<PaperPanel>& panels, const Reproduction& 
       "<p>Each program was run through the whole lab: services, messages, log, walls at which the "
       "robot drives 40 cm back, stitching, a tracker’s noise (0.03 cm, 0.6°), 50 frames a second, "
       "clock errors and PWM steps. Points are measured, bars one standard error. <b>Exact law</b>: "
-      "what the robot executes, with draws held for ε. <b>Paper</b>: its formula, which neglects ε. "
+      "what the robot executes, with draws held for ε. <b>Paper</b>: its formula, which neglects "
+      "ε. "
       "A panel agrees while no judged lag is 4 standard errors off; chance exceeds 3.2 in one film "
       "of a hundred. A formula is rejected where p &lt; 0.001, with the speed free.</p>\n",
       html::kStyle, kMoreStyle, escapeHtml(lead(facts)));
   std::string faults;
   for (const auto& [id, set] : reproduction) {
-    for (const FilmData& film : set.films) {
+    for (const RecordingData& film : set.films) {
       for (const std::string& fault : film.faults) {
         faults += fmt::format("<p><b>{}:</b> {}</p>\n", id, escapeHtml(fault));
       }
@@ -179,7 +180,8 @@ WrittenReproduction writeReproduction(const fs::path& out, const std::vector<Pap
   const fs::path scratch = out / ".drawing";
   std::error_code error;
   fs::create_directories(scratch, error);
-  if (error) throw ReportError(fmt::format("{}: cannot write here; choose another --out", out.string()));
+  if (error)
+    throw ReportError(fmt::format("{}: cannot write here; choose another --out", out.string()));
   const std::vector<Figure> figures = drawScripts(panelFigures(panels, reproduction), scratch);
   fs::remove_all(scratch);
   for (const Figure& figure : figures) {

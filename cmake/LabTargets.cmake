@@ -26,7 +26,7 @@ if(LAB_SANITIZE OR CMAKE_CXX_COMPILER_LAUNCHER)
 endif()
 option(LAB_BATCHES "Compile the sources of a library, and of tests, several at a time" ${batches})
 
-function(lab_batches target)
+function(lab_unity_build target)
   if(LAB_BATCHES)
     set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 16)
     # To this warning every source of a batch is a header.
@@ -35,7 +35,7 @@ function(lab_batches target)
 endfunction()
 
 # What reads a file or a command line once and then waits: half of the compiler's time.
-function(lab_lightly_optimised target)
+function(lab_debug_optimised target)
   target_compile_options(${target} PRIVATE $<$<CONFIG:Release,RelWithDebInfo>:-Og>)
 endfunction()
 
@@ -48,10 +48,10 @@ function(lab_library name)
   add_library(${name} STATIC ${ARG_SOURCES})
   target_link_libraries(${name} PUBLIC lab_options ${ARG_LINK})
   if(ARG_SHELL)
-    lab_lightly_optimised(${name})
+    lab_debug_optimised(${name})
   endif()
   if(NOT ARG_NUMBERS)
-    lab_batches(${name})
+    lab_unity_build(${name})
   endif()
 endfunction()
 
@@ -60,7 +60,7 @@ endfunction()
 function(lab_program name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
-  lab_lightly_optimised(${name})
+  lab_debug_optimised(${name})
   target_link_libraries(${name} PRIVATE lab_options ${ARG_LINK})
 endfunction()
 
@@ -87,7 +87,7 @@ function(lab_test_group name)
   add_executable(${name} ${ARG_SOURCES} $<TARGET_OBJECTS:lab_test_main>)
   target_link_libraries(${name} PRIVATE lab_options ${ARG_LINK} GTest::gmock GTest::gtest)
   target_precompile_headers(${name} REUSE_FROM lab_test_headers)
-  lab_batches(${name})
+  lab_unity_build(${name})
 endfunction()
 
 # lab_test(name SOURCES x_test.cpp... [IN group] [LINK target...] [OWN_OPTIONS] [LABELS label...]

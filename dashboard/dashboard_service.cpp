@@ -8,9 +8,9 @@
 #include <utility>
 
 #include "common/bus/channels.hpp"
-#include "common/process/installation.hpp"
 #include "common/experiment/light_messages.hpp"
 #include "common/math/units.hpp"
+#include "common/process/installation.hpp"
 #include "dashboard/web/address_file.hpp"
 
 namespace lab::dashboard {
@@ -44,8 +44,7 @@ WebOptions webOptions(const ServiceContext& context, const DashboardOptions& opt
   web.control_from_elsewhere = experiment.dashboard.control_from_elsewhere;
   web.runs = options.runs;
   web.programs = context.programs;
-  web.experiments =
-      options.experiments.empty() ? installation().experiments : options.experiments;
+  web.experiments = options.experiments.empty() ? installation().experiments : options.experiments;
   web.camera_port = experiment.camera.debug_port;
   if (options.address_file.empty()) return web;
   if (const auto before = readAddressFile(options.address_file)) {
@@ -70,20 +69,20 @@ DashboardBus::DashboardBus(const ServiceContext& context, Hub& hub, const fs::pa
   if (const fs::path own = ownFolder(context); !own.empty()) {
     view_.begin(context.experiment, own.parent_path().filename().string());
   }
-  node_.overhear([this](const Packet& packet) { view_.take(packet, loop_.now()); });
+  node_.subscribeAll([this](const Packet& packet) { view_.take(packet, loop_.now()); });
   loop_.every(kMove_us, loop_.now(), [this] {
-    sendWishes();
+    sendDueCommands();
     view_.publishMoving(loop_.now(), server_.viewers() > 0);
   });
   loop_.every(units::kSecond_us, loop_.now() + units::kSecond_us, [this] {
-    view_.publishSums(loop_.now(), server_.facts());
-    tellStreams();
+    view_.publishTotals(loop_.now(), server_.facts());
+    reportStreamCounts();
   });
 }
 
-std::string DashboardBus::wish(const Wish& wish) {
+std::string DashboardBus::wish(const OperatorRequest& wish) {
   std::string refusal = view_.controls().wish(wish, loop_.now());
-  sendWishes();
+  sendDueCommands();
   return refusal;
 }
 
@@ -91,7 +90,7 @@ std::optional<std::string> DashboardBus::ask(std::string_view what, std::string_
   return view_.ask(what, which, loop_.now());
 }
 
-void DashboardBus::sendWishes() {
+void DashboardBus::sendDueCommands() {
   DueCommands due = view_.controls().due(loop_.now());
   if (due.stop) node_.publishCommand(channels::kRobotStop, *due.stop);
   if (due.light) {
@@ -102,7 +101,7 @@ void DashboardBus::sendWishes() {
 }
 
 /// What was overheard is counted by the view, and told in the heartbeat like any listener's.
-void DashboardBus::tellStreams() {
+void DashboardBus::reportStreamCounts() {
   std::vector<stream_count_t> rows;
   for (const auto& [key, stream] : view_.health().counter().streams()) {
     stream_count_t row{};
@@ -127,11 +126,12 @@ DashboardService::DashboardService(const ServiceContext& context, const Dashboar
       host_(ownHost()),
       bus_(context, hub_, options.runs,
            {.viewers = [this] { return viewers(); }, .facts = [this] { return facts(); }}),
-      inbox_({.wish = [this](const Wish& wish) { return bus_.wish(wish); },
-              .ask = [this](std::string_view what,
-                            std::string_view which) { return bus_.ask(what, which); }}) {
-  watch_ = context.descriptors.watch(inbox_.descriptor(), [this] { inbox_.serve(); });
-  server_ = std::make_unique<WebServer>(webOptions(context, options), hub_, inbox_);
+      request_queue_({.wish = [this](const OperatorRequest& wish) { return bus_.wish(wish); },
+                      .ask = [this](std::string_view what,
+                                    std::string_view which) { return bus_.ask(what, which); }}) {
+  watch_ =
+      context.descriptors.watch(request_queue_.descriptor(), [this] { request_queue_.serve(); });
+  server_ = std::make_unique<WebServer>(webOptions(context, options), hub_, request_queue_);
   if (!options.address_file.empty()) writeAddressFile(options.address_file, server_->address());
   // The token is told to who started this, and stands in no log of a run.
   const std::string address = server_->address();
@@ -142,7 +142,7 @@ DashboardService::DashboardService(const ServiceContext& context, const Dashboar
 
 DashboardService::~DashboardService() {
   // Threads that wait for an answer go first, then those that wait for news.
-  inbox_.close();
+  request_queue_.close();
   hub_.close();
   server_.reset();
   watch_.reset();

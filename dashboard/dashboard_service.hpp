@@ -7,10 +7,10 @@
 #include <string>
 
 #include "common/service/service_main.hpp"
-#include "dashboard/web/hub.hpp"
 #include "dashboard/control/request_queue.hpp"
-#include "dashboard/views/lab_view.hpp"
 #include "dashboard/health/process_meter.hpp"
+#include "dashboard/views/lab_view.hpp"
+#include "dashboard/web/hub.hpp"
 #include "dashboard/web/web_server.hpp"
 
 namespace lab::dashboard {
@@ -35,7 +35,7 @@ class DashboardBus {
   DashboardBus(const ServiceContext& context, Hub& hub, const std::filesystem::path& runs,
                Server server);
 
-  [[nodiscard]] std::string wish(const Wish& wish);
+  [[nodiscard]] std::string wish(const OperatorRequest& wish);
   [[nodiscard]] std::optional<std::string> ask(std::string_view what, std::string_view which);
 
   /// Processes of this lab on this host.
@@ -44,8 +44,8 @@ class DashboardBus {
   }
 
  private:
-  void sendWishes();
-  void tellStreams();
+  void sendDueCommands();
+  void reportStreamCounts();
 
   Node& node_;
   Loop& loop_;
@@ -68,8 +68,8 @@ class DashboardService final : public Service {
   ProcessMeter meter_;
   std::string host_;
   DashboardBus bus_;
-  LabInbox inbox_;
-  std::unique_ptr<Descriptors::Watch> watch_;
+  RequestQueue request_queue_;
+  std::unique_ptr<DescriptorWatcher::Watch> watch_;
   std::unique_ptr<WebServer> server_;  ///< last: its threads use the others until they have ended
 };
 

@@ -16,7 +16,7 @@ class GatewayService final : public Service {
   /// @throws ExperimentError for what the experiment names and DDS cannot use
   GatewayService(const ServiceContext& context, const std::optional<BusLinkOptions>& link);
 
-  [[nodiscard]] bool isPassingOn() override { return link_ && link_->isPassingOn(); }
+  [[nodiscard]] bool isForwarding() override { return link_ && link_->isForwarding(); }
 
  private:
   std::unique_ptr<RosBridge> ros_;

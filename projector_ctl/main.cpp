@@ -4,8 +4,8 @@
 
 #include "projector_ctl/calibration/adjust_service.hpp"
 #include "projector_ctl/display/display_sdl.hpp"
-#include "projector_ctl/projector_service.hpp"
 #include "projector_ctl/display/screen_setup.hpp"
+#include "projector_ctl/projector_service.hpp"
 
 namespace {
 
@@ -36,13 +36,12 @@ int main(int argc, char** argv) {
     using namespace lab::projector;
     if (!adjusted.empty()) {
       const std::string display = context.experiment.projector.display;
-      return std::make_unique<AdjustService>(
-          context, adjusted,
-          [&] { return openSdlDisplay(display == lab::kHeadless ? "0" : display); });
+      return std::make_unique<AdjustService>(context, adjusted, [&] {
+        return openSdlDisplay(display == lab::kHeadless ? "0" : display);
+      });
     }
     return std::make_unique<ProjectorService>(
-        context, pictures,
-        makePresenter(context.experiment, context.directory, context.loop));
+        context, pictures, makePresenter(context.experiment, context.directory, context.loop));
   };
   return lab::serviceMain(argc, argv, description);
 }

@@ -137,7 +137,7 @@ std::optional<std::string> ProjectorCore::problem(const LightCommand& command,
            " us, allowed: 0, or after now and after from_utime";
   }
   if (command.release) return {};
-  return Scene::problem(command.layers, config_.surroundings);
+  return Scene::problem(command.layers, config_.scene_context);
 }
 
 std::int64_t ProjectorCore::endOf(const Sender& sender) const {
@@ -261,7 +261,7 @@ void ProjectorCore::chooseCommander() {
     const bool is_new = best->active_since == now_;
     if (!best->scene) {
       best->scene = std::make_shared<Scene>(best->active->layers, best->active->origin_utime,
-                                            config_.surroundings);
+                                            config_.scene_context);
     }
     startRamp(best->scene, is_new ? best->active->ramp : leaving_ramp_);
     commanding_ = *best->active;
@@ -273,13 +273,13 @@ void ProjectorCore::chooseCommander() {
   }
 }
 
-const std::vector<Layer>& ProjectorCore::layersOf(Scene& scene, const Moment& moment) {
+const std::vector<Layer>& ProjectorCore::layersOf(Scene& scene, const FrameTimes& moment) {
   const Scene::Picture& picture = scene.at(moment, robots_);
   trouble_ = picture.trouble;
   return picture.safe ? config_.safe_field : picture.layers;
 }
 
-light::Field ProjectorCore::fieldAt(const Moment& moment) {
+light::Field ProjectorCore::fieldAt(const FrameTimes& moment) {
   light::Field field;
   if (isFading(moment.decided)) {
     field.previous = layersOf(*previous_, moment);
@@ -312,7 +312,7 @@ std::vector<Scene*> ProjectorCore::scenes() const {
   return all;
 }
 
-void ProjectorCore::take(SeenFrame frame) {
+void ProjectorCore::take(ObservedFrame frame) {
   if (!waiting_.empty() && frame.instance != waiting_.back().instance) waiting_.clear();
   waiting_.push_back(std::move(frame));
 }
@@ -328,10 +328,10 @@ void ProjectorCore::takeFrames() {
     shown_.tracker_instance = 0;
     if (waiting_.empty()) return;
     const std::int64_t oldest = waiting_.back().utime - kRemembered_us;
-    std::erase_if(waiting_, [oldest](const SeenFrame& frame) { return frame.utime < oldest; });
+    std::erase_if(waiting_, [oldest](const ObservedFrame& frame) { return frame.utime < oldest; });
     return;
   }
-  for (const SeenFrame& frame : waiting_) {
+  for (const ObservedFrame& frame : waiting_) {
     shown_.tracker_instance = frame.instance;
     shown_.tracked_frames.push_back(frame.number);
     robots_.take(frame);
@@ -340,13 +340,13 @@ void ProjectorCore::takeFrames() {
   waiting_.clear();
 }
 
-const Shown& ProjectorCore::frame(std::int64_t decided_utime, std::int64_t shown_utime) {
+const ShownFrame& ProjectorCore::frame(std::int64_t decided_utime, std::int64_t shown_utime) {
   advance(decided_utime);
   const bool is_new = shown_version_ != version_;
   const bool was_fading = light::isMoving(shown_.field);
   const std::int64_t tracker = shown_.tracker_instance;
-  const bool turns = config_.sync_patch > 0 &&
-                     (is_new || decided_utime >= sync_turn_ + microseconds(kSyncPeriod));
+  const bool turns =
+      config_.sync_patch > 0 && (is_new || decided_utime >= sync_turn_ + microseconds(kSyncPeriod));
   if (turns) {
     shown_.sync = shown_.sync == 1 ? 0 : 1;
     sync_layer_ = syncPatch(config_.sync_patch, shown_.sync == 1);

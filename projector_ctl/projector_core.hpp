@@ -41,15 +41,15 @@ struct [[nodiscard]] Answer {
 };
 
 /// One displayed frame.
-struct Shown {
+struct ShownFrame {
   light::Field field{};
-  bool changed = false;  ///< field, command or trouble differ from the last frame's
-  bool moving = false;   ///< a cross-fade is under way, or layers change by themselves
-  std::string commander{};              ///< empty: the safe field
-  std::int64_t instance = 0;            ///< of the commander, 0 for the safe field
-  std::int64_t seq = 0;                 ///< of the command, 0 for the safe field
-  std::string label{};                  ///< of the command; for the safe field, why it is shown
-  std::int64_t frame = 0;               ///< counts frames from 1
+  bool changed = false;       ///< field, command or trouble differ from the last frame's
+  bool moving = false;        ///< a cross-fade is under way, or layers change by themselves
+  std::string commander{};    ///< empty: the safe field
+  std::int64_t instance = 0;  ///< of the commander, 0 for the safe field
+  std::int64_t seq = 0;       ///< of the command, 0 for the safe field
+  std::string label{};        ///< of the command; for the safe field, why it is shown
+  std::int64_t frame = 0;     ///< counts frames from 1
   std::int64_t presentation_utime = 0;  ///< of this frame: when it is on the arena
   std::int64_t first_shown_utime = 0;   ///< of the first frame that showed this command
   int sync = -1;                        ///< the sync patch: 0 dark, 1 bright, -1: there is none
@@ -82,7 +82,7 @@ class ProjectorCore {
   struct Config {
     std::vector<light::Layer> safe_field{light::Layer{}};
     double command_timeout = 2.5;  ///< [s]
-    Surroundings surroundings{};
+    SceneContext scene_context{};
     double latency = 0;     ///< [s] from a frame's decision to its light
     double sync_patch = 0;  ///< [m] side of the square at the origin that turns with each command,
                             ///< and every kSyncPeriod, so that a camera learns where it is
@@ -102,7 +102,7 @@ class ProjectorCore {
 
   /// Takes a camera frame: it enters the next picture. Frames of one tracker enter at a time; those
   /// of another one replace them.
-  void take(SeenFrame frame);
+  void take(ObservedFrame frame);
 
   /// The program that a robot says it runs.
   void report(std::int32_t robot, const std::string& program, std::int64_t utime) {
@@ -111,12 +111,12 @@ class ProjectorCore {
 
   /// The frame decided at `decided_utime`, valid until the next call. Call it in order of time,
   /// with everything that arrived before already taken.
-  const Shown& frame(std::int64_t decided_utime) {
+  const ShownFrame& frame(std::int64_t decided_utime) {
     return frame(decided_utime, decided_utime + latency_us_);
   }
 
   /// The same for a frame whose light is expected on the arena at `shown_utime`.
-  const Shown& frame(std::int64_t decided_utime, std::int64_t shown_utime);
+  const ShownFrame& frame(std::int64_t decided_utime, std::int64_t shown_utime);
 
  private:
   struct Accepted : LightCommand {
@@ -130,7 +130,7 @@ class ProjectorCore {
     std::int64_t heard_utime = 0;
     std::optional<Accepted> active;
     std::int64_t active_since = 0;
-    std::shared_ptr<Scene> scene;         ///< of the active command, once it commanded
+    std::shared_ptr<Scene> scene;     ///< of the active command, once it commanded
     std::vector<Accepted> scheduled;  ///< by from_utime
   };
 
@@ -144,8 +144,8 @@ class ProjectorCore {
   void bringIntoForce(Sender& sender);
   void chooseCommander();
   void startRamp(std::shared_ptr<Scene> scene, double ramp);
-  light::Field fieldAt(const Moment& moment);
-  const std::vector<light::Layer>& layersOf(Scene& scene, const Moment& moment);
+  light::Field fieldAt(const FrameTimes& moment);
+  const std::vector<light::Layer>& layersOf(Scene& scene, const FrameTimes& moment);
   [[nodiscard]] std::vector<Scene*> scenes() const;
   void takeFrames();
 
@@ -153,8 +153,8 @@ class ProjectorCore {
   std::int64_t timeout_us_;
   std::int64_t latency_us_;
   std::map<std::string, Sender> senders_;
-  Robots robots_;
-  std::vector<SeenFrame> waiting_;  ///< for the next picture
+  RobotTracks robots_;
+  std::vector<ObservedFrame> waiting_;  ///< for the next picture
 
   std::int64_t now_ = 0;     ///< everything up to here has happened
   double leaving_ramp_ = 0;  ///< [s] of the command that gave way last
@@ -171,7 +171,7 @@ class ProjectorCore {
   light::Layer sync_layer_;
   std::int64_t sync_turn_ = 0;  ///< utime of its last turn
 
-  Shown shown_;
+  ShownFrame shown_;
   std::int64_t shown_version_ = -1;
 };
 

@@ -8,15 +8,15 @@
 
 namespace lab::projector {
 
-Surroundings surroundingsOf(const Experiment& experiment, light::ImageStore images) {
-  Surroundings surroundings;
-  surroundings.arena_width = experiment.arena_width;
-  surroundings.arena_height = experiment.arena_height;
-  for (const RobotSpec& robot : experiment.robots) surroundings.robots.push_back(robot.id);
-  for (const auto& [name, program] : experiment.programs) surroundings.programs.push_back(name);
-  surroundings.programs.push_back(modelName(program_t::NONE));
-  surroundings.images = std::move(images);
-  return surroundings;
+SceneContext sceneContextOf(const Experiment& experiment, light::ImageStore images) {
+  SceneContext scene_context;
+  scene_context.arena_width = experiment.arena_width;
+  scene_context.arena_height = experiment.arena_height;
+  for (const RobotSpec& robot : experiment.robots) scene_context.robots.push_back(robot.id);
+  for (const auto& [name, program] : experiment.programs) scene_context.programs.push_back(name);
+  scene_context.programs.push_back(modelName(program_t::NONE));
+  scene_context.images = std::move(images);
+  return scene_context;
 }
 
 LightCommand toCommand(const light_command_t& message, const Experiment& experiment,
@@ -45,8 +45,8 @@ LightCommand toCommand(const light_command_t& message, const Experiment& experim
   return command;
 }
 
-SeenFrame toSeenFrame(const tracked_frame_t& message) {
-  SeenFrame frame{message.instance, message.frame, message.utime, {}};
+ObservedFrame toObservedFrame(const tracked_frame_t& message) {
+  ObservedFrame frame{message.instance, message.frame, message.utime, {}};
   for (const tracked_pose_t& pose : message.robots) {
     if (pose.robot_id < 0) continue;
     frame.robots.push_back({pose.robot_id, pose.x, pose.y, pose.theta,

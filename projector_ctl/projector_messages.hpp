@@ -14,7 +14,7 @@ namespace lab::projector {
 
 /// The experiment as scenes know it.
 /// @param images of its light script
-[[nodiscard]] Surroundings surroundingsOf(const Experiment& experiment, light::ImageStore images);
+[[nodiscard]] SceneContext sceneContextOf(const Experiment& experiment, light::ImageStore images);
 
 /// A command without a from_utime begins when it was sent. A program that a gate asks for gets the
 /// name under which robots report it: where two names mean the same program, the first.
@@ -22,7 +22,7 @@ namespace lab::projector {
                                      const light::ImageStore& images);
 
 /// The identified robots of a frame; of a covariance the larger of xx and yy counts.
-[[nodiscard]] SeenFrame toSeenFrame(const tracked_frame_t& message);
+[[nodiscard]] ObservedFrame toObservedFrame(const tracked_frame_t& message);
 
 [[nodiscard]] ShownRecord toShownRecord(const light_status_t& message);
 

@@ -11,9 +11,9 @@
 
 #include "common/bus/channels.hpp"
 #include "common/calibration/light_file.hpp"
-#include "common/experiment/light_messages.hpp"
 #include "common/calibration/projector_file.hpp"
 #include "common/experiment/experiment_messages.hpp"
+#include "common/experiment/light_messages.hpp"
 #include "common/math/units.hpp"
 #include "light/field/raster.hpp"
 #include "projector_ctl/display/overlay.hpp"
@@ -28,7 +28,7 @@ constexpr std::int64_t kAhead_us = 1'000'000;
 ProjectorCore::Config coreConfig(const Experiment& experiment, const light::ImageStore& images) {
   ProjectorCore::Config config;
   config.safe_field = {light::Layer{.intensity = experiment.light.safe_intensity}};
-  config.surroundings = surroundingsOf(experiment, images);
+  config.scene_context = sceneContextOf(experiment, images);
   config.latency = experiment.projector.latency;
   if (experiment.camera.tracker == Tracker::kCamera) {
     config.sync_patch = experiment.projector.sync_patch;
@@ -51,16 +51,17 @@ ProjectorService::ProjectorService(const ServiceContext& context, std::filesyste
       core_(coreConfig(context.experiment, images_)) {
   const Projector& projector = experiment_.projector;
   if (presenter == nullptr) {
-    // A display that is named and not there, as in virtual time, has the size that it was calibrated
-    // with.
+    // A display that is named and not there, as in virtual time, has the size that it was
+    // calibrated with.
     const std::string& file = projector.calibration;
     const bool simulated = projector.display == kHeadless || file.empty();
-    const std::string placed =
-        simulated ? projectorInForce(experiment_, context.directory, projector.width,
-                                     projector.height).id
-                  : readProjectorFile(context.directory / file).id;
-    const auto light = lightInForce(experiment_, context.directory);
-    headless_calibration_ = bothIds(placed, light ? light->id : "");
+    const std::string placed = simulated
+                                   ? activeProjectorCalibration(experiment_, context.directory,
+                                                                projector.width, projector.height)
+                                         .id
+                                   : readProjectorFile(context.directory / file).id;
+    const auto light = activeLightCalibration(experiment_, context.directory);
+    headless_calibration_ = joinCalibrationIds(placed, light ? light->id : "");
   }
   node_.subscribe<light_command_t>(channels::kLightCommand, [this](const light_command_t& message) {
     arrivals_.push_back({toCommand(message, experiment_, images_), loop_.now()});
@@ -69,21 +70,21 @@ ProjectorService::ProjectorService(const ServiceContext& context, std::filesyste
     // A tracker whose clock runs ahead would make the present look old for ever.
     if (message.utime > loop_.now() + kAhead_us) {
       if (!std::exchange(told_of_future_, true)) {
-        node_.noteError("TRACKED_FRAME " + std::to_string(message.frame) + " of " + message.sender +
-                        " is dated more than a second ahead: not used for the light; set the clocks");
+        node_.noteError(
+            "TRACKED_FRAME " + std::to_string(message.frame) + " of " + message.sender +
+            " is dated more than a second ahead: not used for the light; set the clocks");
       }
       return;
     }
-    frames_.push_back({toSeenFrame(message), loop_.now()});
+    frames_.push_back({toObservedFrame(message), loop_.now()});
   });
-  node_.subscribe<robot_status_t>(channels::kRobotStatus, [this](const robot_status_t& message) {
-    takePrograms(message);
-  });
+  node_.subscribe<robot_status_t>(channels::kRobotStatus,
+                                  [this](const robot_status_t& message) { takePrograms(message); });
   loop_of_frames_ = std::make_unique<FrameLoop>(
       loop_, clock_,
-      FrameLoop::Owner{
+      FrameLoop::Callbacks{
           [this](std::int64_t swap) -> const light::Field& { return decide(swap); },
-          [this](const FrameLoop::Swapped& swapped) { frameShown(swapped); },
+          [this](const FrameLoop::SwappedFrame& swapped) { frameShown(swapped); },
           [this] { return overlayLines(*shown_, swapped_, loop_of_frames_->rate()); }},
       std::move(presenter));
 }
@@ -95,7 +96,7 @@ void ProjectorService::applyUntil(std::int64_t utime) {
     const LightCommand& command = arrivals_[applied].command;
     const Answer answer = core_.apply(command, arrivals_[applied].utime);
     if (answer.verdict == Verdict::kRefused) {
-      const std::string refusal = sayRefused(command.sender, command.seq, answer.reason);
+      const std::string refusal = formatRefusal(command.sender, command.seq, answer.reason);
       if (refusal != last_refusal_) {
         node_.noteError(refusal);
         last_refusal_ = refusal;
@@ -136,10 +137,10 @@ const light::Field& ProjectorService::decide(std::int64_t swap_utime) {
   return shown_->field;
 }
 
-void ProjectorService::frameShown(const FrameLoop::Swapped& swapped) {
-  const Shown& shown = *shown_;
-  const bool other_display = swapped.display != swapped_.display || swapped.vsync != swapped_.vsync ||
-                             swapped.trouble != swapped_.trouble;
+void ProjectorService::frameShown(const FrameLoop::SwappedFrame& swapped) {
+  const ShownFrame& shown = *shown_;
+  const bool other_display = swapped.display != swapped_.display ||
+                             swapped.vsync != swapped_.vsync || swapped.trouble != swapped_.trouble;
   publish_ = publish_ || other_display;
   if (swapped.trouble != swapped_.trouble && !swapped.trouble.empty()) {
     node_.noteError(swapped.trouble);
@@ -159,13 +160,14 @@ void ProjectorService::frameShown(const FrameLoop::Swapped& swapped) {
     publish_ = false;
   }
   if (shown.frame == 1) node_.ready();
-  if (!pictures_.empty() && !light::isMoving(shown.field) && shown.first_shown_utime != pictured_utime_) {
+  if (!pictures_.empty() && !light::isMoving(shown.field) &&
+      shown.first_shown_utime != pictured_utime_) {
     savePicture(shown);
     pictured_utime_ = shown.first_shown_utime;
   }
 }
 
-void ProjectorService::noteEntered(const Shown& shown) {
+void ProjectorService::noteEntered(const ShownFrame& shown) {
   if (shown.tracker_instance != entered_tracker_) entered_.clear();
   entered_tracker_ = shown.tracker_instance;
   entered_.insert(entered_.end(), shown.tracked_frames.begin(), shown.tracked_frames.end());
@@ -175,7 +177,7 @@ std::int64_t ProjectorService::lightUtime() const {
   return swapped_.utime + std::llround(1e6 * experiment_.projector.latency);
 }
 
-void ProjectorService::publish(const Shown& shown) {
+void ProjectorService::publish(const ShownFrame& shown) {
   light_status_t status{};
   status.utime = lightUtime();
   status.frame = shown.frame;
@@ -209,7 +211,7 @@ void ProjectorService::publish(const Shown& shown) {
   node_.publish(channels::kLightStatus, status);
 }
 
-void ProjectorService::savePicture(const Shown& shown) {
+void ProjectorService::savePicture(const ShownFrame& shown) {
   const int rows =
       std::max(1, static_cast<int>(std::lround(kPictureColumns * arena_height_ / arena_width_)));
   const light::Raster raster =

@@ -17,8 +17,8 @@
 namespace lab::projector {
 
 /// Frame by frame it shows its field on a display, at the display's refreshes, or headless, to
-/// whoever listens to LIGHT_STATUS, at the experiment's frame rate. LIGHT_STATUS goes out with every frame that differs from the last, and
-/// at 10 Hz otherwise. A refused command is said in
+/// whoever listens to LIGHT_STATUS, at the experiment's frame rate. LIGHT_STATUS goes out with
+/// every frame that differs from the last, and at 10 Hz otherwise. A refused command is said in
 /// last_refusal and in the heartbeat; what was shown stays.
 class ProjectorService final : public Service {
  public:
@@ -40,18 +40,18 @@ class ProjectorService final : public Service {
   };
 
   struct FrameArrival {
-    SeenFrame frame;
+    ObservedFrame frame;
     std::int64_t utime;
   };
 
   const light::Field& decide(std::int64_t swap_utime);
-  void frameShown(const FrameLoop::Swapped& swapped);
+  void frameShown(const FrameLoop::SwappedFrame& swapped);
   void applyUntil(std::int64_t utime);
   void takeFrames(std::int64_t utime);
   void takePrograms(const robot_status_t& status);
-  void noteEntered(const Shown& shown);
-  void publish(const Shown& shown);
-  void savePicture(const Shown& shown);
+  void noteEntered(const ShownFrame& shown);
+  void publish(const ShownFrame& shown);
+  void savePicture(const ShownFrame& shown);
   [[nodiscard]] std::int64_t lightUtime() const;
 
   Node& node_;
@@ -63,19 +63,19 @@ class ProjectorService final : public Service {
   light::ImageStore images_;
   FrameClock clock_;
   ProjectorCore core_;
-  std::vector<Arrival> arrivals_;  ///< not yet given to the core
-  std::vector<FrameArrival> frames_;  ///< not yet given to the core
+  std::vector<Arrival> arrivals_;      ///< not yet given to the core
+  std::vector<FrameArrival> frames_;   ///< not yet given to the core
   std::vector<std::int64_t> entered_;  ///< numbers of frames in use since the last LIGHT_STATUS
   std::int64_t entered_tracker_ = 0;
   std::string headless_calibration_;  ///< id of that in force without a display, empty: none
   bool told_of_future_ = false;
   std::string last_refusal_;
   std::string trouble_;
-  bool publish_ = false;             ///< with the next frame, whether it changes or not
-  std::int64_t pictured_utime_ = 0;  ///< first_shown_utime of what the last picture shows
-  std::int64_t status_utime_ = 0;    ///< of the last LIGHT_STATUS
-  const Shown* shown_ = nullptr;     ///< of the frame under way
-  FrameLoop::Swapped swapped_;       ///< the frame shown last
+  bool publish_ = false;                ///< with the next frame, whether it changes or not
+  std::int64_t pictured_utime_ = 0;     ///< first_shown_utime of what the last picture shows
+  std::int64_t status_utime_ = 0;       ///< of the last LIGHT_STATUS
+  const ShownFrame* shown_ = nullptr;   ///< of the frame under way
+  FrameLoop::SwappedFrame swapped_;     ///< the frame shown last
   std::int64_t first_light_utime_ = 0;  ///< of the command shown
   std::unique_ptr<FrameLoop> loop_of_frames_;
 };

@@ -26,7 +26,7 @@ void Replay::take(const LightCommand& command) {
   commands_.try_emplace({command.sender, command.instance, command.seq}, command);
 }
 
-void Replay::take(SeenFrame frame) {
+void Replay::take(ObservedFrame frame) {
   const std::pair key{frame.instance, frame.number};
   frames_.insert_or_assign(key, std::move(frame));
   if (frames_.size() <= kMostFrames) return;
@@ -67,7 +67,7 @@ std::optional<std::vector<light::Layer>> Replay::layersOf(const ShownRecord& sta
              std::get<2>(entry.first) + 1 < status.command_seq;
     });
     scenes_[key].scene =
-        std::make_unique<Scene>(command->second.layers, command->second.from_utime, surroundings_);
+        std::make_unique<Scene>(command->second.layers, command->second.from_utime, scene_context_);
   }
   if (!play(status)) {
     for (auto& [known, played] : scenes_) played.complete = !played.scene->needsPoses();

@@ -32,12 +32,12 @@ struct ShownRecord {
 /// status says what had arrived: in a live run a frame may differ where the two crossed.
 class Replay {
  public:
-  /// @param surroundings as the projector had them; outlive this
-  explicit Replay(const Surroundings& surroundings) : surroundings_(surroundings) {}
+  /// @param scene_context as the projector had them; outlive this
+  explicit Replay(const SceneContext& scene_context) : scene_context_(scene_context) {}
 
   /// As the projector took it: with a from_utime.
   void take(const LightCommand& command);
-  void take(SeenFrame frame);
+  void take(ObservedFrame frame);
   void report(std::int32_t robot, const std::string& program, std::int64_t utime) {
     robots_.report(robot, program, utime);
   }
@@ -55,11 +55,12 @@ class Replay {
 
   bool play(const ShownRecord& status);
 
-  const Surroundings& surroundings_;
+  const SceneContext& scene_context_;
   std::map<Key, LightCommand> commands_;
-  std::map<std::pair<std::int64_t, std::int64_t>, SeenFrame> frames_;  ///< by tracker and number
+  std::map<std::pair<std::int64_t, std::int64_t>, ObservedFrame>
+      frames_;  ///< by tracker and number
   std::map<Key, Played> scenes_;
-  Robots robots_;
+  RobotTracks robots_;
   std::int64_t projector_ = 0;
 };
 

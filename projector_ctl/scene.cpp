@@ -66,7 +66,7 @@ bool isInside(const Drive& drive, const RobotPose& robot) {
   return std::hypot(robot.x - drive.gate_x, robot.y - drive.gate_y) <= drive.gate_radius;
 }
 
-RobotPose poseAt(const Drive& drive, const Track& track, const Moment& moment) {
+RobotPose poseAt(const Drive& drive, const Track& track, const FrameTimes& moment) {
   return drive.predict ? track.predicted(moment.shown) : track.last();
 }
 
@@ -76,7 +76,7 @@ bool isLost(const Drive& drive, const Track* track, std::int64_t decided) {
 
 /// Whether this robot opens the gate, standing where `pose` says.
 bool opens(const Drive& drive, std::int32_t id, const RobotPose& pose, std::int64_t utime,
-           const Robots& robots) {
+           const RobotTracks& robots) {
   switch (drive.gate) {
     case Gate::kProgram:
       return robots.runs(id, drive.gate_program, utime, drive.stale);
@@ -91,7 +91,8 @@ bool opens(const Drive& drive, std::int32_t id, const RobotPose& pose, std::int6
 }
 
 /// Whether this robot opens the gate, wherever it is.
-bool opens(const Drive& drive, std::int32_t id, const Moment& moment, const Robots& robots) {
+bool opens(const Drive& drive, std::int32_t id, const FrameTimes& moment,
+           const RobotTracks& robots) {
   if (drive.gate == Gate::kOpen || drive.gate == Gate::kProgram) {
     return opens(drive, id, RobotPose{}, moment.decided, robots);
   }
@@ -106,7 +107,7 @@ std::size_t layerBytes(const Layer& layer) {
   return kLayerBytes + grid + (layer.kind == LayerKind::kImage ? kDigestBytes : 0);
 }
 
-std::optional<std::string> driveProblem(const DrivenLayer& layer, const Surroundings& around) {
+std::optional<std::string> driveProblem(const DrivenLayer& layer, const SceneContext& around) {
   const Drive& drive = layer.drive;
   if (auto problem = light::validate(drive, layer.layer.kind)) return problem;
   for (const std::string& image : drive.images) {
@@ -125,7 +126,7 @@ std::optional<std::string> driveProblem(const DrivenLayer& layer, const Surround
 }  // namespace
 
 std::optional<std::string> Scene::problem(const std::vector<DrivenLayer>& layers,
-                                          const Surroundings& surroundings) {
+                                          const SceneContext& scene_context) {
   if (layers.size() > light::kMostLayers) {
     const std::string most = std::to_string(light::kMostLayers);
     return "layers = more than " + most + " layers, allowed: at most " + most;
@@ -143,10 +144,10 @@ std::optional<std::string> Scene::problem(const std::vector<DrivenLayer>& layers
     if (layers[i].layer.kind == LayerKind::kFade) {
       return named("kind = 10, allowed in a command: any but 10");
     }
-    if (const auto problem = driveProblem(layers[i], surroundings)) return named(*problem);
+    if (const auto problem = driveProblem(layers[i], scene_context)) return named(*problem);
     const Drive& drive = layers[i].drive;
     const std::vector<std::int32_t>& ids =
-        drive.robots.empty() ? surroundings.robots : drive.robots;
+        drive.robots.empty() ? scene_context.robots : drive.robots;
     const std::size_t most = drive.follow == Follow::kRobots ? ids.size() : 1;
     copies += most;
     bytes += most * layerBytes(layers[i].layer);
@@ -171,8 +172,8 @@ std::size_t Scene::bytesOf(const std::vector<Layer>& layers) {
 }
 
 Scene::Scene(std::vector<DrivenLayer> layers, std::int64_t from_utime,
-             const Surroundings& surroundings)
-    : from_utime_(from_utime), surroundings_(&surroundings) {
+             const SceneContext& scene_context)
+    : from_utime_(from_utime), scene_context_(&scene_context) {
   const auto trails = static_cast<std::size_t>(std::ranges::count_if(
       layers, [](const DrivenLayer& layer) { return layer.drive.follow == Follow::kTrail; }));
   for (DrivenLayer& layer : layers) {
@@ -184,8 +185,8 @@ Scene::Scene(std::vector<DrivenLayer> layers, std::int64_t from_utime,
     needs_poses_ = needs_poses_ || drive.follow != Follow::kNothing ||
                    drive.gate == Gate::kInside || drive.gate == Gate::kOutside;
     if (drive.follow == Follow::kTrail) {
-      entry.trail.emplace(Trail::Settings{.width = surroundings.arena_width,
-                                          .height = surroundings.arena_height,
+      entry.trail.emplace(Trail::Settings{.width = scene_context.arena_width,
+                                          .height = scene_context.arena_height,
                                           .most_cells = kMostTrailCells / trails,
                                           .radius = entry.driven.layer.size,
                                           .rate = drive.rate,
@@ -200,14 +201,14 @@ Scene::Scene(const std::vector<Layer>& layers) {
 }
 
 const std::vector<std::int32_t>& Scene::followed(const Drive& drive) const {
-  return drive.robots.empty() ? surroundings_->robots : drive.robots;
+  return drive.robots.empty() ? scene_context_->robots : drive.robots;
 }
 
-void Scene::take(const SeenFrame& frame, const Robots& robots) {
+void Scene::take(const ObservedFrame& frame, const RobotTracks& robots) {
   for (Entry& entry : entries_) {
     if (!entry.trail || frame.utime < from_utime_) continue;
     const Drive& drive = entry.driven.drive;
-    const Moment moment{frame.utime, frame.utime};
+    const FrameTimes moment{frame.utime, frame.utime};
     entry.trail->advanceTo(frame.utime);
     if (drive.gate_robot != 0 && !opens(drive, drive.gate_robot, moment, robots)) continue;
     for (const std::int32_t id : followed(drive)) {
@@ -227,23 +228,23 @@ void Scene::take(const SeenFrame& frame, const Robots& robots) {
   }
 }
 
-bool Scene::isOpen(const Drive& drive, const Moment& moment, const Robots& robots) const {
+bool Scene::isOpen(const Drive& drive, const FrameTimes& moment, const RobotTracks& robots) const {
   if (drive.gate == Gate::kOpen) return true;
   if (drive.gate_robot != 0) return opens(drive, drive.gate_robot, moment, robots);
-  return std::ranges::any_of(surroundings_->robots,
+  return std::ranges::any_of(scene_context_->robots,
                              [&](std::int32_t id) { return opens(drive, id, moment, robots); });
 }
 
 bool Scene::noteLost(const Drive& drive, std::int32_t id, const Track* track,
-                     const Moment& moment) {
+                     const FrameTimes& moment) {
   if (!isLost(drive, track, moment.decided)) return false;
   lost_[id] = track != nullptr ? track->lastUtime() : 0;
   if (drive.when_lost == light::WhenLost::kSafe) picture_.safe = true;
   return true;
 }
 
-void Scene::placeCopies(const Entry& entry, const Layer& layer, const Moment& moment,
-                        const Robots& robots) {
+void Scene::placeCopies(const Entry& entry, const Layer& layer, const FrameTimes& moment,
+                        const RobotTracks& robots) {
   const Drive& drive = entry.driven.drive;
   for (const std::int32_t id : followed(drive)) {
     const Track* track = robots.track(id);
@@ -256,8 +257,8 @@ void Scene::placeCopies(const Entry& entry, const Layer& layer, const Moment& mo
   }
 }
 
-void Scene::pushTrail(Entry& entry, const Layer& layer, const Moment& moment,
-                      const Robots& robots) {
+void Scene::pushTrail(Entry& entry, const Layer& layer, const FrameTimes& moment,
+                      const RobotTracks& robots) {
   const Drive& drive = entry.driven.drive;
   for (const std::int32_t id : followed(drive)) noteLost(drive, id, robots.track(id), moment);
   Trail& trail = *entry.trail;
@@ -276,7 +277,7 @@ void Scene::pushTrail(Entry& entry, const Layer& layer, const Moment& moment,
   picture_.layers.push_back(std::move(grid));
 }
 
-void Scene::resolve(Entry& entry, const Moment& moment, const Robots& robots) {
+void Scene::resolve(Entry& entry, const FrameTimes& moment, const RobotTracks& robots) {
   if (entry.still) {
     picture_.layers.push_back(entry.driven.layer);
     return;
@@ -284,8 +285,8 @@ void Scene::resolve(Entry& entry, const Moment& moment, const Robots& robots) {
   const Drive& drive = entry.driven.drive;
   Layer layer = light::driven(entry.driven, seconds(moment.shown - from_utime_));
   if (!layer.image.empty() && !layer.pixels) {
-    const auto found = surroundings_->images.find(layer.image);
-    if (found != surroundings_->images.end()) layer.pixels = found->second;
+    const auto found = scene_context_->images.find(layer.image);
+    if (found != scene_context_->images.end()) layer.pixels = found->second;
   }
   switch (drive.follow) {
     case Follow::kNothing:
@@ -300,7 +301,7 @@ void Scene::resolve(Entry& entry, const Moment& moment, const Robots& robots) {
   }
 }
 
-const Scene::Picture& Scene::at(const Moment& moment, const Robots& robots) {
+const Scene::Picture& Scene::at(const FrameTimes& moment, const RobotTracks& robots) {
   if (still_ && resolved_) return picture_;
   resolved_ = true;
   picture_.layers.clear();

@@ -17,7 +17,7 @@
 namespace lab::projector {
 
 /// What scenes need to know of the experiment.
-struct Surroundings {
+struct SceneContext {
   double arena_width = 1.2;             ///< [m]
   double arena_height = 0.9;            ///< [m]
   std::vector<std::int32_t> robots{};   ///< those meant by "every robot"
@@ -26,7 +26,7 @@ struct Surroundings {
 };
 
 /// The two times of a frame [us since 1970].
-struct Moment {
+struct FrameTimes {
   std::int64_t decided = 0;  ///< what had arrived until then is in the picture
   std::int64_t shown = 0;    ///< when it is on the arena
   std::int64_t trails = 0;   ///< that trails are worked out for; 0: `shown`
@@ -50,16 +50,16 @@ class Scene {
 
   /// Why the layers cannot be a command's, as "layers[i].field = found, allowed: ...", or nothing.
   [[nodiscard]] static std::optional<std::string> problem(
-      const std::vector<light::DrivenLayer>& layers, const Surroundings& surroundings);
+      const std::vector<light::DrivenLayer>& layers, const SceneContext& scene_context);
 
   /// What the layers take of a LIGHT_STATUS, or a little more.
   [[nodiscard]] static std::size_t bytesOf(const std::vector<light::Layer>& layers);
 
   /// @param layers without a problem()
   /// @param from_utime when their time was 0 [us since 1970]
-  /// @param surroundings outlive the scene
+  /// @param scene_context outlive the scene
   Scene(std::vector<light::DrivenLayer> layers, std::int64_t from_utime,
-        const Surroundings& surroundings);
+        const SceneContext& scene_context);
 
   /// Layers that nothing changes.
   explicit Scene(const std::vector<light::Layer>& layers);
@@ -72,10 +72,10 @@ class Scene {
 
   /// Takes a frame that `robots` has just taken; trails grow. Frames from before from_utime leave
   /// no trail.
-  void take(const SeenFrame& frame, const Robots& robots);
+  void take(const ObservedFrame& frame, const RobotTracks& robots);
 
   /// Valid until the next call.
-  const Picture& at(const Moment& moment, const Robots& robots);
+  const Picture& at(const FrameTimes& moment, const RobotTracks& robots);
 
  private:
   struct Entry {
@@ -86,19 +86,19 @@ class Scene {
   };
 
   [[nodiscard]] const std::vector<std::int32_t>& followed(const light::Drive& drive) const;
-  [[nodiscard]] bool isOpen(const light::Drive& drive, const Moment& moment,
-                            const Robots& robots) const;
-  void resolve(Entry& entry, const Moment& moment, const Robots& robots);
-  void placeCopies(const Entry& entry, const light::Layer& layer, const Moment& moment,
-                   const Robots& robots);
-  void pushTrail(Entry& entry, const light::Layer& layer, const Moment& moment,
-                 const Robots& robots);
+  [[nodiscard]] bool isOpen(const light::Drive& drive, const FrameTimes& moment,
+                            const RobotTracks& robots) const;
+  void resolve(Entry& entry, const FrameTimes& moment, const RobotTracks& robots);
+  void placeCopies(const Entry& entry, const light::Layer& layer, const FrameTimes& moment,
+                   const RobotTracks& robots);
+  void pushTrail(Entry& entry, const light::Layer& layer, const FrameTimes& moment,
+                 const RobotTracks& robots);
   bool noteLost(const light::Drive& drive, std::int32_t id, const Track* track,
-                const Moment& moment);
+                const FrameTimes& moment);
 
   std::vector<Entry> entries_;
   std::int64_t from_utime_ = 0;
-  const Surroundings* surroundings_ = nullptr;
+  const SceneContext* scene_context_ = nullptr;
   bool still_ = true;
   bool needs_poses_ = false;
   bool resolved_ = false;                      ///< a still scene is resolved once

@@ -62,8 +62,8 @@ BridgeService::BridgeService(const ServiceContext& context)
     : node_(context.node),
       loop_(context.loop),
       experiment_(context.experiment),
-      keeper_(context.loop, context.ports, portSettings(context.experiment), byUid(),
-              [this](const std::string& text) { note(text); }) {
+      port_manager_(context.loop, context.ports, portSettings(context.experiment), byUid(),
+                    [this](const std::string& text) { note(text); }) {
   node_.subscribe<robot_command_t>(channels::kRobotCommand,
                                    [this](const robot_command_t& command) { take(command); });
   node_.subscribe<robot_stop_t>(channels::kRobotStop,
@@ -80,8 +80,8 @@ BridgeService::BridgeService(const ServiceContext& context)
   });
 }
 
-PortKeeper::Robots BridgeService::byUid() {
-  PortKeeper::Robots by_uid;
+PortManager::Robots BridgeService::byUid() {
+  PortManager::Robots by_uid;
   for (const RobotSpec& robot : experiment_.robots) {
     if (!isServed(robot)) continue;
     const std::int8_t origin =
@@ -102,7 +102,7 @@ void BridgeService::take(const robot_command_t& command) {
       robot->second.link.command(command.seq, command.instance, command.lease_ms, order, now);
     }
   }
-  keeper_.flush();
+  port_manager_.flush();
 }
 
 void BridgeService::take(const robot_stop_t& stop) {
@@ -113,7 +113,7 @@ void BridgeService::take(const robot_stop_t& stop) {
                                        stop.robot_ids.end();
     if (meant) robot.link.stop(stop.seq, stop.clear != 0, now);
   }
-  keeper_.flush();
+  port_manager_.flush();
 }
 
 // The answer to one request comes with its next repeats, as far as the robots have got by then.
@@ -127,19 +127,19 @@ void BridgeService::take(const robot_calibration_t& request) {
     link.calibrate(request.seq, request.instance, wanted, loop_.now());
     if (const auto held = link.calibration()) answer.robots.push_back(*held);
   }
-  keeper_.flush();
+  port_manager_.flush();
   if (answer.robots.empty()) return;
   answer.num_robots = static_cast<std::int32_t>(answer.robots.size());
   node_.publishCommand(channels::kCalibrationStatus, answer);
 }
 
 void BridgeService::tick() {
-  keeper_.tick();
+  port_manager_.tick();
   const std::int64_t now = loop_.now();
   for (auto& [id, robot] : robots_) {
     const bool silent = robot.link.isPlugged() && now - robot.link.heardUtime() > kSilent_us;
     if (silent && !robot.silent) {
-      note(keeper_.lineOf(robot.link) + ": robot " + std::to_string(id) +
+      note(port_manager_.lineOf(robot.link) + ": robot " + std::to_string(id) +
            " is silent; is it switched on?");
     }
     robot.silent = silent;
@@ -164,7 +164,7 @@ void BridgeService::reportLines() {
     rows.push_back(std::move(row));
   }
   node_.reportStreams(std::move(rows));
-  noteWaiting();
+  publishWaitingNotes();
 }
 
 void BridgeService::note(const std::string& text) {
@@ -175,7 +175,7 @@ void BridgeService::note(const std::string& text) {
   }
   if (!waiting_.empty() || notes_.size() + text.size() > kLongestNote) {
     waiting_.push_back(text);
-    noteWaiting();
+    publishWaitingNotes();
     return;
   }
   notes_ += (notes_.empty() ? "" : "; ") + text;
@@ -183,7 +183,7 @@ void BridgeService::note(const std::string& text) {
 }
 
 /// As much of what waits as one heartbeat carries, once the one before has been carried.
-void BridgeService::noteWaiting() {
+void BridgeService::publishWaitingNotes() {
   const std::int64_t now = loop_.now();
   if (waiting_.empty() || (now - noted_utime_ < kCarried_us && !notes_.empty())) return;
   notes_.clear();
@@ -202,11 +202,11 @@ void BridgeService::publish() {
   robot_steps_t steps{};
   bool news = false;
   for (auto& [id, robot] : robots_) {
-    for (const RobotView::LongStep& step : robot.link.view().takeSteps()) {
+    for (const RobotView::UnwrappedStep& step : robot.link.view().takeSteps()) {
       steps.steps.push_back(stepOf(robot.link, step));
     }
     if (now - robot.link.heardUtime() > kSilent_us) continue;
-    const bool has_news = robot.link.view().takeNews();
+    const bool has_news = robot.link.view().takeUpdateFlag();
     news = news || has_news;
     const auto state = statusOf(robot.link, robot.origin, robot.reported);
     if (state) status.robots.push_back(*state);

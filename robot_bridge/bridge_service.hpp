@@ -30,7 +30,7 @@ class BridgeService final : public Service {
         : link(settings), origin(the_origin) {}
     RobotLink link;
     std::int8_t origin;  ///< robot_state_t's
-    Reported reported;
+    ReportHistory reported;
     bool silent = false;  ///< already said
   };
 
@@ -40,9 +40,9 @@ class BridgeService final : public Service {
   void tick();
   void publish();
   void note(const std::string& text);
-  void noteWaiting();
+  void publishWaitingNotes();
   void reportLines();
-  [[nodiscard]] PortKeeper::Robots byUid();
+  [[nodiscard]] PortManager::Robots byUid();
 
   Node& node_;
   Loop& loop_;
@@ -51,7 +51,7 @@ class BridgeService final : public Service {
   std::string notes_;  ///< a heartbeat carries one text
   std::int64_t noted_utime_ = 0;
   std::deque<std::string> waiting_;  ///< notes for the heartbeats after the next
-  PortKeeper keeper_;
+  PortManager port_manager_;
 };
 
 /// The service as a process or as a part of a lab in one process.

@@ -4,11 +4,11 @@
 #include <csignal>
 #include <iostream>
 
+#include "analyzer/report_error.hpp"
 #include "common/bus/bus_error.hpp"
 #include "common/experiment/experiment_file.hpp"
-#include "analyzer/report_error.hpp"
-#include "runner/commands/command_line.hpp"
 #include "runner/command_line/exit_code.hpp"
+#include "runner/commands/command_line.hpp"
 
 int main(int argc, char** argv) {
   using namespace lab::runner;

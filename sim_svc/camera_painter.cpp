@@ -9,12 +9,12 @@
 #include <utility>
 
 #include "common/math/random.hpp"
-#include "sim_svc/camera/camera_painter_warp.hpp"
 #include "sim_svc/camera/camera_painter_cells.hpp"
 #include "sim_svc/camera/camera_painter_ground.hpp"
 #include "sim_svc/camera/camera_painter_light.hpp"
 #include "sim_svc/camera/camera_painter_noise.hpp"
 #include "sim_svc/camera/camera_painter_robot.hpp"
+#include "sim_svc/camera/camera_painter_warp.hpp"
 
 namespace lab::sim {
 namespace {
@@ -24,18 +24,18 @@ using painter::Lattice;
 
 constexpr double kLongestPiece = 1;  // [px] that a robot moves within a piece of the exposure
 
-LAB_PAINTER_CLONES
+LAB_TARGET_CLONES
 void reflect(const float* __restrict albedo, float ambient, float* __restrict grey, int count) {
   for (int i = 0; i < count; ++i) grey[i] = albedo[i] * (ambient + grey[i]);
 }
 
-LAB_PAINTER_CLONES
+LAB_TARGET_CLONES
 void blend(const float* __restrict before, const float* __restrict after, float mix,
            float* __restrict out, int count) {
   for (int i = 0; i < count; ++i) out[i] = before[i] + mix * (after[i] - before[i]);
 }
 
-LAB_PAINTER_CLONES
+LAB_TARGET_CLONES
 void develop(const float* __restrict blurred, const float* __restrict gain,
              const float* __restrict offset, float* __restrict mean, int count) {
   for (int i = 0; i < count; ++i) mean[i] = offset[i] + gain[i] * blurred[i];
@@ -52,7 +52,7 @@ class CameraPainter::Parts {
 
   PainterSettings settings;
   std::vector<float> mean;  ///< [DN] of the last exposure
-  painter::Grain grain;
+  painter::SensorNoise grain;
 
  private:
   /// One list of layers on the floor.
@@ -67,7 +67,7 @@ class CameraPainter::Parts {
   void show(Shown& shown, const std::vector<light::Layer>& layers);
   void uncover(const Box& cells);
   void lightCaps(const Box& pixels);
-  [[nodiscard]] painter::LitPlaces places(const std::optional<painter::BentPlaces>& bent,
+  [[nodiscard]] painter::LitPlaces places(const std::optional<painter::WarpedPlaces>& bent,
                                           const painter::PlaneShift& shift) const;
   void paintPiece(std::span<const PaintedRobot> robots, double duration);
   [[nodiscard]] int pieces(std::span<const PaintedRobot> robots) const;
@@ -79,8 +79,8 @@ class CameraPainter::Parts {
   painter::Ground ground_;
   painter::PlaneShift to_projector_;
   painter::PlaneShift to_camera_;
-  std::optional<painter::BentPlaces> bent_ground_;  ///< empty: light is where it is wanted
-  std::optional<painter::BentPlaces> bent_caps_;
+  std::optional<painter::WarpedPlaces> bent_ground_;  ///< empty: light is where it is wanted
+  std::optional<painter::WarpedPlaces> bent_caps_;
   std::vector<float> gain_;    ///< [DN] of a pixel in full light of albedo 1
   std::vector<float> offset_;  ///< [DN] of a pixel in the dark
   std::array<Shown, 2> shown_;
@@ -94,20 +94,20 @@ class CameraPainter::Parts {
 
 CameraPainter::Parts::Parts(PainterSettings the_settings)
     : settings(std::move(the_settings)),
-      grain(settings.seed, optics::Response(settings.imaging)),
+      grain(settings.seed, optics::CameraResponse(settings.imaging)),
       model_(settings.camera),
       spread_(settings.imaging.blur),
       lattice_{settings.camera.width, settings.camera.height, spread_.reach() + 1},
       ground_(settings, lattice_, model_),
-      to_projector_(painter::PlaneShift::towards(settings.projector, settings.cap.height,
-                                                 settings.sheet)),
-      to_camera_(painter::PlaneShift::towards(model_.centre(), settings.cap.height,
-                                              settings.sheet)),
+      to_projector_(
+          painter::PlaneShift::towards(settings.projector, settings.cap.height, settings.sheet)),
+      to_camera_(
+          painter::PlaneShift::towards(model_.centre(), settings.cap.height, settings.sheet)),
       cap_light_(lattice_.size()),
       cap_light_before_(lattice_.size()),
       grey_(lattice_.size()) {
   makePixels();
-  if (!settings.bending.isStraight()) {
+  if (!settings.warp.isIdentity()) {
     bent_ground_.emplace(settings, lattice_, ground_, to_projector_);
     bent_caps_.emplace(settings, lattice_, ground_, to_camera_);
   }
@@ -246,7 +246,7 @@ void CameraPainter::Parts::clear() {
   stale_ = false;
 }
 
-painter::LitPlaces CameraPainter::Parts::places(const std::optional<painter::BentPlaces>& bent,
+painter::LitPlaces CameraPainter::Parts::places(const std::optional<painter::WarpedPlaces>& bent,
                                                 const painter::PlaneShift& shift) const {
   return bent ? bent->view() : painter::LitPlaces{ground_.x.data(), ground_.y.data(), shift};
 }

@@ -10,9 +10,9 @@
 #include "light/field/field.hpp"
 #include "light/optics/camera_model.hpp"
 #include "light/optics/cap.hpp"
+#include "light/optics/simulated_projector.hpp"
 #include "light/photometry/imaging.hpp"
 #include "light/photometry/projector_tone.hpp"
-#include "light/optics/simulated_projector.hpp"
 
 namespace lab::sim {
 
@@ -62,7 +62,7 @@ struct PainterSettings {
   /// The projector's lens [m]. Its picture is right at cap height and shifted elsewhere.
   std::array<double, 3> projector = {0.60, 1.18, 2.10};
   /// What becomes of the light on its way to cap height.
-  optics::Bending bending;
+  optics::ProjectorWarp warp;
   optics::ProjectorTones tones;  ///< and of its brightness
   double sheet = 0;              ///< [m] above the floor: a white sheet hides everything, 0: none
   double edge_softness = 0.001;  ///< [m] no edge in the light is sharper than the projector

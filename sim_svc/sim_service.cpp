@@ -108,43 +108,43 @@ SimService::SimService(const ServiceContext& context)
       experiment_(context.experiment),
       images_(loadImages(context.experiment, context.directory)),
       world_(worldSettings(context.experiment), simulatedRobots(context.experiment)),
-      bending_(bendingOf(context.experiment, context.directory)),
-      light_(bending_, tonesOf(context.experiment, context.directory)),
+      warp_(projectorWarpOf(context.experiment, context.directory)),
+      light_(warp_, tonesOf(context.experiment, context.directory)),
       tracker_(context.experiment.camera, context.experiment.seed),
       bus_robots_(world_, withBody(context.experiment, Body::kSim),
                   context.experiment.hardware.sensor_period),
-      outer_robots_(world_, context.ports, [this] { follow(loop_.now()); }),
+      external_robots_(world_, context.ports, [this] { follow(loop_.now()); }),
       camera_(isPainted(experiment_.camera)
-                  ? std::make_unique<PaintedCamera>(experiment_, context.cameras, loop_, bending_,
+                  ? std::make_unique<PaintedCamera>(experiment_, context.cameras, loop_, warp_,
                                                     tonesOf(experiment_, context.directory))
                   : nullptr),
       start_utime_(context.loop.now()),
       // The robots were switched on a little earlier, each at an instant of its own.
       origin_utime_(start_utime_ - units::microseconds(world_.settings().boot_spread)),
-      ghosts_(world_, context.experiment, context.directory, start_utime_) {
+      kinematic_robots_(world_, context.experiment, context.directory, start_utime_) {
   world_.setLight(&light_);
   const MotorCalibrations motors = motorsInForce(context);
   bus_robots_.take(toMessage(motors));
-  addOuterRobots(context, motors);
+  addExternalRobots(context, motors);
   advance(start_utime_);
   subscribe();
   loop_.every(period_us(experiment_.camera.fps), start_utime_, [this] { follow(loop_.now()); });
   loop_.every(period_us(experiment_.hardware.status_rate), start_utime_,
               [this] { sampleRobots(); });
   loop_.every(period_us(kTruthRate), start_utime_, [this] { sampleTruth(); });
-  if (!outer_robots_.empty()) {
-    loop_.every(OuterRobots::kSlice_us, start_utime_, [this] { follow(loop_.now()); });
+  if (!external_robots_.empty()) {
+    loop_.every(ExternalRobots::kSlice_us, start_utime_, [this] { follow(loop_.now()); });
   }
   loop_.soon([this] { node_.ready(); });
 }
 
-void SimService::addOuterRobots(const ServiceContext& context, const MotorCalibrations& motors) {
+void SimService::addExternalRobots(const ServiceContext& context, const MotorCalibrations& motors) {
   std::vector<WireSetup> wire;
   for (const std::size_t body : withBody(experiment_, Body::kWire)) {
-    wire.push_back({body, experiment_.serial.baud,
-                    storedSettings(experiment_, motors, world_.id(body))});
+    wire.push_back(
+        {body, experiment_.serial.baud, storedSettings(experiment_, motors, world_.id(body))});
   }
-  if (!wire.empty()) outer_robots_.add(std::make_unique<WireRobots>(world_, wire));
+  if (!wire.empty()) external_robots_.add(std::make_unique<WireRobots>(world_, wire));
 
   std::vector<ChipRobotSetup> chips;
   for (const std::size_t body : withBody(experiment_, Body::kFirmware)) {
@@ -153,20 +153,19 @@ void SimService::addOuterRobots(const ServiceContext& context, const MotorCalibr
     chips.push_back({body, std::move(eeprom)});
   }
   if (chips.empty()) return;
-  outer_robots_.add(
+  external_robots_.add(
       std::make_unique<ChipRobots>(world_, std::move(chips), context.programs,
                                    [this](const std::string& what) { node_.noteError(what); }));
 }
 
 void SimService::subscribe() {
-  node_.subscribe<robot_command_t>(
-      channels::kRobotCommand, [this](const robot_command_t& command) {
-        follow(loop_.now());
-        const std::string refusal = bus_robots_.take(command);
-        if (!refusal.empty()) {
-          node_.noteError("ROBOT_COMMAND of " + command.sender + ": " + refusal);
-        }
-      });
+  node_.subscribe<robot_command_t>(channels::kRobotCommand, [this](const robot_command_t& command) {
+    follow(loop_.now());
+    const std::string refusal = bus_robots_.take(command);
+    if (!refusal.empty()) {
+      node_.noteError("ROBOT_COMMAND of " + command.sender + ": " + refusal);
+    }
+  });
   node_.subscribe<robot_stop_t>(channels::kRobotStop, [this](const robot_stop_t& stop) {
     follow(loop_.now());
     bus_robots_.take(stop);
@@ -179,11 +178,11 @@ void SimService::subscribe() {
       });
   node_.subscribe<light_status_t>(channels::kLightStatus,
                                   [this](const light_status_t& status) { show(status); });
-  if (!ghosts_.anyReal()) return;
+  if (!kinematic_robots_.anyReal()) return;
   // Also hears its own frames, in which there is no real robot.
   node_.subscribe<tracked_frame_t>(channels::kTrackedFrame, [this](const tracked_frame_t& frame) {
     follow(loop_.now());
-    ghosts_.see(frame, loop_.now());
+    kinematic_robots_.see(frame, loop_.now());
   });
 }
 
@@ -195,9 +194,10 @@ void SimService::show(const light_status_t& status) {
   }
   const std::int64_t now = loop_.now();
   // Of a projector that began anew, what the one before it announced never comes.
-  std::erase_if(coming_, [&](const ComingLight& other) { return other.utime >= status.utime; });
+  std::erase_if(pending_light_,
+                [&](const PendingLight& other) { return other.utime >= status.utime; });
   if (status.utime > now) {
-    coming_.push_back({status.utime, std::move(field)});
+    pending_light_.push_back({status.utime, std::move(field)});
     return;
   }
   follow(now);
@@ -219,18 +219,18 @@ void SimService::follow(std::int64_t utime) {
 /// Light that was announced comes on at its time exactly: whoever asks for a later state of the
 /// world gets one that has seen it.
 void SimService::advance(std::int64_t utime) {
-  while (!coming_.empty() && coming_.front().utime <= utime) {
-    moveWorld(coming_.front().utime);
-    show(std::move(coming_.front().field));
-    coming_.pop_front();
+  while (!pending_light_.empty() && pending_light_.front().utime <= utime) {
+    moveWorld(pending_light_.front().utime);
+    show(std::move(pending_light_.front().field));
+    pending_light_.pop_front();
   }
   moveWorld(utime);
 }
 
 void SimService::moveWorld(std::int64_t utime) {
   if (utime - origin_utime_ <= world_.timeUs()) return;
-  ghosts_.follow(origin_utime_ + world_.timeUs());
-  outer_robots_.advanceTo(utime - origin_utime_);
+  kinematic_robots_.follow(origin_utime_ + world_.timeUs());
+  external_robots_.advanceTo(utime - origin_utime_);
 }
 
 void SimService::sampleFrames(std::int64_t until_utime) {
@@ -257,7 +257,7 @@ void SimService::sampleFrames(std::int64_t until_utime) {
 
 void SimService::trackFrame(std::int64_t exposure) {
   for (std::size_t i = 0; i < world_.size(); ++i) tracker_.see(world_.id(i), world_.pose(i));
-  ghosts_.addTracked(exposure, tracker_);
+  kinematic_robots_.addTracked(exposure, tracker_);
   loop_.at(exposure + units::microseconds(experiment_.camera.delay),
            [this, frame = tracker_.frame()]() mutable {
              node_.publish(channels::kTrackedFrame, frame);
@@ -272,12 +272,12 @@ void SimService::paintFrame(std::int64_t exposure) {
     robots.push_back({pose.x, pose.y, pose.theta, motion.speed * std::cos(pose.theta),
                       motion.speed * std::sin(pose.theta), motion.turn});
   }
-  ghosts_.addPainted(exposure, experiment_.camera.exposure, robots);
+  kinematic_robots_.addPainted(exposure, experiment_.camera.exposure, robots);
   camera_->take(tracker_.frame().frame, exposure, std::move(robots));
 }
 
 void SimService::sampleRobots() {
-  if (bus_robots_.empty() && !ghosts_.anyReplayed()) return;
+  if (bus_robots_.empty() && !kinematic_robots_.anyReplayed()) return;
   const std::int64_t now = loop_.now();
   const double rate = experiment_.hardware.status_rate;
   std::int64_t due = sampleUtime(start_utime_, status_number_, rate);
@@ -291,7 +291,7 @@ void SimService::sampleRobots() {
   robot_status_t status{};
   status.utime = origin_utime_ + world_.timeUs();
   bus_robots_.report(origin_utime_, status.robots);
-  ghosts_.addStates(status.utime, status.robots);
+  kinematic_robots_.addStates(status.utime, status.robots);
   status.num_robots = static_cast<std::int32_t>(status.robots.size());
   node_.publish(channels::kRobotStatus, status);
 }
@@ -312,12 +312,12 @@ void SimService::sampleTruth() {
     pose.y = state.pose.y;
     pose.theta = state.pose.theta;
     pose.program =
-        state.external ? outer_robots_.kind(i) : static_cast<std::int8_t>(state.core.kind);
+        state.external ? external_robots_.kind(i) : static_cast<std::int8_t>(state.core.kind);
     pose.contact_robot = state.contact_robot ? 1 : 0;
     pose.contact_wall = state.contact_wall ? 1 : 0;
     truth.robots.push_back(pose);
   }
-  ghosts_.addTruth(truth.utime, truth.robots);
+  kinematic_robots_.addTruth(truth.utime, truth.robots);
   truth.num_robots = static_cast<std::int32_t>(truth.robots.size());
   node_.publish(channels::kSimTruth, truth);
 }
@@ -330,11 +330,12 @@ ServiceDescription serviceDescription() {
             return std::make_unique<SimService>(context);
           },
           .uses_ports = true,
-          .wanted = [](const Experiment& experiment) {
-            return std::ranges::any_of(experiment.robots, [](const RobotSpec& robot) {
-              return robot.body != Body::kSerial;
-            });
-          }};
+          .wanted =
+              [](const Experiment& experiment) {
+                return std::ranges::any_of(experiment.robots, [](const RobotSpec& robot) {
+                  return robot.body != Body::kSerial;
+                });
+              }};
 }
 
 }  // namespace lab::sim

@@ -8,13 +8,13 @@
 #include <optional>
 #include <vector>
 
-#include "common/experiment/light_messages.hpp"
 #include "common/calibration/motor_file.hpp"
+#include "common/experiment/light_messages.hpp"
 #include "common/service/service_main.hpp"
 #include "light/field/field.hpp"
 #include "sim_svc/bodies/bus_robots.hpp"
-#include "sim_svc/bodies/kinematic_robots.hpp"
 #include "sim_svc/bodies/external_robots.hpp"
+#include "sim_svc/bodies/kinematic_robots.hpp"
 #include "sim_svc/camera/painted_camera.hpp"
 #include "sim_svc/camera/projector_light.hpp"
 #include "sim_svc/camera/tracker_model.hpp"
@@ -40,28 +40,28 @@ class SimService final : public Service {
   /// The field shown, as the sensors see it.
   class ShownLight final : public LightSampler {
    public:
-    ShownLight(const optics::Bending& bending, const optics::ProjectorTones& tones)
-        : bending_(bending), tones_(tones) {}
+    ShownLight(const optics::ProjectorWarp& warp, const optics::ProjectorTones& tones)
+        : warp_(warp), tones_(tones) {}
     void show(light::CompiledField field) { field_ = std::move(field); }
     [[nodiscard]] double at(double x, double y) const override {
       const std::optional<optics::Place> source =
-          bending_.isStraight() ? optics::Place{x, y} : bending_.source({x, y});
+          warp_.isIdentity() ? optics::Place{x, y} : warp_.source({x, y});
       return source ? tones_.light(field_.evaluate(source->x, source->y), *source, {x, y}) : 0;
     }
 
    private:
-    optics::Bending bending_;
+    optics::ProjectorWarp warp_;
     optics::ProjectorTones tones_;
     light::CompiledField field_;
   };
 
   /// A field whose time has not come: the projector's light takes a while to the arena.
-  struct ComingLight {
+  struct PendingLight {
     std::int64_t utime;
     light::Field field;
   };
 
-  void addOuterRobots(const ServiceContext& context, const MotorCalibrations& motors);
+  void addExternalRobots(const ServiceContext& context, const MotorCalibrations& motors);
   void subscribe();
   void show(const light_status_t& status);
   void show(light::Field field);
@@ -79,16 +79,16 @@ class SimService final : public Service {
   const Experiment& experiment_;
   ExperimentImages images_;
   World world_;
-  optics::Bending bending_;
+  optics::ProjectorWarp warp_;
   ShownLight light_;
-  std::deque<ComingLight> coming_;  ///< by utime
+  std::deque<PendingLight> pending_light_;  ///< by utime
   TrackerModel tracker_;
   BusRobots bus_robots_;
-  OuterRobots outer_robots_;
+  ExternalRobots external_robots_;
   std::unique_ptr<PaintedCamera> camera_;  ///< empty: poses are published, not pictures
-  std::int64_t start_utime_;  ///< after the camera: to prepare it takes a while
-  std::int64_t origin_utime_;  ///< of world time 0
-  Ghosts ghosts_;
+  std::int64_t start_utime_;               ///< after the camera: to prepare it takes a while
+  std::int64_t origin_utime_;              ///< of world time 0
+  KinematicRobots kinematic_robots_;
   std::int64_t frame_number_ = 0;
   std::int64_t status_number_ = 0;
   std::int64_t truth_number_ = 0;

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "sim_svc/world/collision.hpp"
 #include "sim_svc/placement.hpp"
+#include "sim_svc/world/collision.hpp"
 
 namespace lab::sim {
 namespace {
@@ -115,7 +115,7 @@ void World::step(std::int64_t dt_us) {
   time_us_ += dt_us;
   ++steps_;
   const double to = time();
-  if (shown_ghosts_ > 0) {
+  if (shown_kinematic_ > 0) {
     for (std::size_t ghost = size(); ghost < bodies_.size(); ++ghost) {
       makeRoom(ghost);
     }

@@ -49,21 +49,21 @@ struct RobotSetup {
 
 /// The motors of an external robot from an instant on.
 struct MotorChange {
-  std::int64_t at_us = 0;   ///< World time, microseconds.
-  std::int16_t left = 0;    ///< Signed duty, -255..255.
-  std::int16_t right = 0;   ///< Signed duty, -255..255.
+  std::int64_t at_us = 0;  ///< World time, microseconds.
+  std::int16_t left = 0;   ///< Signed duty, -255..255.
+  std::int16_t right = 0;  ///< Signed duty, -255..255.
 };
 
 /// One robot as its electronics report it and as it really is. Times are world seconds.
 struct RobotState {
   std::int32_t id = 0;
-  bool external = false;       ///< Driven from outside; of core, wheels and program nothing is known.
-  dynamics::Pose pose;         ///< True pose; theta is not wrapped.
-  double sampled_at = 0;       ///< When the sensors were last read.
-  double wheel_left = 0;       ///< As commanded now, m/s.
-  double wheel_right = 0;      ///< As commanded now, m/s.
-  double program_left = 0;     ///< As held by the program, also while it is paused, m/s.
-  double program_right = 0;    ///< As held by the program, also while it is paused, m/s.
+  bool external = false;     ///< Driven from outside; of core, wheels and program nothing is known.
+  dynamics::Pose pose;       ///< True pose; theta is not wrapped.
+  double sampled_at = 0;     ///< When the sensors were last read.
+  double wheel_left = 0;     ///< As commanded now, m/s.
+  double wheel_right = 0;    ///< As commanded now, m/s.
+  double program_left = 0;   ///< As held by the program, also while it is paused, m/s.
+  double program_right = 0;  ///< As held by the program, also while it is paused, m/s.
   dynamics::CoreReport core;   ///< Its times are the robot's own; see below.
   double program_start = 0;    ///< When the running program (or standing) began.
   double reversal_start = 0;   ///< When the last reversal began; read it if reversal_count > 0.
@@ -95,8 +95,9 @@ struct Motion {
 /// nothing slides), while the heading turns on; so robots never overlap. A robot meets the others
 /// where they stand at that moment, at most one tick (2.7 mm at full speed) from their place.
 ///
-/// Ghosts are disks that something outside the world moves: real robots that a camera sees, or
-/// recorded ones. Robots meet and sense them like each other, and yield: see moveGhost().
+/// KinematicRobots are disks that something outside the world moves: real robots that a camera
+/// sees, or recorded ones. Robots meet and sense them like each other, and yield: see
+/// moveKinematicDisk().
 ///
 /// A robot boots at a random instant: before it, its sensors are silent, and as no light band is
 /// known, no program starts. Cores also need settings and a lease: see order().
@@ -146,15 +147,15 @@ class World {
   }
 
   /// Adds a ghost, hidden. @return its number, from 0.
-  std::size_t addGhost();
+  std::size_t addKinematicDisk();
 
   /// Puts a ghost at a place, also outside the arena. Robots that it would overlap are pushed out
   /// along the line of centres, as far as walls, other robots and other ghosts allow; what cannot
   /// move now moves as soon as it can. A place that is no number hides the ghost.
-  void moveGhost(std::size_t ghost, Vec centre);
+  void moveKinematicDisk(std::size_t ghost, Vec centre);
 
   /// Takes a ghost out of the arena.
-  void hideGhost(std::size_t ghost);
+  void hideKinematicDisk(std::size_t ghost);
 
   /// What the sensors of robot i would read now (without the random noise of light_noise).
   [[nodiscard]] dynamics::Sensors measure(std::size_t i) const;
@@ -226,7 +227,7 @@ class World {
     double stored_wheel_base = 0;      ///< As the robot believes, m.
     std::vector<MotorChange> changes;  ///< Of an external robot, in order of time.
     std::size_t next_change = 0;       ///< The first one still to come.
-    double battery_full = 0;  ///< V.
+    double battery_full = 0;           ///< V.
     Random noise{0};
     Random light_noise{0};
     double front_gain = 1;  ///< Of the light sensor.
@@ -266,7 +267,7 @@ class World {
   std::vector<Vec> centres_;
   std::vector<Body> bodies_;
   std::vector<Electronics> electronics_;
-  std::size_t shown_ghosts_ = 0;
+  std::size_t shown_kinematic_ = 0;
 };
 
 }  // namespace lab::sim

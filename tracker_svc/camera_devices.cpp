@@ -2,14 +2,15 @@
 
 #include <utility>
 
-#include "tracker_svc/cameras/film_source.hpp"
 #include "common/camera/shared_camera.hpp"
+#include "tracker_svc/cameras/film_source.hpp"
 #include "tracker_svc/cameras/v4l2_source.hpp"
 
 namespace lab {
 
 bool isFilm(const std::string& source) {
-  return source != kSimulatedCamera && !cameras::namesVideoDevice(source) && !cameras::namesStream(source);
+  return source != kSimulatedCamera && !cameras::isVideoDeviceSource(source) &&
+         !cameras::isStreamSource(source);
 }
 
 CameraFormat wantedFormat(const Camera& camera) {
@@ -35,11 +36,11 @@ std::unique_ptr<FrameSource> CameraDevices::open(const std::string& source,
   if (source == "sim") {
     return cameras::openSharedCamera(loop_, folder_, wanted, std::move(handlers));
   }
-  if (cameras::namesVideoDevice(source)) {
+  if (cameras::isVideoDeviceSource(source)) {
     return cameras::openVideoDevice(loop_, cameras::systemV4l2Calls(), source, wanted,
                                     std::move(handlers));
   }
-  if (cameras::namesStream(source)) {
+  if (cameras::isStreamSource(source)) {
     return cameras::openStream(loop_, source, wanted, std::move(handlers));
   }
   return cameras::openFilm(loop_, source, wanted, std::move(handlers));

@@ -6,9 +6,9 @@
 #include <memory>
 #include <string>
 
-#include "common/loop/asio_loop.hpp"
 #include "common/camera/cameras.hpp"
 #include "common/experiment/experiment.hpp"
+#include "common/loop/asio_loop.hpp"
 
 namespace lab {
 

@@ -1,8 +1,8 @@
 /// What the caps that the tracker sees say of the camera's calibration, live and in films.
 #pragma once
 
-#include "tracker_svc/calibration/spacing_check.hpp"
 #include "common/calibration/camera_file.hpp"
+#include "tracker_svc/calibration/spacing_check.hpp"
 #include "tracker_svc/detector.hpp"
 
 namespace lab::tracker {

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tracker_svc/circle_fit/circle_fit_correlation.hpp"
 #include "tracker_svc/circle_fit/circle_fit_edge.hpp"
 #include "tracker_svc/circle_fit/circle_fit_plain.hpp"
 #include "tracker_svc/circle_fit/circle_fit_sectors.hpp"
-#include "tracker_svc/circle_fit/circle_fit_correlation.hpp"
 
 namespace lab::detector {
 namespace {
@@ -27,8 +27,8 @@ constexpr float kMostMisfit = 0.025F;
 // [1] and with light on top: still darker than what is around it
 constexpr float kMostGlareRatio = 0.85F;
 constexpr float kMostGlareMisfit = 0.08F;  // [1]
-// [1] variance of the residuals over that of the sensor's noise: up to here they may be what a codec
-// left of it
+// [1] variance of the residuals over that of the sensor's noise: up to here they may be what a
+// codec left of it
 constexpr float kMostOfCodecs = 2.5F;
 constexpr double kSlope = 2.5;  // [sigma] over which a blurred outline goes from black to white
 constexpr float kLeastBelieved = 0.6F;  // [1] share of the pixels that are of the model
@@ -37,7 +37,7 @@ constexpr float kDim = 25;              // [expected deviations] of white: less 
 constexpr float kMiddleOff = 0.05F;     // [1] of the white level, from what the fit says of black
 // of residuals: something is there that is not in the model
 constexpr float kOddCorrelation = 0.25F;
-constexpr double kUneven = 0.06;  // [1] and is not the same on both sides
+constexpr double kUneven = 0.06;      // [1] and is not the same on both sides
 constexpr float kEvenMisfit = 0.01F;  // [1] or is much, of the white level
 constexpr float kOddBelieved = 0.87F;
 constexpr float kOddScale = 0.04F;
@@ -63,8 +63,7 @@ Structure structureOf(const Outcome& o, const fit::Constants& constants) {
   const float expected = constants.noiseAt(0.5F * o.white);
   const float unit = expected / (std::max(o.white, 1.0F) * std::max(o.white, 1.0F));
   const float square = o.noise * o.noise;
-  const float shared =
-      square * std::max(0.0F, o.correlation - fit::correlationByChance(o.pixels));
+  const float shared = square * std::max(0.0F, o.correlation - fit::correlationByChance(o.pixels));
   if (!constants.compressed) return {.misfit = shared * unit};
   const float misfit = std::clamp(square - kMostOfCodecs, 0.0F, shared);
   return {(shared - misfit) * unit, misfit * unit};
@@ -93,8 +92,8 @@ FitFault faultOf(const Outcome& o, bool edge, const fit::Constants& constants) {
   // a blur that is no Gaussian looks like another size, by its square's share of the radius's.
   const float blur = o.sigma / constants.radius;
   const float odd = std::max(kOddScale, kOddBlur * blur * blur);
-  const bool left_over = o.correlation > kOddCorrelation &&
-                         (misfit > kEvenMisfit || !constants.compressed);
+  const bool left_over =
+      o.correlation > kOddCorrelation && (misfit > kEvenMisfit || !constants.compressed);
   if (std::abs(o.scale - 1) > odd && left_over) return FitFault::kNotRound;
   return misfit > kMostMisfit ? FitFault::kNotRound : FitFault::kNone;
 }
@@ -114,7 +113,8 @@ std::optional<Task> widerFor(const Task& task, const Outcome& outcome) {
   return wide;
 }
 
-// Out of focus: another circle. Where outlines are sharp, this may be what a light edge left of one.
+// Out of focus: another circle. Where outlines are sharp, this may be what a light edge left of
+// one.
 bool hasAnotherSize(const Outcome& o, const fit::Constants& constants) {
   return o.good && std::abs(o.scale - 1) > kMostScale && o.sigma > kDefocused &&
          o.believed > kOtherBelieved && misfitOf(o, constants) < kMostMisfit;
@@ -131,7 +131,7 @@ bool isOdd(const Outcome& o, const Task& task, const Window& window) {
   if (o.correlation <= kOddCorrelation) return false;
   const float misfit = misfitOf(o, task.constants);
   if (task.constants.compressed && misfit <= 0) return false;
-  return misfit > kEvenMisfit || fit::unevenness(window) > kUneven;
+  return misfit > kEvenMisfit || fit::antisymmetricCorrelation(window) > kUneven;
 }
 
 bool isDoubtful(const Outcome& o, const fit::Constants& constants) {
@@ -139,8 +139,8 @@ bool isDoubtful(const Outcome& o, const fit::Constants& constants) {
   return o.covariance[0] + o.covariance[2] > 2 * kDoubtful * kDoubtful * radius * radius;
 }
 
-// A disc without a fault of which nothing but noise is left over, and black in the middle, which the
-// fit did not look at.
+// A disc without a fault of which nothing but noise is left over, and black in the middle, which
+// the fit did not look at.
 bool isClear(const Outcome& o, const Task& task, const Window& window, GridPoint point) {
   if (!window.plain || !isSound(o) || o.correlation > fit::correlationByChance(o.pixels) ||
       isDoubtful(o, task.constants) || faultOf(o, false, task.constants) != FitFault::kNone) {
@@ -203,7 +203,8 @@ Outcome litFrom(const Task& task, GridPoint start, Window& window) {
 
 CircleFit fitCircle(const optics::GreyView& picture, optics::Pixel start, const DiscShape& shape,
                     const optics::Imaging& imaging) {
-  return fitCircle(picture, start, [&](optics::Pixel) { return shape; }, imaging);
+  return fitCircle(
+      picture, start, [&](optics::Pixel) { return shape; }, imaging);
 }
 
 CircleFit fitCircle(const optics::GreyView& picture, optics::Pixel start, const ShapeAt& shape_at,
@@ -272,7 +273,7 @@ CircleFit fitCircle(const optics::GreyView& picture, optics::Pixel start, const 
   out.y = best.y;
   out.covariance = best.covariance;
   if (best.correlation > fit::correlationByChance(best.pixels)) {
-    const double size = fit::varianceOfStructure(window, best.pixels);
+    const double size = fit::varianceInflation(window, best.pixels);
     out.covariance[0] = best.floor + size * (best.covariance[0] - best.floor);
     out.covariance[1] *= size;
     out.covariance[2] = best.floor + size * (best.covariance[2] - best.floor);
@@ -283,8 +284,8 @@ CircleFit fitCircle(const optics::GreyView& picture, optics::Pixel start, const 
   const double on_one_side =
       static_cast<double>(0.5F * structure.codec + (out.glare ? structure.misfit : 0.0F));
   if (on_one_side > 0) {
-    const double moved = kSlope * static_cast<double>(best.sigma) /
-                         (1 - static_cast<double>(best.ratio));
+    const double moved =
+        kSlope * static_cast<double>(best.sigma) / (1 - static_cast<double>(best.ratio));
     out.covariance[0] += on_one_side * moved * moved;
     out.covariance[2] += on_one_side * moved * moved;
   }

@@ -40,12 +40,12 @@ struct CircleFit {
   double y = 0;
   std::array<double, 3> covariance{};  ///< [px^2] xx, xy, yy, with the floor from the residuals
   float white = 0;                     ///< [DN] of the cap at the centre
-  float ratio = 0;     ///< [1] dark / white, black level taken off: about 0.08 at any light
+  float ratio = 0;        ///< [1] dark / white, black level taken off: about 0.08 at any light
   float ratio_error = 0;  ///< [1] its standard error
   float blur = 0;         ///< [px] standard deviation, pixel box included
-  float residual = 0;  ///< [1] root mean square of the residuals over the expected noise
-  float scale = 1;     ///< [1] fitted radius over the expected one
-  bool edge = false;   ///< light that is no plane was fitted with it: an edge, or light that bends
+  float residual = 0;     ///< [1] root mean square of the residuals over the expected noise
+  float scale = 1;        ///< [1] fitted radius over the expected one
+  bool edge = false;  ///< light that is no plane was fitted with it: an edge, or light that bends
   /// It is refused, but for nothing that light on top would not do: too little dark or residuals
   /// that go together, where size and contrast are right.
   bool glare = false;

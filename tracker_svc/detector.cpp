@@ -10,11 +10,11 @@
 namespace lab::detector {
 namespace {
 
-constexpr double kMostUncertain = 0.06;   // [radii] standard deviation of a centre
-constexpr double kClear = 0.6;            // [big radii] from a neighbour's circle's centre
+constexpr double kMostUncertain = 0.06;  // [radii] standard deviation of a centre
+constexpr double kClear = 0.6;           // [big radii] from a neighbour's circle's centre
 
-// Outlines are the same all over a cell of so many pixels: where a fit begins and where it ends is in
-// one cell, mostly, and what another outline would change is far less than what is fitted.
+// Outlines are the same all over a cell of so many pixels: where a fit begins and where it ends is
+// in one cell, mostly, and what another outline would change is far less than what is fitted.
 constexpr int kCell = 8;
 
 double middleOfCell(double at) {
@@ -25,12 +25,18 @@ double middleOfCell(double at) {
 
 std::string_view toText(Reason reason) {
   switch (reason) {
-    case Reason::kCircleFit: return "no clean circle";
-    case Reason::kSize: return "wrong size";
-    case Reason::kNoPartner: return "no partner";
-    case Reason::kSpacing: return "wrong spacing";
-    case Reason::kNoCap: return "no cap around it";
-    case Reason::kTaken: return "belongs to another";
+    case Reason::kCircleFit:
+      return "no clean circle";
+    case Reason::kSize:
+      return "wrong size";
+    case Reason::kNoPartner:
+      return "no partner";
+    case Reason::kSpacing:
+      return "wrong spacing";
+    case Reason::kNoCap:
+      return "no cap around it";
+    case Reason::kTaken:
+      return "belongs to another";
   }
   return "?";
 }
@@ -47,7 +53,7 @@ Detector::Detector(const optics::CameraModel& camera, const optics::CapGeometry&
 void Detector::setGamma(double gamma) {
   if (gamma == imaging_.gamma) return;
   imaging_.gamma = gamma;
-  response_ = optics::Response(imaging_);
+  response_ = optics::CameraResponse(imaging_);
 }
 
 const std::vector<Detection>& Detector::search(const optics::GreyView& seen,
@@ -61,7 +67,7 @@ const std::vector<Detection>& Detector::search(const optics::GreyView& seen,
   seen_.clear();
   look(picture, {&all, 1}, rejected);
   found_ = seen_;
-  for (const Rescued& one : rescue(picture, expected)) found_.push_back(one.pose);
+  for (const DegradedPose& one : degradedPoses(picture, expected)) found_.push_back(one.pose);
   return found_;
 }
 
@@ -72,23 +78,23 @@ bool Detector::canRead(const optics::GreyView& picture) const {
 
 void Detector::look(const optics::GreyView& picture, std::span<const Region> regions,
                     std::vector<Rejection>* rejected) {
-  refused_.clear();
-  std::vector<Refused>* refused = rejected != nullptr ? &refused_ : nullptr;
+  rejected_spots_.clear();
+  std::vector<RejectedSpot>* refused = rejected != nullptr ? &rejected_spots_ : nullptr;
   search_.findRound(picture, regions, spots_, refused);
   for (const Detection& pose : seen_) cover(pose);
   circles_.assign(2 * spots_.size(), Circle{});
   taken_.assign(spots_.size(), 0);
-  gatherCouples(picture, 0, rejected);
-  settleCouples(picture, rejected);
+  gatherPairs(picture, 0, rejected);
+  settlePairs(picture, rejected);
   // What shows only a part of its outline, as far as it is no part of a cap that is known by now.
   const std::size_t first = spots_.size();
   search_.findRest(isLightEven() ? Rows::kSome : Rows::kAll, spots_, refused);
   circles_.resize(2 * spots_.size());
   taken_.resize(spots_.size(), 0);
-  gatherCouples(picture, first, rejected);
-  settleCouples(picture, rejected);
+  gatherPairs(picture, first, rejected);
+  settlePairs(picture, rejected);
   lookAgain(picture, rejected);
-  settleCouples(picture, rejected);
+  settlePairs(picture, rejected);
   lookBeside(picture, rejected);
   if (rejected != nullptr) explainTheRest(*rejected);
 }
@@ -141,8 +147,7 @@ const Detector::Circle& Detector::fitFrom(const optics::GreyView& picture, optic
   circle.fit = fitCircle(picture, start, shapeAt, imaging_);
   if (glare && circle.fit.glare) circle.fit.fault = FitFault::kNone;
   if (circle.fit.fault != FitFault::kNone) return circle;
-  const LocalScale scale =
-      circle.fit.edge ? scale_.at(circle.fit.x, circle.fit.y) : last.scale;
+  const LocalScale scale = circle.fit.edge ? scale_.at(circle.fit.x, circle.fit.y) : last.scale;
   const auto bent = static_cast<float>(radius * radius);
   const optics::Pixel centre{circle.fit.x - static_cast<double>(scale.bend[0] * bent),
                              circle.fit.y - static_cast<double>(scale.bend[1] * bent)};
@@ -169,7 +174,7 @@ const Detector::Circle& Detector::fitFrom(const optics::GreyView& picture, optic
   return circle;
 }
 
-bool Detector::fitBoth(const optics::GreyView& picture, const Couple& couple) {
+bool Detector::fitBoth(const optics::GreyView& picture, const CirclePair& couple) {
   const Circle& big = fit(picture, couple.big, true);
   const Circle& small = fit(picture, couple.small, false);
   const bool big_good = big.fit.fault == FitFault::kNone;
@@ -178,8 +183,8 @@ bool Detector::fitBoth(const optics::GreyView& picture, const Couple& couple) {
   // A light edge may have led the search astray; the good one says where the other must be.
   const Circle& good = big_good ? big : small;
   const Spot& other = spots_[static_cast<std::size_t>(big_good ? couple.small : couple.big)];
-  const std::optional<optics::Place> seen = camera_.toPlane(
-      {static_cast<double>(other.x), static_cast<double>(other.y)}, cap_.height);
+  const std::optional<optics::Place> seen =
+      camera_.toPlane({static_cast<double>(other.x), static_cast<double>(other.y)}, cap_.height);
   if (!seen) return false;
   const double dx = seen->x - good.place.x;
   const double dy = seen->y - good.place.y;
@@ -191,13 +196,13 @@ bool Detector::fitBoth(const optics::GreyView& picture, const Couple& couple) {
          FitFault::kNone;
 }
 
-MarkedPlace Detector::markedBy(const Circle& circle, const Circle& other) const {
+MeasuredPoint Detector::measuredPointOf(const Circle& circle, const Circle& other) const {
   const auto lookOf = [](const CircleFit& fit) {
-    return PaintLook{static_cast<double>(fit.white), static_cast<double>(fit.ratio),
-                     static_cast<double>(fit.ratio_error), static_cast<double>(fit.blur)};
+    return PaintEstimate{static_cast<double>(fit.white), static_cast<double>(fit.ratio),
+                         static_cast<double>(fit.ratio_error), static_cast<double>(fit.blur)};
   };
-  MarkedPlace out{circle.place, circle.covariance};
-  const double moved = movedByLightOnTop(lookOf(circle.fit), lookOf(other.fit));
+  MeasuredPoint out{circle.place, circle.covariance};
+  const double moved = shiftByGlare(lookOf(circle.fit), lookOf(other.fit));
   if (moved > 0) {
     const double metres = moved / static_cast<double>(scale_.at(circle.fit.x, circle.fit.y).mean);
     out.covariance[0] += metres * metres;
@@ -206,10 +211,11 @@ MarkedPlace Detector::markedBy(const Circle& circle, const Circle& other) const 
   return out;
 }
 
-Detection Detector::poseOf(const Couple& couple, float rim) const {
+Detection Detector::poseOf(const CirclePair& couple, float rim) const {
   const Circle& big = circleOf(couple.big, true);
   const Circle& small = circleOf(couple.small, false);
-  const CapPose pose = poseFromCircles(markedBy(big, small), markedBy(small, big), cap_);
+  const CapPose pose =
+      poseFromCircles(measuredPointOf(big, small), measuredPointOf(small, big), cap_);
   Detection out;
   out.x = pose.x;
   out.y = pose.y;
@@ -228,8 +234,8 @@ Detection Detector::poseOf(const Couple& couple, float rim) const {
   out.used = kUsedBig | kUsedSmall;
   if (big.fit.edge || small.fit.edge) out.used |= kUsedEdge;
   const float clean = 1 / std::max({1.0F, big.fit.residual, small.fit.residual});
-  out.quality = 0.5F + 0.5F * std::min(1.0F, rim / kUsualRim) * std::exp(-couple.cost / 2) *
-                           std::sqrt(clean);
+  out.quality =
+      0.5F + 0.5F * std::min(1.0F, rim / kUsualRim) * std::exp(-couple.cost / 2) * std::sqrt(clean);
   return out;
 }
 
@@ -248,9 +254,11 @@ void Detector::explainTheRest(std::vector<Rejection>& rejected) const {
       rejected.push_back({where, Reason::kCircleFit, static_cast<float>(fault), 0});
     }
   }
-  for (const Refused& spot : refused_) {
+  for (const RejectedSpot& spot : rejected_spots_) {
     rejected.push_back({{static_cast<double>(spot.x), static_cast<double>(spot.y)},
-                        Reason::kSize, spot.seen, spot.wanted});
+                        Reason::kSize,
+                        spot.seen,
+                        spot.wanted});
   }
 }
 

@@ -8,16 +8,16 @@
 #include <string_view>
 #include <vector>
 
-#include "tracker_svc/detector/cap_pose.hpp"
-#include "tracker_svc/circle_fit.hpp"
-#include "tracker_svc/circle_search/circle_search.hpp"
-#include "tracker_svc/detector/pairing.hpp"
-#include "tracker_svc/detector/scale_map.hpp"
 #include "light/optics/camera_model.hpp"
 #include "light/optics/cap.hpp"
 #include "light/optics/grey_image.hpp"
-#include "light/photometry/imaging.hpp"
 #include "light/photometry/camera_response.hpp"
+#include "light/photometry/imaging.hpp"
+#include "tracker_svc/circle_fit.hpp"
+#include "tracker_svc/circle_search/circle_search.hpp"
+#include "tracker_svc/detector/cap_pose.hpp"
+#include "tracker_svc/detector/pairing.hpp"
+#include "tracker_svc/detector/scale_map.hpp"
 
 namespace lab::detector {
 
@@ -30,17 +30,17 @@ enum Used : std::uint8_t {
 };
 
 struct Detection {
-  double x = 0;      ///< [m] arena frame, the robot's axis
-  double y = 0;      ///< [m]
-  double theta = 0;  ///< [rad] (-pi, pi]
+  double x = 0;                        ///< [m] arena frame, the robot's axis
+  double y = 0;                        ///< [m]
+  double theta = 0;                    ///< [rad] (-pi, pi]
   std::array<double, 6> covariance{};  ///< [m^2, m rad, rad^2] xx, xy, xt, yy, yt, tt
-  float quality = 0;   ///< [1] 0..1; a degraded pose stays below 0.5
+  float quality = 0;                   ///< [1] 0..1; a degraded pose stays below 0.5
   std::uint8_t used = 0;
-  float spacing = 0;   ///< [m] measured between the two circles, 0: not both were seen
-  float white = 0;     ///< [DN] of the cap, black level taken off
-  float ratio = 0;     ///< [1] of the circles' paint over the cap's white
-  float blur = 0;      ///< [px] standard deviation of the point spread; 0: not both were seen
-  optics::Pixel big;   ///< centres in the picture, as far as seen
+  float spacing = 0;  ///< [m] measured between the two circles, 0: not both were seen
+  float white = 0;    ///< [DN] of the cap, black level taken off
+  float ratio = 0;    ///< [1] of the circles' paint over the cap's white
+  float blur = 0;     ///< [px] standard deviation of the point spread; 0: not both were seen
+  optics::Pixel big;  ///< centres in the picture, as far as seen
   optics::Pixel small;
   optics::Pixel middle;  ///< where the axis appears at cap height
 };
@@ -115,7 +115,7 @@ class Detector {
     float score = 0;   // [1] rim times darkness
   };
 
-  struct Rescued {
+  struct DegradedPose {
     std::size_t expected;  // index
     Detection pose;
   };
@@ -124,15 +124,15 @@ class Detector {
   void look(const optics::GreyView& picture, std::span<const Region> regions,
             std::vector<Rejection>* rejected);
   /// Couples of spots that are not taken, one of them at least `first` or later.
-  void gatherCouples(const optics::GreyView& picture, std::size_t first,
-                     std::vector<Rejection>* rejected);
+  void gatherPairs(const optics::GreyView& picture, std::size_t first,
+                   std::vector<Rejection>* rejected);
   /// Where the axis is, about.
   [[nodiscard]] optics::Pixel middleOf(const Spot& big, const Spot& small) const;
   /// Adds the couple if its spots are about as far apart as the circles of a cap.
   /// @return whether they are
-  bool addCouple(std::size_t big, std::size_t small);
+  bool addCirclePair(std::size_t big, std::size_t small);
   /// Whether there is the rim of a cap around it, at a rough look; sets how clear it is.
-  [[nodiscard]] bool hasRim(const optics::GreyView& picture, Couple& couple,
+  [[nodiscard]] bool hasRim(const optics::GreyView& picture, CirclePair& couple,
                             std::vector<Rejection>* rejected) const;
   void lookAgain(const optics::GreyView& picture, std::vector<Rejection>* rejected);
   /// For circles that are left alone, some hundred of them at most: their partners, where the rim
@@ -145,8 +145,8 @@ class Detector {
   /// A lone spot's circle, and partners for it.
   /// @param aside where it may be instead
   /// @return how many circles were fitted in vain
-  int tryLone(const optics::GreyView& picture, int spot, bool big,
-              const std::optional<optics::Place>& aside, std::vector<Rejection>* rejected);
+  int tryUnpaired(const optics::GreyView& picture, int spot, bool big,
+                  const std::optional<optics::Place>& aside, std::vector<Rejection>* rejected);
   /// The directions in which the other circle of a cap may be: it is dark there, and a rim is
   /// around both.
   /// @param step every so many headings are tried
@@ -160,12 +160,12 @@ class Detector {
   [[nodiscard]] std::optional<optics::Place> placeAside(const optics::GreyView& picture,
                                                         optics::Place rough, bool big) const;
   /// @return how many circles were fitted in vain
-  int coupleBeside(const optics::GreyView& picture, int spot, bool big, double theta,
-                   std::vector<Rejection>* rejected);
-  [[nodiscard]] float leastRim(const Couple& couple) const;
+  int pairBeside(const optics::GreyView& picture, int spot, bool big, double theta,
+                 std::vector<Rejection>* rejected);
+  [[nodiscard]] float leastRim(const CirclePair& couple) const;
   /// Fits the couples, and adds the best of them to what is seen.
-  void settleCouples(const optics::GreyView& picture, std::vector<Rejection>* rejected);
-  void settle(std::vector<Couple>& couples, const optics::GreyView& picture,
+  void settlePairs(const optics::GreyView& picture, std::vector<Rejection>* rejected);
+  void settle(std::vector<CirclePair>& couples, const optics::GreyView& picture,
               std::vector<Rejection>* rejected);
   [[nodiscard]] bool overlapsSeen(const Detection& pose) const;
   /// [m] from an axis, as far as no middle of another cap's circle can be.
@@ -180,39 +180,39 @@ class Detector {
   /// @param glare light on top is no fault
   const Circle& fitFrom(const optics::GreyView& picture, optics::Pixel start, int spot, bool big,
                         bool glare = false);
-  [[nodiscard]] bool fitBoth(const optics::GreyView& picture, const Couple& couple);
-  [[nodiscard]] bool measure(const optics::GreyView& picture, Couple& couple,
+  [[nodiscard]] bool fitBoth(const optics::GreyView& picture, const CirclePair& couple);
+  [[nodiscard]] bool measure(const optics::GreyView& picture, CirclePair& couple,
                              std::vector<Rejection>* rejected);
   /// A circle of a cap, with what light on top may have done to it.
-  [[nodiscard]] MarkedPlace markedBy(const Circle& circle, const Circle& other) const;
-  [[nodiscard]] Detection poseOf(const Couple& couple, float rim) const;
+  [[nodiscard]] MeasuredPoint measuredPointOf(const Circle& circle, const Circle& other) const;
+  [[nodiscard]] Detection poseOf(const CirclePair& couple, float rim) const;
   /// Degraded poses of those expected caps that were not seen; valid until the next call.
-  const std::vector<Rescued>& rescue(const optics::GreyView& picture,
-                                     std::span<const Expected> expected);
+  const std::vector<DegradedPose>& degradedPoses(const optics::GreyView& picture,
+                                                 std::span<const Expected> expected);
   [[nodiscard]] Detection poseFromOne(const optics::GreyView& picture, const Expected& expected);
   /// The only good circle where the cap's circles can be; -1: none, several, or of unclear size.
-  [[nodiscard]] int loneCircle(const optics::GreyView& picture, const Expected& expected,
-                               bool& is_big);
+  [[nodiscard]] int unpairedCircle(const optics::GreyView& picture, const Expected& expected,
+                                   bool& is_big);
   void explainTheRest(std::vector<Rejection>& rejected) const;
 
   optics::CameraModel camera_;
   optics::CapGeometry cap_;
   optics::Imaging imaging_;
-  optics::Response response_;
+  optics::CameraResponse response_;
   ScaleMap scale_;
   CircleSearch search_;
   std::vector<Spot> spots_;
-  std::vector<Refused> refused_;
+  std::vector<RejectedSpot> rejected_spots_;
   std::vector<Circle> circles_;  // two for each spot: as a big one, as a small one
-  std::vector<Couple> couples_;
-  std::vector<Couple> doubtful_;  // of them: they wait for others
-  std::vector<int> partners_;     // by spot: in how many couples it is
-  std::vector<float> clearest_;   // by spot: the rim of its couples
-  std::vector<char> taken_;      // by spot: it belongs to a cap
-  std::vector<std::size_t> order_;  // of spots, by row
+  std::vector<CirclePair> pairs_;
+  std::vector<CirclePair> doubtful_;  // of them: they wait for others
+  std::vector<int> partners_;         // by spot: in how many couples it is
+  std::vector<float> clearest_;       // by spot: the rim of its couples
+  std::vector<char> taken_;           // by spot: it belongs to a cap
+  std::vector<std::size_t> order_;    // of spots, by row
   std::vector<Region> regions_;
   std::vector<Detection> seen_;
-  std::vector<Rescued> rescued_;
+  std::vector<DegradedPose> degraded_;
   std::vector<Detection> found_;
 };
 

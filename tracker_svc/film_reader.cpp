@@ -6,8 +6,8 @@
 namespace lab {
 
 std::unique_ptr<FilmReader> FilmReader::open(const std::string& source, double fps) {
-  return cameras::namesPictures(source) ? cameras::openPictures(source, fps)
-                                        : cameras::openMovie(source, fps);
+  return cameras::isPictureSource(source) ? cameras::openPictures(source, fps)
+                                          : cameras::openMovie(source, fps);
 }
 
 }  // namespace lab

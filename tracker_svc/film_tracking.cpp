@@ -8,7 +8,7 @@
 namespace lab::tracker {
 namespace {
 
-constexpr double kMoment = 1e-3;        // [s] between pictures without times of their own
+constexpr double kMoment = 1e-3;  // [s] between pictures without times of their own
 constexpr double kCm = 100;
 
 /// The track that a detection of this picture went to, 0: none.

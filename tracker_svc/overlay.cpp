@@ -44,7 +44,7 @@ struct Box {
 };
 
 Box boxOf(int x, int y, std::string_view text) {
-  return {x - 1, y - 1, static_cast<int>(text.size()) * kLetterWidth + 1, kLetterHeight};
+  return {x - 1, y - 1, static_cast<int>(text.size()) * kGlyphWidth + 1, kGlyphHeight};
 }
 
 /// The power of two that makes a dark picture bright enough: one that changes seldom.
@@ -210,9 +210,9 @@ class Drawing {
     Pixel at = onCap(mark.pose, 0, 0);
     const Pixel rim = onCap(mark.pose, -cap_.cap_radius, 0);
     const double radius = std::hypot(rim.x - at.x, rim.y - at.y);
-    const double width = static_cast<double>(mark.label.size()) * kLetterWidth;
+    const double width = static_cast<double>(mark.label.size()) * kGlyphWidth;
     // Beside the cap on its right, else on its left, else on the cap itself.
-    const double y = at.y - kLetterHeight / 2.0;
+    const double y = at.y - kGlyphHeight / 2.0;
     if (at.x + radius + 2 + width < image_.width &&
         write({at.x + radius + 2, y}, mark.label, colourOf(mark))) {
       return;
@@ -234,12 +234,12 @@ class Drawing {
   void reason(const detector::Rejection& rejection) {
     const Pixel at = scaled(rejection.where);
     const std::string text = rejectionText(rejection);
-    const double width = static_cast<double>(text.size()) * kLetterWidth;
+    const double width = static_cast<double>(text.size()) * kGlyphWidth;
     constexpr double kAway = kCrossArm + 3;
-    for (const Pixel place : {Pixel{at.x + kAway, at.y - kLetterHeight / 2.0},
-                              Pixel{at.x - kAway - width, at.y - kLetterHeight / 2.0},
+    for (const Pixel place : {Pixel{at.x + kAway, at.y - kGlyphHeight / 2.0},
+                              Pixel{at.x - kAway - width, at.y - kGlyphHeight / 2.0},
                               Pixel{at.x - width / 2, at.y + kAway},
-                              Pixel{at.x - width / 2, at.y - kAway - kLetterHeight}}) {
+                              Pixel{at.x - width / 2, at.y - kAway - kGlyphHeight}}) {
       if (write(place, text, kRefused)) return;
     }
   }
@@ -261,7 +261,7 @@ class Drawing {
     for (const auto& [reason, there] : places) {
       text += fmt::format("{}{} {}", text.empty() ? "refused: " : ", ", there.size(), reason);
     }
-    if (!text.empty()) write({4.0, image_.height - kLetterHeight - 3.0}, text, kRefused);
+    if (!text.empty()) write({4.0, image_.height - kGlyphHeight - 3.0}, text, kRefused);
   }
 
   const OverlayInput& input_;

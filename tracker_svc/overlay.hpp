@@ -6,10 +6,10 @@
 #include <string_view>
 #include <vector>
 
-#include "tracker_svc/detector.hpp"
 #include "light/optics/grey_image.hpp"
-#include "tracker_svc/tracking/cap_tracker.hpp"
 #include "light/optics/rgb_image.hpp"
+#include "tracker_svc/detector.hpp"
+#include "tracker_svc/tracking/cap_tracker.hpp"
 
 namespace lab::tracker {
 

@@ -11,8 +11,8 @@ namespace {
 
 constexpr std::size_t kEnough = 9;  // places
 constexpr double kApart = 0.03;     // [m]
-// [DN] of white in the picture, from which nothing more is waited for, and from which black paint says
-// anything: below, a black level that is off by a few steps looks like grey paint
+// [DN] of white in the picture, from which nothing more is waited for, and from which black paint
+// says anything: below, a black level that is off by a few steps looks like grey paint
 constexpr double kBrightEnough = 120;
 constexpr double kBright = 60;
 constexpr std::size_t kThird = 2;  // place by brightness: a reflection brightens one or two
@@ -20,8 +20,8 @@ constexpr double kAsBright = 0.7;  // [1] of its white: they count
 constexpr double kBrighter = 1.2;  // [1] than before: the light has changed at that place
 constexpr double kLead = 0.04;     // [1] of the places, and
 constexpr double kLeastLead = 2;   // places, by which one way finds more than the other
-// [1] black paint over white: 0.05 to 0.15 in light, a quarter to a half once it is encoded, and less
-// again once it is sharpened
+// [1] black paint over white: 0.05 to 0.15 in light, a quarter to a half once it is encoded, and
+// less again once it is sharpened
 constexpr double kMostLinear = 0.2;
 // Of the first twice as many pictures all are looked at, of later ones ever fewer, at least one in
 // kOneIn.
@@ -62,7 +62,7 @@ void ResponseFinder::take(const optics::GreyView& picture) {
   const std::vector<Detection>& linear = linear_.search(picture);
   const std::vector<Detection>& encoded = encoded_.search(picture);
   for (const Detection& cap : linear) {
-    add(paintOf(cap, optics::Response(), isAmong(cap, encoded) ? By::kBoth : By::kLinear));
+    add(paintOf(cap, optics::CameraResponse(), isAmong(cap, encoded) ? By::kBoth : By::kLinear));
   }
   for (const Detection& cap : encoded) {
     if (!isAmong(cap, linear)) add(paintOf(cap, video_, By::kEncoded));
@@ -72,8 +72,8 @@ void ResponseFinder::take(const optics::GreyView& picture) {
   settled_ = static_cast<std::size_t>(bright) >= kEnough;
 }
 
-ResponseFinder::Paint ResponseFinder::paintOf(const Detection& cap, const optics::Response& read,
-                                              By by) const {
+ResponseFinder::Paint ResponseFinder::paintOf(const Detection& cap,
+                                              const optics::CameraResponse& read, By by) const {
   const auto shown = [&](float light) {
     return read.grey(static_cast<double>(light) + black_) - black_;
   };

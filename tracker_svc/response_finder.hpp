@@ -1,11 +1,11 @@
-/// Whether a camera's grey steps are linear in light, told from the caps in its pictures. Pictures in,
-/// a number out.
+/// Whether a camera's grey steps are linear in light, told from the caps in its pictures. Pictures
+/// in, a number out.
 ///
-/// A camera that encodes light for the eye brightens what is dark: black paint on white, a twelfth in
-/// light, shows as a third, and outlines are blurred unevenly. Pictures are looked at both ways. Where
-/// one way finds more caps, it is taken; where both find them all, the paint decides, which is
-/// no more than a guess: haze brightens black paint too. The caps in the brightest light count, as some
-/// encodings are linear in little light.
+/// A camera that encodes light for the eye brightens what is dark: black paint on white, a twelfth
+/// in light, shows as a third, and outlines are blurred unevenly. Pictures are looked at both ways.
+/// Where one way finds more caps, it is taken; where both find them all, the paint decides, which
+/// is no more than a guess: haze brightens black paint too. The caps in the brightest light count,
+/// as some encodings are linear in little light.
 #pragma once
 
 #include <cstdint>
@@ -14,12 +14,12 @@
 #include <string>
 #include <vector>
 
-#include "tracker_svc/detector.hpp"
 #include "light/optics/camera_model.hpp"
 #include "light/optics/cap.hpp"
 #include "light/optics/grey_image.hpp"
-#include "light/photometry/imaging.hpp"
 #include "light/photometry/camera_response.hpp"
+#include "light/photometry/imaging.hpp"
+#include "tracker_svc/detector.hpp"
 
 namespace lab::detector {
 
@@ -35,8 +35,8 @@ class ResponseFinder {
   /// not said enough, since each look is two searches.
   void take(const optics::GreyView& picture);
 
-  /// Imaging::gamma, 1 or optics::kVideoGamma, as far as can be told from the caps so far; empty: it
-  /// cannot.
+  /// Imaging::gamma, 1 or optics::kVideoGamma, as far as can be told from the caps so far; empty:
+  /// it cannot.
   [[nodiscard]] std::optional<double> gamma() const;
 
   /// What gamma() is told from, for people: "at 36 of 40 places caps show only so".
@@ -56,7 +56,8 @@ class ResponseFinder {
     By by = By::kBoth;
   };
 
-  [[nodiscard]] Paint paintOf(const Detection& cap, const optics::Response& read, By by) const;
+  [[nodiscard]] Paint paintOf(const Detection& cap, const optics::CameraResponse& read,
+                              By by) const;
   void add(const Paint& paint);
   /// Those that count.
   [[nodiscard]] std::span<const Paint> brightest() const;
@@ -67,7 +68,7 @@ class ResponseFinder {
 
   Detector linear_;
   Detector encoded_;
-  optics::Response video_;
+  optics::CameraResponse video_;
   double black_;
   bool settled_ = false;
   std::int64_t pictures_ = 0;

@@ -10,12 +10,12 @@
 #include <lab/robot_state_t.hpp>
 #include <utility>
 
-#include "tracker_svc/camera_devices.hpp"
 #include "common/bus/channels.hpp"
 #include "common/math/units.hpp"
-#include "tracker_svc/detector/scale_map.hpp"
 #include "light/optics/simulated_camera.hpp"
+#include "tracker_svc/camera_devices.hpp"
 #include "tracker_svc/cap_spacings.hpp"
+#include "tracker_svc/detector/scale_map.hpp"
 
 namespace lab::tracker {
 namespace {
@@ -24,15 +24,15 @@ constexpr std::int64_t kReportEvery_us = 1'000'000;
 constexpr std::int64_t kSearchEvery_us = 1'000'000;
 constexpr std::int64_t kOtherTracker_us = 2'000'000;
 constexpr std::int64_t kListen_us = 300'000;
-constexpr double kWhite = 255;       // [DN]
+constexpr double kWhite = 255;  // [DN]
 
 CameraCalibration calibrationInForce(const ServiceContext& context) {
   const Experiment& experiment = context.experiment;
   const Camera& camera = experiment.camera;
   if (!camera.calibration.empty()) return readCameraFile(context.directory / camera.calibration);
   CameraCalibration calibration;
-  calibration.camera = optics::simulatedCamera(camera.width, camera.height,
-                                               experiment.arena_width, experiment.arena_height);
+  calibration.camera = optics::simulatedCamera(camera.width, camera.height, experiment.arena_width,
+                                               experiment.arena_height);
   calibration.arena_width = experiment.arena_width;
   calibration.arena_height = experiment.arena_height;
   calibration.id = "simulated";
@@ -119,8 +119,8 @@ TrackerService::TrackerService(const ServiceContext& context)
       // Whoever is there already is heard within a few frames.
       other_until_(loop_.isVirtual() ? 0 : loop_.now() + kListen_us) {
   try {
-    debug_ = openDebugPort(loop_, experiment_.camera.debug_port, detector_.camera(),
-                           calibration_.cap);
+    debug_ =
+        openDebugOutput(loop_, experiment_.camera.debug_port, detector_.camera(), calibration_.cap);
   } catch (const std::runtime_error& error) {  // tracking goes on without a view of it
     node_.noteError(std::string(error.what()) + ": no debug view");
   }
@@ -140,14 +140,13 @@ TrackerService::TrackerService(const ServiceContext& context)
       if (status.sync < 0) return;
       // The light of a new command is told from the old one's by both of its numbers.
       sync_->shown(seconds(status.utime), status.sync, status.command_instance ^ status.command_seq,
-                    status.moving == 0);
+                   status.moving == 0);
     });
   }
-  source_ = context.cameras.open(
-      experiment_.camera.source, wantedFormat(experiment_.camera),
-      {.frame = [this](const CameraFrame& frame) { take(frame); },
-       .trouble = [this](const std::string& what) { trouble(what); },
-       .end = [this](const std::string& problem) { ended(problem); }});
+  source_ = context.cameras.open(experiment_.camera.source, wantedFormat(experiment_.camera),
+                                 {.frame = [this](const CameraFrame& frame) { take(frame); },
+                                  .trouble = [this](const std::string& what) { trouble(what); },
+                                  .end = [this](const std::string& problem) { ended(problem); }});
   loop_.every(kReportEvery_us, loop_.now() + kReportEvery_us, [this] { report(); });
   loop_.soon([this] { node_.ready(); });
 }
@@ -159,8 +158,7 @@ double TrackerService::seconds(std::int64_t utime) const {
 void TrackerService::take(const robot_status_t& status) {
   wheels_.clear();
   for (const robot_state_t& robot : status.robots) {
-    wheels_.push_back(
-        {robot.robot_id, seconds(robot.utime), robot.wheel_left, robot.wheel_right});
+    wheels_.push_back({robot.robot_id, seconds(robot.utime), robot.wheel_left, robot.wheel_right});
   }
   tracker_.take(wheels_);
 }
@@ -180,8 +178,10 @@ void TrackerService::notice(const tracked_frame_t& frame) {
 void TrackerService::take(const CameraFrame& frame) {
   const optics::CameraParameters& camera = calibration_.camera;
   if (frame.grey.width != camera.width || frame.grey.height != camera.height) {
-    trouble("pictures of " + sizeText(frame.grey.width, frame.grey.height) + " pixels, but the "
-            "calibration " + calibration_.id + " is of " + sizeText(camera.width, camera.height) +
+    trouble("pictures of " + sizeText(frame.grey.width, frame.grey.height) +
+            " pixels, but the "
+            "calibration " +
+            calibration_.id + " is of " + sizeText(camera.width, camera.height) +
             ": set width_px and height_px, or run lab calibrate camera again");
     return;
   }
@@ -332,7 +332,8 @@ void TrackerService::report() {
   status_.fps = format.fps;
   status_.exposure = format.exposure;
   status_.gain = format.gain;
-  status_.pixels = gamma_ == 1 ? format.pixels : fmt::format("{}, gamma {:g}", format.pixels, gamma_);
+  status_.pixels =
+      gamma_ == 1 ? format.pixels : fmt::format("{}, gamma {:g}", format.pixels, gamma_);
   status_.locked = format.locked ? 1 : 0;
   status_.dropped = source_ ? source_->dropped() : 0;
   status_.dark = pictures_.dark();
@@ -364,9 +365,10 @@ ServiceDescription serviceDescription() {
             return std::make_unique<TrackerService>(context);
           },
           .uses_ports = true,
-          .wanted = [](const Experiment& experiment) {
-            return experiment.camera.tracker == Tracker::kCamera;
-          }};
+          .wanted =
+              [](const Experiment& experiment) {
+                return experiment.camera.tracker == Tracker::kCamera;
+              }};
 }
 
 }  // namespace lab::tracker

@@ -29,13 +29,13 @@ bool joined(const std::vector<int>& stretches, std::size_t start, std::size_t en
 
 }  // namespace
 
-std::vector<double> filmCurves(const FilmPoses& poses, const std::vector<int>& lags) {
-  return filmCurves(poses, lags, lags, 1, {});
+std::vector<double> recordingCurves(const RecordingPoses& poses, const std::vector<int>& lags) {
+  return recordingCurves(poses, lags, lags, 1, {});
 }
 
-std::vector<double> filmCurves(const FilmPoses& poses, const std::vector<int>& lags,
-                               const std::vector<int>& measured, double every,
-                               const FilmStretches& stretches) {
+std::vector<double> recordingCurves(const RecordingPoses& poses, const std::vector<int>& lags,
+                                    const std::vector<int>& measured, double every,
+                                    const RecordingStretches& stretches) {
   const std::size_t n = lags.size();
   const std::size_t frames = poses.x.size();
   const int coarser = static_cast<int>(std::lround(std::log2(every)));
@@ -96,16 +96,16 @@ SimulatedCurves simulateCurves(const BootstrapPlan& plan) {
   for (const double lag : result.lags) {
     result.law.push_back(exact.angularMsd(lag) + 2 * plan.sigma_theta * plan.sigma_theta);
   }
-  const FilmPlan film{plan.law, plan.duration, plan.period, plan.sigma, plan.sigma_theta, 0};
-  FilmPoses poses;
-  FilmStretches stretches;
+  const RecordingPlan film{plan.law, plan.duration, plan.period, plan.sigma, plan.sigma_theta, 0};
+  RecordingPoses poses;
+  RecordingStretches stretches;
   for (int i = 0; i < plan.films; ++i) {
     const std::uint64_t seed = plan.seed + static_cast<std::uint64_t>(i);
-    simulateFilm(film, seed, poses);
+    simulateRecording(film, seed, poses);
     if (plan.gaps.lost > 0 || plan.gaps.cut) {
       stretches = drawStretches(plan.gaps, plan.frame_period, plan.period, poses.x.size(), ~seed);
     }
-    const std::vector<double> curves = filmCurves(poses, frames, measured, every, stretches);
+    const std::vector<double> curves = recordingCurves(poses, frames, measured, every, stretches);
     // Without a window of some lag it says nothing of how the lags err together.
     if (std::any_of(curves.begin(), curves.end(), [](double v) { return std::isnan(v); })) continue;
     ++result.films;

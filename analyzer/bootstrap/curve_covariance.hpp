@@ -11,15 +11,17 @@ namespace lab::analysis {
 /// MSD and angular MSD of a film at lags of whole frames: overlapping windows, chosen as
 /// MsdAccumulator chooses them (window_choice.hpp). The result is [MSD(lags), angular MSD(lags)],
 /// nan where the film is shorter than the lag.
-[[nodiscard]] std::vector<double> filmCurves(const FilmPoses& poses, const std::vector<int>& lags);
+[[nodiscard]] std::vector<double> recordingCurves(const RecordingPoses& poses,
+                                                  const std::vector<int>& lags);
 
 /// The same, chosen as the windows of a measured film are.
 /// @param measured the lags there [frames of that film]
 /// @param every of its frames, to one of `poses`
 /// @param stretches of the frames of `poses`; empty: all are there
-[[nodiscard]] std::vector<double> filmCurves(const FilmPoses& poses, const std::vector<int>& lags,
-                                             const std::vector<int>& measured, double every,
-                                             const FilmStretches& stretches);
+[[nodiscard]] std::vector<double> recordingCurves(const RecordingPoses& poses,
+                                                  const std::vector<int>& lags,
+                                                  const std::vector<int>& measured, double every,
+                                                  const RecordingStretches& stretches);
 
 /// Curves of many simulated films of one program, the parametric bootstrap: their scatter is the
 /// error of a measured curve, their covariance how the lags err together.
@@ -42,7 +44,7 @@ struct BootstrapPlan {
   double sigma_theta = 0;    ///< rad.
   double period = 0;         ///< Of the films' frames, s: a part of the shortest lag.
   double frame_period = 0;   ///< Of the measured film, s, whose choice of windows they follow,
-  FilmGaps gaps;             ///< and what it lacks.
+  RecordingGaps gaps;        ///< and what it lacks.
   std::vector<double> lags;  ///< s; taken at the nearest whole number of periods.
   double duration = 0;       ///< Of each film, s.
   int films = 500;

@@ -16,7 +16,7 @@ constexpr std::size_t kKept = 8;
 // Frames that come once a hold would see one phase of it for a whole film.
 constexpr double kFramesPerHold = 1.0234;
 
-double kurtosisOf(const FilmPoses& poses, int lag) {
+double kurtosisOf(const RecordingPoses& poses, int lag) {
   const auto step = static_cast<std::size_t>(lag);
   double r2 = 0;
   double r4 = 0;
@@ -30,7 +30,7 @@ double kurtosisOf(const FilmPoses& poses, int lag) {
   return r4 * static_cast<double>(poses.x.size() - step) / (r2 * r2);
 }
 
-void simulateIsotropic(std::size_t frames, std::uint64_t seed, FilmPoses& poses) {
+void simulateIsotropic(std::size_t frames, std::uint64_t seed, RecordingPoses& poses) {
   Random random(seed);
   poses.x.assign(frames, 0);
   poses.y.assign(frames, 0);
@@ -40,18 +40,18 @@ void simulateIsotropic(std::size_t frames, std::uint64_t seed, FilmPoses& poses)
   }
 }
 
-KurtosisFilms simulate(const ProgramLaw& law, KurtosisHypothesis hypothesis,
-                       const std::vector<int>& lags, double duration) {
+KurtosisBootstrap simulate(const ProgramLaw& law, KurtosisHypothesis hypothesis,
+                           const std::vector<int>& lags, double duration) {
   std::vector<std::vector<double>> of_lag(lags.size(), std::vector<double>(kFilms));
-  FilmPoses poses;
-  FilmPlan plan;
+  RecordingPoses poses;
+  RecordingPlan plan;
   plan.law = law;
   plan.duration = duration;
   plan.period = law.epsilon / kFramesPerHold;
   for (int film = 0; film < kFilms; ++film) {
     const std::uint64_t seed = kSeed + static_cast<std::uint64_t>(film);
     if (hypothesis == KurtosisHypothesis::kProgram) {
-      simulateFilm(plan, seed, poses);
+      simulateRecording(plan, seed, poses);
     } else {
       simulateIsotropic(static_cast<std::size_t>(duration / plan.period), seed, poses);
     }
@@ -59,7 +59,7 @@ KurtosisFilms simulate(const ProgramLaw& law, KurtosisHypothesis hypothesis,
       of_lag[lag][static_cast<std::size_t>(film)] = kurtosisOf(poses, lags[lag]);
     }
   }
-  KurtosisFilms films;
+  KurtosisBootstrap films;
   films.period = plan.period;
   films.largest.assign(kFilms, 0);
   for (const std::vector<double>& values : of_lag) {
@@ -81,14 +81,14 @@ KurtosisFilms simulate(const ProgramLaw& law, KurtosisHypothesis hypothesis,
 
 }  // namespace
 
-const KurtosisFilms& kurtosisFilms(const ProgramLaw& law, KurtosisHypothesis hypothesis,
-                                   const std::vector<int>& lags, double duration) {
+const KurtosisBootstrap& kurtosisBootstrap(const ProgramLaw& law, KurtosisHypothesis hypothesis,
+                                           const std::vector<int>& lags, double duration) {
   struct Known {
     ProgramLaw law;
     KurtosisHypothesis hypothesis;
     std::vector<int> lags;
     double duration;
-    KurtosisFilms films;
+    KurtosisBootstrap films;
   };
   thread_local std::list<Known> known;
   for (const Known& one : known) {

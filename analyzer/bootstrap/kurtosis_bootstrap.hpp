@@ -6,14 +6,15 @@
 
 namespace lab::analysis {
 
-/// How the kurtosis <r^4> / <r^2>^2 of overlapping windows scatters over films of one length under a
-/// hypothesis. Its distribution is skew, its lags are correlated and blocks of one film understate
-/// its error (by 20 % at a hundredth of the film), so that films are simulated.
-struct KurtosisFilms {
-  double period = 0;            ///< Between frames, s: a little less than a hold.
-  std::vector<double> mean;     ///< One a lag.
-  std::vector<double> sigma;    ///< Standard deviation.
-  std::vector<double> largest;  ///< The largest |deviation| / sigma over the lags, ascending by film.
+/// How the kurtosis <r^4> / <r^2>^2 of overlapping windows scatters over films of one length under
+/// a hypothesis. Its distribution is skew, its lags are correlated and blocks of one film
+/// understate its error (by 20 % at a hundredth of the film), so that films are simulated.
+struct KurtosisBootstrap {
+  double period = 0;          ///< Between frames, s: a little less than a hold.
+  std::vector<double> mean;   ///< One a lag.
+  std::vector<double> sigma;  ///< Standard deviation.
+  std::vector<double>
+      largest;  ///< The largest |deviation| / sigma over the lags, ascending by film.
 };
 
 enum class KurtosisHypothesis { kProgram, kIsotropic };
@@ -22,8 +23,9 @@ enum class KurtosisHypothesis { kProgram, kIsotropic };
 /// same arguments give the same bits; the last few are kept.
 /// @param lags in frames of the film's period, ascending, positive and shorter than the film
 /// @param duration s of each film
-[[nodiscard]] const KurtosisFilms& kurtosisFilms(const ProgramLaw& law,
-                                                 KurtosisHypothesis hypothesis,
-                                                 const std::vector<int>& lags, double duration);
+[[nodiscard]] const KurtosisBootstrap& kurtosisBootstrap(const ProgramLaw& law,
+                                                         KurtosisHypothesis hypothesis,
+                                                         const std::vector<int>& lags,
+                                                         double duration);
 
 }  // namespace lab::analysis

@@ -59,17 +59,16 @@ double SegmentLengths::drawAround(Random& random) const {
   return drawBy(random, [](double length) { return length; });
 }
 
-FilmStretches drawStretches(const FilmGaps& gaps, double frame_period, double period,
-                            std::size_t frames, std::uint64_t seed) {
+RecordingStretches drawStretches(const RecordingGaps& gaps, double frame_period, double period,
+                                 std::size_t frames, std::uint64_t seed) {
   const double every = std::max(1.0, std::round(period / frame_period));
-  // What lost windows do to a mean goes as the time that each gap takes: where there are fewer frames
-  // than measured, fewer are lost, which matter as much.
+  // What lost windows do to a mean goes as the time that each gap takes: where there are fewer
+  // frames than measured, fewer are lost, which matter as much.
   const double length = std::max(1.0, gaps.lost_length / every);
-  const double odds =
-      gaps.lost / (1 - gaps.lost) * gaps.lost_length / (length * every);
+  const double odds = gaps.lost / (1 - gaps.lost) * gaps.lost_length / (length * every);
   const double longest = StitcherConfig{}.max_angular_gap / period;
   Random random(seed);
-  FilmStretches out;
+  RecordingStretches out;
   out.of_places.resize(frames, -1);
   out.of_headings.resize(frames, -1);
   int places = 0;

@@ -19,7 +19,8 @@ class SegmentLengths {
 
   [[nodiscard]] double number() const;
 
-  /// Share of the windows of a lag [frames] that there would be in one long segment; 1: no segments.
+  /// Share of the windows of a lag [frames] that there would be in one long segment; 1: no
+  /// segments.
   [[nodiscard]] double covered(double lag) const;
 
   /// The length of a segment, frames; needs one at least.
@@ -38,11 +39,11 @@ class SegmentLengths {
   std::array<std::uint32_t, kBins> counts_{};
 };
 
-/// Lags of which cuts leave a smaller share of the windows are not used: the few segments that are so
-/// long say little of how lags err, and are not like the others.
+/// Lags of which cuts leave a smaller share of the windows are not used: the few segments that are
+/// so long say little of how lags err, and are not like the others.
 inline constexpr double kLeastCovered = 0.05;
 
-struct FilmGaps {
+struct RecordingGaps {
   double lost = 0;         ///< Share of the frames that are missing between others.
   double lost_length = 1;  ///< So many in a row, on average, if lengths fall geometrically.
   double unseen = 0;       ///< Share of the time that is in gaps too long to count as observed.
@@ -55,14 +56,15 @@ struct FilmGaps {
 
 /// What there is of a simulated film: for each frame the stretch in which it lies, which windows do
 /// not leave. -1: the frame is missing.
-struct FilmStretches {
+struct RecordingStretches {
   std::vector<int> of_places;
   std::vector<int> of_headings;  ///< Across longer gaps a heading is ambiguous.
 };
 
 /// @param frame_period of the measured film, s
 /// @param period of the simulated one, s, with so many frames
-[[nodiscard]] FilmStretches drawStretches(const FilmGaps& gaps, double frame_period, double period,
-                                          std::size_t frames, std::uint64_t seed);
+[[nodiscard]] RecordingStretches drawStretches(const RecordingGaps& gaps, double frame_period,
+                                               double period, std::size_t frames,
+                                               std::uint64_t seed);
 
 }  // namespace lab::analysis

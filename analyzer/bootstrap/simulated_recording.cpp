@@ -200,16 +200,16 @@ double Random::normal() {
   }
 }
 
-void simulateFilm(const FilmPlan& plan, std::uint64_t seed, FilmPoses& poses) {
+void simulateRecording(const RecordingPlan& plan, std::uint64_t seed, RecordingPoses& poses) {
   if (!ExactLaw(plan.law).exists()) {
     throw std::invalid_argument(
-        "simulateFilm: the program has no law; give an ABP, a noisy ABP, a "
+        "simulateRecording: the program has no law; give an ABP, a noisy ABP, a "
         "BP or an RTP with positive times");
   }
   if (!(plan.duration > 0) || !(plan.period > 0) || plan.exposure < 0 ||
       plan.exposure > plan.period) {
     throw std::invalid_argument(
-        "simulateFilm: duration and period must be positive, the exposure "
+        "simulateRecording: duration and period must be positive, the exposure "
         "between 0 and the period");
   }
   const auto frames = static_cast<std::size_t>(plan.duration / plan.period) + 1;

@@ -24,7 +24,7 @@ class Random {
 };
 
 /// What a film shows: the free process of a program (see ExactLaw) without walls, seen by a camera.
-struct FilmPlan {
+struct RecordingPlan {
   ProgramLaw law;          ///< Must have a law.
   double duration = 0;     ///< s.
   double period = 0;       ///< Between frames, s.
@@ -36,7 +36,7 @@ struct FilmPlan {
 };
 
 /// The poses of a film, one a frame; headings unwrapped. SI units.
-struct FilmPoses {
+struct RecordingPoses {
   std::vector<double> x;
   std::vector<double> y;
   std::vector<double> theta;
@@ -45,6 +45,6 @@ struct FilmPoses {
 /// The frames of a film: exact arcs from event to event, stationary from the first frame on, the
 /// observation phase uniformly random. The same plan and seed give the same bits. Throws
 /// std::invalid_argument for a program without a law, or a duration or period that is not positive.
-void simulateFilm(const FilmPlan& plan, std::uint64_t seed, FilmPoses& poses);
+void simulateRecording(const RecordingPlan& plan, std::uint64_t seed, RecordingPoses& poses);
 
 }  // namespace lab::analysis

@@ -91,8 +91,8 @@ BlockSums BlockData::total() const {
   return sum;
 }
 
-FilmGaps gapsOf(const BlockData& data, const BlockSums& total) {
-  FilmGaps gaps;
+RecordingGaps gapsOf(const BlockData& data, const BlockSums& total) {
+  RecordingGaps gaps;
   gaps.segments = data.segments;
   gaps.cut = data.segments.number() > static_cast<double>(data.tracks.size());
   if (total.lost > 0) {

@@ -63,6 +63,6 @@ struct BlockData {
 
 /// What these films lack.
 /// @param total data.total()
-[[nodiscard]] FilmGaps gapsOf(const BlockData& data, const BlockSums& total);
+[[nodiscard]] RecordingGaps gapsOf(const BlockData& data, const BlockSums& total);
 
 }  // namespace lab::analysis

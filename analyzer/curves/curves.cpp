@@ -5,8 +5,8 @@
 #include <limits>
 #include <map>
 
-#include "analyzer/laws/numerics.hpp"
 #include "analyzer/curves/statistics.hpp"
+#include "analyzer/laws/numerics.hpp"
 
 namespace lab::analysis {
 namespace {
@@ -15,8 +15,8 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kBlocksPerLag = 5;
 constexpr std::size_t kEnoughBlocks = 12;
 constexpr double kTrustedBlocks = 180;  // lags beyond track / 180 need more than blocks
-constexpr double kFilmsPerLag = 20;  // lags beyond film / 20 are too skewed to judge
-constexpr double kMinDraws = 100;    // draws or tumbles for any verdict
+constexpr double kFilmsPerLag = 20;     // lags beyond film / 20 are too skewed to judge
+constexpr double kMinDraws = 100;       // draws or tumbles for any verdict
 constexpr double kLimitZ = 4;
 constexpr int kMinJudged = 5;
 constexpr double kManyBlocks = 1e9;
@@ -178,7 +178,7 @@ Curves curves(const ProgramLaw& law, const BlockData& data, const CurveOptions& 
   const bool enough_draws = drawsSeen(law, observed) >= kMinDraws;
   const auto tracks = static_cast<double>(data.tracks.size());
   const double segments = std::max(tracks, total.segments);
-  const FilmGaps gaps = gapsOf(data, total);
+  const RecordingGaps gaps = gapsOf(data, total);
   const auto film_error = [&](bool angular, double tau) {
     return options.films != nullptr && kTrustedBlocks * tau > observed / tracks
                ? relativeError(*options.films, angular, tau, observed, segments)

@@ -5,8 +5,8 @@
 
 #include "analyzer/bootstrap/curve_covariance.hpp"
 #include "analyzer/curves/estimates.hpp"
-#include "analyzer/laws.hpp"
 #include "analyzer/curves/msd_accumulator.hpp"
+#include "analyzer/laws.hpp"
 
 namespace lab::analysis {
 

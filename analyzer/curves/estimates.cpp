@@ -6,8 +6,8 @@
 #include <numbers>
 
 #include "analyzer/curves/lags.hpp"
-#include "analyzer/laws/numerics.hpp"
 #include "analyzer/curves/statistics.hpp"
+#include "analyzer/laws/numerics.hpp"
 
 namespace lab::analysis {
 namespace {
@@ -162,15 +162,14 @@ void Estimator::measureNoise(const BlockSums& sums, Quantities& q) const {
   q[kSpeed] = sums.forward_time > 0 ? sums.forward / sums.forward_time * (1 + correction) : kNan;
 }
 
-/// Of a motion that is not known the heading may turn evenly within a frame or at random. The one has
-/// an angular MSD of a n^2 over n frames, the other one of b n, and noise c for any n. An even turn
-/// takes a/24 off the step along the mean of both headings; a random one, as noise does, b/8.
+/// Of a motion that is not known the heading may turn evenly within a frame or at random. The one
+/// has an angular MSD of a n^2 over n frames, the other one of b n, and noise c for any n. An even
+/// turn takes a/24 off the step along the mean of both headings; a random one, as noise does, b/8.
 double Estimator::chordOfUnknownTurning(const BlockSums& sums) const {
   const double one = angular(sums, 0);
   const double even =
-      third_lag_ > 0
-          ? 0.5 * (angular(sums, third_lag_) - 2 * angular(sums, third_lag_ - 1) + one)
-          : kNan;
+      third_lag_ > 0 ? 0.5 * (angular(sums, third_lag_) - 2 * angular(sums, third_lag_ - 1) + one)
+                     : kNan;
   if (!std::isfinite(even)) return one / 24;
   return one / 8 - std::clamp(even, 0.0, one) / 12;
 }

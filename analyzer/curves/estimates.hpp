@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "analyzer/curves/block_errors.hpp"
-#include "analyzer/laws.hpp"
 #include "analyzer/curves/msd_accumulator.hpp"
+#include "analyzer/laws.hpp"
 
 namespace lab::analysis {
 

@@ -8,8 +8,8 @@ namespace lab::analysis {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kLongest = 20;       // s
-constexpr double kBlockInLags = 5;    // of the longest lag
+constexpr double kLongest = 20;     // s
+constexpr double kBlockInLags = 5;  // of the longest lag
 constexpr std::size_t kLeastBlocks = 8;
 constexpr double kLeastWindows = 5;   // that straddle a join
 constexpr double kPieceShare = 0.25;  // lags up to so much of the mean piece are compared
@@ -64,8 +64,8 @@ JoinLag compareLag(const JoinBlocks& data, std::size_t i, bool angular) {
     sum2 += difference * difference;
     n += 1;
   }
-  const bool enough = n >= static_cast<double>(kLeastBlocks) &&
-                      lag.share * all.whole_windows >= kLeastWindows;
+  const bool enough =
+      n >= static_cast<double>(kLeastBlocks) && lag.share * all.whole_windows >= kLeastWindows;
   lag.sigma = enough ? std::sqrt((n - 1) / n * (sum2 - sum * sum / n)) : kNan;
   // What selection explains is taken off, and not added to the error: it is no scatter.
   const double left = std::max(0.0, std::abs(lag.difference) - lag.selection);
@@ -83,13 +83,13 @@ void JoinBlocks::pool(const JoinBlocks& other) {
   blocks.insert(blocks.end(), other.blocks.begin(), other.blocks.end());
 }
 
-JoinWatch::JoinWatch(double frame_period, double max_lag)
+JoinAccumulator::JoinAccumulator(double frame_period, double max_lag)
     : blocks_{octaves(frame_period, max_lag), frame_period, {}},
       block_length_(kBlockInLags * blocks_.lags.back() * frame_period),
       whole_(blocks_.lags, frame_period),
       within_(blocks_.lags, frame_period) {}
 
-void JoinWatch::add(const Sample& sample) {
+void JoinAccumulator::add(const Sample& sample) {
   if (whole_.observed() >= block_length_) {
     collect(blocks_);
     whole_ = MsdAccumulator(blocks_.lags, blocks_.frame_period);
@@ -103,14 +103,14 @@ void JoinWatch::add(const Sample& sample) {
   within_.add(piece);
 }
 
-void JoinWatch::collect(JoinBlocks& blocks) const {
+void JoinAccumulator::collect(JoinBlocks& blocks) const {
   const BlockSums whole = whole_.data().total();
   const BlockSums within = within_.data().total();
   if (whole.lags.size() != blocks.lags.size() || within.lags.size() != blocks.lags.size()) return;
   blocks.blocks.push_back({whole.time, whole.joins, whole.lags, within.lags});
 }
 
-JoinBlocks JoinWatch::blocks() const {
+JoinBlocks JoinAccumulator::blocks() const {
   JoinBlocks blocks = blocks_;
   collect(blocks);
   return blocks;

@@ -102,8 +102,8 @@ class MsdAccumulator {
   SegmentLengths segments_;  ///< That have ended.
   Sample last_;
   double segment_begin_ = 0;  ///< Free time, s.
-  Sample counted_;  ///< Its runs and tumbles and those before are in the blocks.
-  Fix previous_;    ///< The frame before the collection, if it lies in the same segment.
+  Sample counted_;            ///< Its runs and tumbles and those before are in the blocks.
+  Fix previous_;              ///< The frame before the collection, if it lies in the same segment.
   std::int64_t segment_first_ = 0;
   std::int64_t piece_first_ = 0;
   std::int64_t angular_first_ = 0;

@@ -12,7 +12,8 @@
 namespace lab::analysis {
 
 inline constexpr int kEveryLags = 16;  ///< [frames] below, every window counts
-inline constexpr int kDenseLags = 64;  ///< [frames] below, the choice is of end frames; else of begins
+inline constexpr int kDenseLags =
+    64;  ///< [frames] below, the choice is of end frames; else of begins
 
 /// Below 64 frames: log2 of the distance between the end frames used for a lag, on average.
 [[nodiscard]] inline std::size_t stepOf(int lag) {
@@ -31,6 +32,8 @@ inline constexpr int kDenseLags = 64;  ///< [frames] below, the choice is of end
 }
 
 /// Frames between the begins of an octave's windows, on average.
-[[nodiscard]] inline double strideOf(int octave) { return std::ldexp(5 * std::numbers::phi, octave); }
+[[nodiscard]] inline double strideOf(int octave) {
+  return std::ldexp(5 * std::numbers::phi, octave);
+}
 
 }  // namespace lab::analysis

@@ -7,22 +7,22 @@
 #include <cstdio>
 #include <limits>
 
+#include "analyzer/bootstrap/kurtosis_bootstrap.hpp"
 #include "analyzer/bp_kurtosis.hpp"
 #include "analyzer/curves/estimates.hpp"
-#include "analyzer/bootstrap/kurtosis_bootstrap.hpp"
 
 namespace lab::analysis {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kShare = 1.0 / 40;     // of the film, that the longest lag may be
-constexpr int kFirstHolds = 2;          // the shortest lag
-constexpr int kIsotropicHolds = 10;     // below, even an isotropic robot's draws are not Gaussian
+constexpr double kShare = 1.0 / 40;  // of the film, that the longest lag may be
+constexpr int kFirstHolds = 2;       // the shortest lag
+constexpr int kIsotropicHolds = 10;  // below, even an isotropic robot's draws are not Gaussian
 constexpr double kIsotropic = 2;
 constexpr double kRejects = 0.01;
-constexpr double kSmallestP = 1e-12;    // nobody knows the tails farther
-constexpr double kLongestFilm = 4096;   // s, of the simulated ones; beyond, errors are scaled
-constexpr double kLengthsPerOctave = 2; // of simulated films: robots of one run share theirs
+constexpr double kSmallestP = 1e-12;     // nobody knows the tails farther
+constexpr double kLongestFilm = 4096;    // s, of the simulated ones; beyond, errors are scaled
+constexpr double kLengthsPerOctave = 2;  // of simulated films: robots of one run share theirs
 
 /// What the tracker's noise adds to the MSD, m^2; 0 where it cannot be told.
 double noiseOffset(const ProgramLaw& law, const BlockData& data) {
@@ -46,7 +46,7 @@ KurtosisAnswer ask(const ProgramLaw& law, KurtosisHypothesis hypothesis, double 
   const bool own = hypothesis == KurtosisHypothesis::kProgram;
   const std::vector<int> asked(holds.begin() + static_cast<std::ptrdiff_t>(from), holds.end());
   const double length = filmLength(observed);
-  const KurtosisFilms& films = kurtosisFilms(law, hypothesis, asked, length);
+  const KurtosisBootstrap& films = kurtosisBootstrap(law, hypothesis, asked, length);
   const BpKurtosis exact(law.V, law.wheel_base, law.epsilon);
   double largest = 0;
   for (std::size_t i = from; i < lags.size(); ++i) {
@@ -101,8 +101,9 @@ std::string verdict(const BrownianTest& test) {
                   pText(test.isotropic.p).c_str());
   }
   const KurtosisPoint lag = at(test.exact);
-  text += test.exact.rejected ? "It is not the programmed diffusion along the robot's own axis"
-                              : "It agrees with the programmed diffusion along the robot's own axis";
+  text += test.exact.rejected
+              ? "It is not the programmed diffusion along the robot's own axis"
+              : "It agrees with the programmed diffusion along the robot's own axis";
   text += words(": farthest off at %.3g s with %.2f, %.2f +- %.2f expected (%s).", lag.tau,
                 lag.kurtosis, lag.exact, lag.sigma, pText(test.exact.p).c_str());
   return text;

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "analyzer/laws.hpp"
 #include "analyzer/curves/msd_accumulator.hpp"
+#include "analyzer/laws.hpp"
 
 namespace lab::analysis {
 
@@ -30,13 +30,13 @@ struct KurtosisAnswer {
 /// along its own, slowly turning axis has the same one.
 struct BrownianTest {
   std::vector<KurtosisPoint> lags;  ///< Octaves, from two holds on.
-  KurtosisAnswer isotropic;  ///< Brownian motion in the plane; asked from ten holds on.
-  KurtosisAnswer exact;      ///< The programmed law of the robot (BpKurtosis).
-  std::string text;          ///< The verdict in words.
+  KurtosisAnswer isotropic;         ///< Brownian motion in the plane; asked from ten holds on.
+  KurtosisAnswer exact;             ///< The programmed law of the robot (BpKurtosis).
+  std::string text;                 ///< The verdict in words.
 };
 
 /// For the BP alone, and where some octave is shorter than a fortieth of the film; else nothing.
-/// Simulates films (KurtosisFilms), so for Depth::kFull.
+/// Simulates films (KurtosisBootstrap), so for Depth::kFull.
 [[nodiscard]] std::optional<BrownianTest> testBrownian(const ProgramLaw& law,
                                                        const BlockData& data);
 

@@ -12,11 +12,11 @@ namespace lab::analysis {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kFewestDraws = 100;   // draws of the noise, or tumbles, for a fit
-constexpr double kFurthest = 1.6;      // factor e^1.6 = 5 off the program: not its motion
-constexpr double kLeastPivot = 1e-9;   // of the correlation matrix
+constexpr double kFewestDraws = 100;  // draws of the noise, or tumbles, for a fit
+constexpr double kFurthest = 1.6;     // factor e^1.6 = 5 off the program: not its motion
+constexpr double kLeastPivot = 1e-9;  // of the correlation matrix
 constexpr int kMostIterations = 30;
-constexpr int kFilmsPerColumn = 4;     // for a covariance
+constexpr int kFilmsPerColumn = 4;  // for a covariance
 constexpr double kConverged = 1e-9;
 
 using Matrix = Eigen::MatrixXd;
@@ -110,8 +110,8 @@ class Fit {
     deviations.resize(films.films, n);
     for (Eigen::Index j = 0; j < n; ++j) {
       const Column& c = columns_[static_cast<std::size_t>(j)];
-      const double scale = errorScale(films, curves_.observed, curves_.segments, c.tau) /
-                           films.law[c.in_films];
+      const double scale =
+          errorScale(films, curves_.observed, curves_.segments, c.tau) / films.law[c.in_films];
       for (int film = 0; film < films.films; ++film) {
         deviations(film, j) = scale * films.value(film, c.in_films);
       }
@@ -428,7 +428,8 @@ LawFit fitLaw(const ProgramLaw& law, const MeasuredCurves& curves, const FitOpti
       if (round == 2) break;
       films = simulateForFit(fit.law(), fit.offset(), fit.angularOffset(), curves, plan, options);
       if (films.films < kFilmsPerColumn * static_cast<int>(fit.columns())) {
-        result.refusal = "too few of the segments are as long as the lags: avoid contacts, or film longer";
+        result.refusal =
+            "too few of the segments are as long as the lags: avoid contacts, or film longer";
         return result;
       }
       fit.setCovariance(films);
@@ -442,7 +443,7 @@ LawFit fitLaw(const ProgramLaw& law, const MeasuredCurves& curves, const FitOpti
     }
   }
   fit.report(result, given->films);
-  result.film_duration = given->duration;
+  result.recording_duration = given->duration;
   if (used != nullptr && given == &films) *used = std::move(films);
   return result;
 }

@@ -34,10 +34,10 @@ struct LawFit {
   std::vector<double> lags;          ///< s.
   bool angular = false;              ///< Whether headings went in.
   double chi2 = 0;
-  int freedom = 0;           ///< Degrees of freedom of chi2.
-  double p_value = 0;        ///< Of chi2, by Hotelling's distribution.
-  int films = 0;             ///< Behind the covariance.
-  double film_duration = 0;  ///< s.
+  int freedom = 0;                ///< Degrees of freedom of chi2.
+  double p_value = 0;             ///< Of chi2, by Hotelling's distribution.
+  int films = 0;                  ///< Behind the covariance.
+  double recording_duration = 0;  ///< s.
   /// Largest deviation of a parameter from the ordinary least squares' one, in the standard errors
   /// that this difference has if law and covariance are right. Above 4 do not trust the fit.
   double guard_z = 0;

@@ -6,9 +6,9 @@
 #include <limits>
 
 #include "analyzer/curves/estimates.hpp"
+#include "analyzer/curves/statistics.hpp"
 #include "analyzer/fits/fit_plan.hpp"
 #include "analyzer/laws/numerics.hpp"
-#include "analyzer/curves/statistics.hpp"
 
 namespace lab::analysis {
 namespace {

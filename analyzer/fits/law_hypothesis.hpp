@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "analyzer/bootstrap/curve_covariance.hpp"
-#include "analyzer/laws.hpp"
 #include "analyzer/curves/msd_accumulator.hpp"
+#include "analyzer/laws.hpp"
 
 namespace lab::analysis {
 
@@ -19,9 +19,9 @@ struct MeasuredCurves {
   double observed = 0;         ///< Free time, s.
   double tracks = 1;           ///< Of so many robots,
   double segments = 1;         ///< in so many pieces that no window leaves.
-  FilmGaps gaps;
-  double offset = 0;           ///< 4 sigma^2 as the live estimator has it, m^2.
-  double angular_offset = 0;   ///< 2 sigma_theta^2, rad^2.
+  RecordingGaps gaps;
+  double offset = 0;          ///< 4 sigma^2 as the live estimator has it, m^2.
+  double angular_offset = 0;  ///< 2 sigma_theta^2, rad^2.
 };
 
 [[nodiscard]] MeasuredCurves measuredCurves(const ProgramLaw& law, const BlockData& data);

@@ -43,8 +43,8 @@ class HeldNoise {
   [[nodiscard]] double chi(double t) const;
   /// <(v - va)^2 cos(omega t)> for one draw of the wheels, m^2/s^2.
   [[nodiscard]] double psi(double t) const;
-  [[nodiscard]] double epsilon() const { return epsilon_; }       ///< s.
-  [[nodiscard]] double meanSpeed() const { return va_; }          ///< m/s.
+  [[nodiscard]] double epsilon() const { return epsilon_; }           ///< s.
+  [[nodiscard]] double meanSpeed() const { return va_; }              ///< m/s.
   [[nodiscard]] double meanSquareTurning() const { return omega2_; }  ///< <omega^2>, rad^2/s^2.
   /// Chebyshev points that resolve everything on one hold to full precision.
   [[nodiscard]] int points() const;

@@ -68,11 +68,7 @@ Turning Turning::clipped(double low, double high, double limit) {
 }
 
 RtpLaw::RtpLaw(double v, double gamma, double tau_t, const Turning& turning)
-    : v_(v),
-      gamma_(gamma),
-      tau_t_(tau_t),
-      turning_(turning),
-      run_share_(1 / (1 + gamma * tau_t)) {}
+    : v_(v), gamma_(gamma), tau_t_(tau_t), turning_(turning), run_share_(1 / (1 + gamma * tau_t)) {}
 
 double RtpLaw::doubleIntegral(std::complex<double> z, double tau) const {
   double sum = 0;
@@ -118,8 +114,7 @@ double RtpLaw::diffusivity() const { return v_ * run_share_ * persistenceLength(
 
 double RtpLaw::persistenceLength() const {
   const std::complex<double> kept = 1.0 - turning_.z;
-  return kept == 0.0 ? std::numeric_limits<double>::infinity()
-                     : v_ / gamma_ * (1.0 / kept).real();
+  return kept == 0.0 ? std::numeric_limits<double>::infinity() : v_ / gamma_ * (1.0 / kept).real();
 }
 
 }  // namespace lab::analysis

@@ -7,9 +7,9 @@ namespace lab::analysis {
 
 /// How far a robot turns in a tumble: the moments of the angle D that the laws depend on.
 struct Turning {
-  double mean = 0;                                                 ///< <D>, rad, not wrapped.
-  double mean_square = std::numbers::pi * std::numbers::pi / 3;    ///< <D^2>, rad^2.
-  std::complex<double> z = 0;                                      ///< <exp(i D)>.
+  double mean = 0;                                               ///< <D>, rad, not wrapped.
+  double mean_square = std::numbers::pi * std::numbers::pi / 3;  ///< <D^2>, rad^2.
+  std::complex<double> z = 0;                                    ///< <exp(i D)>.
 
   /// Uniform on [low, high] (rad). The default is the full circle the short way round, (-pi, pi].
   static Turning uniform(double low, double high);

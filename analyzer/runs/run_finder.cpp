@@ -78,7 +78,7 @@ FoundRuns RunFinder::find() const {
   }
   cut::Scales scales{law_.v, law_.tau_t,         roughNoise(bins_), frames_per_bin_ * period_,
                      0,      frames_per_bin_ > 1};
-  std::vector<cut::CutTrack> cuts;
+  std::vector<cut::SegmentedTrack> cuts;
   for (int pass = 0; pass < kMostPasses; ++pass) {
     scales.setShortest(period_);
     cuts.clear();
@@ -112,7 +112,7 @@ FoundRuns RunFinder::find() const {
     }
   }
   scales.setShortest(period_);
-  for (cut::CutTrack& cut : cuts) {
+  for (cut::SegmentedTrack& cut : cuts) {
     cut.gather();
     cut.collect(found);
   }

@@ -10,7 +10,7 @@
 namespace lab::analysis {
 
 /// A run that the poses show.
-struct SeenRun {
+struct ObservedRun {
   double duration = 0;   ///< s; of a run that was cut off, what was seen of it.
   bool begun = false;    ///< Its beginning was seen.
   bool ended = false;    ///< Its end was seen: a tumble.
@@ -29,15 +29,15 @@ struct Measured {
 
 /// All runs and tumbles of one robot in one program, from its poses.
 struct FoundRuns {
-  std::vector<SeenRun> runs;  ///< Those of at least shortest.
-  double shortest = 0;        ///< The shortest run that is told from none, s.
-  std::int64_t hidden = 0;    ///< Shorter ones, known by how long the robot stood.
-  std::int64_t tumbles = 0;   ///< Begun in view.
-  double observed = 0;        ///< s.
-  std::int64_t segments = 0;  ///< Tracks without a gap, each cut off at both ends.
-  Measured speed;             ///< Of runs, m/s.
-  Measured tumble;            ///< Duration of single tumbles, s.
-  double sigma = 0;           ///< Tracker noise per axis, m.
+  std::vector<ObservedRun> runs;  ///< Those of at least shortest.
+  double shortest = 0;            ///< The shortest run that is told from none, s.
+  std::int64_t hidden = 0;        ///< Shorter ones, known by how long the robot stood.
+  std::int64_t tumbles = 0;       ///< Begun in view.
+  double observed = 0;            ///< s.
+  std::int64_t segments = 0;      ///< Tracks without a gap, each cut off at both ends.
+  Measured speed;                 ///< Of runs, m/s.
+  Measured tumble;                ///< Duration of single tumbles, s.
+  double sigma = 0;               ///< Tracker noise per axis, m.
   double frames_per_tumble = 0;
   bool resolved = false;  ///< Whether poses come often enough; else there are no runs.
 };

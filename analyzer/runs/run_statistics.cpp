@@ -110,7 +110,7 @@ std::vector<DensityBar> runTimeBars(const std::vector<const FoundRuns*>& robots,
     double at_risk = 0;
     double cut_off = 0;
     for (const FoundRuns* robot : robots) {
-      for (const SeenRun& run : robot->runs) {
+      for (const ObservedRun& run : robot->runs) {
         at_risk += run.duration >= bar.low ? 1 : 0;
         const bool in = run.duration >= bar.low && run.duration < bar.high;
         bar.count += in && run.ended ? 1 : 0;
@@ -201,8 +201,8 @@ void testRuns(const std::vector<const FoundRuns*>& robots, RunStatistics& out) {
   std::vector<double> after;
   int track = 0;
   for (const FoundRuns* robot : robots) {
-    const SeenRun* last = nullptr;
-    for (const SeenRun& run : robot->runs) {
+    const ObservedRun* last = nullptr;
+    for (const ObservedRun& run : robot->runs) {
       waiting.push_back(
           {std::max(0.0, run.duration - robot->shortest), run.ended, track + run.track});
       if (run.follows && run.ended && last != nullptr && last->begun) {
@@ -222,7 +222,7 @@ void testTurns(const ProgramLaw& law, const std::vector<const FoundRuns*>& robot
   std::vector<double> turns;
   double beyond = 0;
   for (const FoundRuns* robot : robots) {
-    for (const SeenRun& run : robot->runs) {
+    for (const ObservedRun& run : robot->runs) {
       if (std::isfinite(run.turn)) {
         constexpr double kClearly = 1.1;
         turns.push_back(run.turn);
@@ -271,7 +271,7 @@ RunStatistics runStatistics(const ProgramLaw& law, const std::vector<const Found
     out.tumbles += robot->tumbles;
     out.hidden += robot->hidden;
     out.shortest = std::max(out.shortest, robot->shortest);
-    for (const SeenRun& run : robot->runs) {
+    for (const ObservedRun& run : robot->runs) {
       (run.ended ? out.runs : out.cut_off) += 1;
       pool.run_time += run.duration;
       pool.beyond += std::max(0.0, run.duration - robot->shortest);
@@ -317,7 +317,7 @@ RunStatistics runStatistics(const ProgramLaw& law, const std::vector<const Found
   // A robot that sees shorter runs than the others lets its own go below the common first bar.
   double below = pool.hidden_count;
   for (const FoundRuns* robot : robots) {
-    for (const SeenRun& run : robot->runs) {
+    for (const ObservedRun& run : robot->runs) {
       below += run.duration < out.shortest && run.ended ? 1 : 0;
     }
   }

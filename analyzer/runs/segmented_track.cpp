@@ -100,32 +100,33 @@ Measured ScaleSums::tumble() const {
   return mean.measured();
 }
 
-CutTrack::CutTrack(std::span<const TrackBin> bins, double first, double last, const Scales& scales)
+SegmentedTrack::SegmentedTrack(std::span<const TrackBin> bins, double first, double last,
+                               const Scales& scales)
     : bins_(bins), first_(first), last_(last), scales_(scales) {
   const double sigma = std::max(scales.sigma, kStraddle * scales.speed * scales.period);
   stretches_ = segmentMotion(bins, {scales.speed, scales.tumble, sigma, scales.period});
 }
 
-void CutTrack::gather() {
-  standing_.clear();
+void SegmentedTrack::gather() {
+  stops_.clear();
   for (const Stretch& stretch : stretches_) {
     if (stretch.run) {
       continue;
     }
     const Place place = meanPlace(bins_, inner(stretch, scales_.averaged, 2));
-    const bool same = !standing_.empty() && distance(standing_.back().departure, place) <
-                                                scales_.shortest * scales_.speed;
+    const bool same = !stops_.empty() &&
+                      distance(stops_.back().departure, place) < scales_.shortest * scales_.speed;
     if (same) {
-      standing_.back().departure = place;
-      standing_.back().end = stretch.end;
-      ++standing_.back().stops;
+      stops_.back().departure = place;
+      stops_.back().end = stretch.end;
+      ++stops_.back().stops;
     } else {
-      standing_.push_back({place, place, stretch.begin, stretch.end, 1});
+      stops_.push_back({place, place, stretch.begin, stretch.end, 1});
     }
   }
 }
 
-void CutTrack::measure(ScaleSums& sums) const {
+void SegmentedTrack::measure(ScaleSums& sums) const {
   for (const Stretch& stretch : stretches_) {
     if (stretch.size() < 4) {
       continue;
@@ -147,19 +148,19 @@ void CutTrack::measure(ScaleSums& sums) const {
       sums.runs += 1;
     }
   }
-  for (std::size_t i = 0; i < standing_.size(); ++i) {
+  for (std::size_t i = 0; i < stops_.size(); ++i) {
     const std::optional<double> arrival = arrivalBy(i, false);
     const std::optional<double> departure = departureBy(i, false);
-    if (arrival && departure && standing_[i].stops == 1) {
+    if (arrival && departure && stops_[i].stops == 1) {
       sums.tumbles.push_back(*departure - *arrival);
     }
   }
 }
 
-void CutTrack::collect(FoundRuns& found) const {
+void SegmentedTrack::collect(FoundRuns& found) const {
   const int track = static_cast<int>(found.segments++);
   found.observed += last_ - first_;
-  if (standing_.empty()) {
+  if (stops_.empty()) {
     found.runs.push_back({last_ - first_, false, false, false, kNan, track});
     return;
   }
@@ -167,8 +168,8 @@ void CutTrack::collect(FoundRuns& found) const {
   const auto departure = [&](std::size_t i) { return *departureBy(i, true); };
   std::int64_t tumbles = 0;  // begun in the standing before
   bool listed = false;       // the run before that one is the last in the list
-  for (std::size_t i = 0; i < standing_.size(); ++i) {
-    const Standing& here = standing_[i];
+  for (std::size_t i = 0; i < stops_.size(); ++i) {
+    const StopInterval& here = stops_[i];
     const bool cut_before = here.begin == 0;
     const bool cut_behind = here.end == bins_.size();
     const double from = cut_before ? first_ : arrival(i);
@@ -188,8 +189,8 @@ void CutTrack::collect(FoundRuns& found) const {
     found.hidden += cut_before ? begun : begun - 1;
     tumbles = cut_before ? 0 : begun;
   }
-  const std::size_t back = standing_.size() - 1;
-  if (standing_[back].end < bins_.size()) {
+  const std::size_t back = stops_.size() - 1;
+  if (stops_[back].end < bins_.size()) {
     const double seen = last_ - departure(back);
     if (seen >= scales_.shortest) {
       const bool single = tumbles == 1;
@@ -199,41 +200,42 @@ void CutTrack::collect(FoundRuns& found) const {
   }
 }
 
-double CutTrack::way(std::size_t i) const {
-  const Place& from = standing_[i - 1].departure;
-  const Place& to = standing_[i].arrival;
+double SegmentedTrack::way(std::size_t i) const {
+  const Place& from = stops_[i - 1].departure;
+  const Place& to = stops_[i].arrival;
   const double length = distance(from, to);
   const double noise2 = scales_.sigma * scales_.sigma * (1 / from.frames + 1 / to.frames);
   return length - noise2 / (2 * length);
 }
 
-Stretch CutTrack::runBefore(std::size_t i) const {
-  return {true, i > 0 ? standing_[i - 1].end : 0, standing_[i].begin};
+Stretch SegmentedTrack::runBefore(std::size_t i) const {
+  return {true, i > 0 ? stops_[i - 1].end : 0, stops_[i].begin};
 }
 
-Stretch CutTrack::runBehind(std::size_t i) const {
-  return {true, standing_[i].end, i + 1 < standing_.size() ? standing_[i + 1].begin : bins_.size()};
+Stretch SegmentedTrack::runBehind(std::size_t i) const {
+  return {true, stops_[i].end, i + 1 < stops_.size() ? stops_[i + 1].begin : bins_.size()};
 }
 
-bool CutTrack::joined(const Stretch& run) const {
+bool SegmentedTrack::joined(const Stretch& run) const {
   return bins_[run.begin].piece != bins_[run.end - 1].piece;
 }
 
-std::optional<double> CutTrack::arrivalBy(std::size_t i, bool rough) const {
+std::optional<double> SegmentedTrack::arrivalBy(std::size_t i, bool rough) const {
   const Stretch run = runBefore(i);
-  return edge(run, standing_[i].arrival, i > 0 ? &standing_[i - 1].departure : nullptr, 1, rough,
-              standing_[i].begin);
+  return edge(run, stops_[i].arrival, i > 0 ? &stops_[i - 1].departure : nullptr, 1, rough,
+              stops_[i].begin);
 }
 
-std::optional<double> CutTrack::departureBy(std::size_t i, bool rough) const {
+std::optional<double> SegmentedTrack::departureBy(std::size_t i, bool rough) const {
   const Stretch run = runBehind(i);
-  const bool last = i + 1 == standing_.size();
-  return edge(run, standing_[i].departure, last ? nullptr : &standing_[i + 1].arrival, -1, rough,
-              standing_[i].end);
+  const bool last = i + 1 == stops_.size();
+  return edge(run, stops_[i].departure, last ? nullptr : &stops_[i + 1].arrival, -1, rough,
+              stops_[i].end);
 }
 
-std::optional<double> CutTrack::edge(const Stretch& run, const Place& place, const Place* other,
-                                     double sign, bool rough, std::size_t bin) const {
+std::optional<double> SegmentedTrack::edge(const Stretch& run, const Place& place,
+                                           const Place* other, double sign, bool rough,
+                                           std::size_t bin) const {
   const bool enough = run.size() >= (scales_.averaged ? 3U : 2U);
   if (run.size() == 0 || (!enough && !rough)) {
     if (!rough) {
@@ -260,7 +262,7 @@ std::optional<double> CutTrack::edge(const Stretch& run, const Place& place, con
   return meanOf(&TrackBin::time, bins_, core) + sign * left / scales_.speed;
 }
 
-std::int64_t CutTrack::tumblesIn(double stood, bool cut_before, bool cut_behind) const {
+std::int64_t SegmentedTrack::tumblesIn(double stood, bool cut_before, bool cut_behind) const {
   const double tumbles = stood / scales_.tumble;
   double count = std::floor(tumbles + kCountSlack);
   if (cut_before) {
@@ -271,7 +273,7 @@ std::int64_t CutTrack::tumblesIn(double stood, bool cut_before, bool cut_behind)
   return std::max<std::int64_t>(cut_before ? 0 : 1, static_cast<std::int64_t>(count));
 }
 
-double CutTrack::turn(std::size_t i) const {
+double SegmentedTrack::turn(std::size_t i) const {
   const Stretch before = runBefore(i);
   const Stretch behind = runBehind(i);
   // Where bins are averages, those at the edges have turned already.
@@ -284,14 +286,14 @@ double CutTrack::turn(std::size_t i) const {
   if (std::isfinite(from) && std::isfinite(to)) {
     return to - from;
   }
-  if (i == 0 || i + 1 >= standing_.size()) {
+  if (i == 0 || i + 1 >= stops_.size()) {
     return kNan;
   }
   const auto direction = [](const Place& a, const Place& b) {
     return std::atan2(b.y - a.y, b.x - a.x);
   };
-  return std::remainder(direction(standing_[i].departure, standing_[i + 1].arrival) -
-                            direction(standing_[i - 1].departure, standing_[i].arrival),
+  return std::remainder(direction(stops_[i].departure, stops_[i + 1].arrival) -
+                            direction(stops_[i - 1].departure, stops_[i].arrival),
                         2 * std::numbers::pi);
 }
 

@@ -20,7 +20,7 @@ struct Place {
 };
 
 /// The standing between two visible runs: one stop, or several with runs too short to be seen.
-struct Standing {
+struct StopInterval {
   Place arrival;
   Place departure;
   std::size_t begin = 0;  ///< Bins.
@@ -58,10 +58,10 @@ struct ScaleSums {
 };
 
 /// One track cut into visible runs and the standing between them.
-class CutTrack {
+class SegmentedTrack {
  public:
   /// @param first,last free times of its first and last frame, s
-  CutTrack(std::span<const TrackBin> bins, double first, double last, const Scales& scales);
+  SegmentedTrack(std::span<const TrackBin> bins, double first, double last, const Scales& scales);
 
   /// Joins stops whose distance is no run, by the scales as they are now.
   void gather();
@@ -101,7 +101,7 @@ class CutTrack {
   double last_;
   const Scales& scales_;
   std::vector<Stretch> stretches_;
-  std::vector<Standing> standing_;
+  std::vector<StopInterval> stops_;
 };
 
 }  // namespace lab::analysis::cut

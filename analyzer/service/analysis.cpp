@@ -30,7 +30,7 @@ int Analysis::programOf(const ProgramLaw& law) {
     return -1;
   }
   programs_.push_back(law);
-  stays_.emplace_back();
+  dwell_times_.emplace_back();
   return static_cast<int>(programs_.size()) - 1;
 }
 
@@ -39,12 +39,12 @@ void Analysis::addTelemetry(int robot, const ProgramLaw& law, RobotTelemetry tel
   telemetry.program = programOf(law);
   telemetry.sense_distance = senseDistance(law);
   Robot& target = robotOf(robot);
-  noteStay(target, telemetry);
+  recordDwellTime(target, telemetry);
   target.stitcher.addTelemetry(telemetry, samples_);
   take(robot, target);
 }
 
-void Analysis::noteStay(Robot& robot, const RobotTelemetry& telemetry) {
+void Analysis::recordDwellTime(Robot& robot, const RobotTelemetry& telemetry) {
   // The start of an epoch, converted from the robot's clock, may jitter; its number does not.
   const bool old =
       telemetry.program_epoch < robot.epoch && telemetry.program_start <= robot.program_start;
@@ -52,7 +52,7 @@ void Analysis::noteStay(Robot& robot, const RobotTelemetry& telemetry) {
     return;
   }
   if (robot.program >= 0) {
-    std::vector<float>& stays = stays_[static_cast<std::size_t>(robot.program)];
+    std::vector<float>& stays = dwell_times_[static_cast<std::size_t>(robot.program)];
     if (stays.size() < kMaxStays) {
       stays.push_back(static_cast<float>(telemetry.program_start - robot.program_start));
     }
@@ -123,10 +123,10 @@ void Analysis::take(int id, Robot& robot) {
     if (!program) {
       program = std::make_unique<ProgramAnalysis>(law, config_.frame_period, config_.max_lag);
       if (config_.compare_joins) {
-        program->watchJoins(config_.frame_period, config_.max_lag);
+        program->collectJoins(config_.frame_period, config_.max_lag);
       }
       if (config_.find_runs) {
-        program->watchRuns(config_.frame_period);
+        program->collectRuns(config_.frame_period);
       }
     }
     program->add(sample);
@@ -150,8 +150,8 @@ void Analysis::flush() {
   }
 }
 
-double Analysis::medianStay(int program) const {
-  std::vector<float> stays = stays_[static_cast<std::size_t>(program)];
+double Analysis::medianDwellTime(int program) const {
+  std::vector<float> stays = dwell_times_[static_cast<std::size_t>(program)];
   if (stays.empty()) {
     return 0;
   }
@@ -165,7 +165,7 @@ std::vector<ProgramResult> Analysis::results(Depth depth) const {
   for (std::size_t key = 0; key < programs_.size(); ++key) {
     const int program = static_cast<int>(key);
     CurveOptions options = config_.curves;
-    options.unbiased_lag = spatial_light_ ? kUnbiasedShare * medianStay(program) : 0;
+    options.unbiased_lag = spatial_light_ ? kUnbiasedShare * medianDwellTime(program) : 0;
     BlockData pool;
     JoinBlocks joins;
     ProgramTally sum;
@@ -205,7 +205,7 @@ std::vector<ProgramResult> Analysis::results(Depth depth) const {
                                          : analyse(programs_[key], pool, sum, options, depth));
       results.back().robot = kPool;
       if (depth == Depth::kFull) {
-        completeWithFilms(results.back(), pool, each, data, options);
+        addBootstrapResults(results.back(), pool, each, data, options);
       }
       if (!runs.empty()) {
         std::vector<const FoundRuns*> all;

@@ -38,7 +38,8 @@ struct AnalysisConfig {
   /// for films that end, not for live displays.
   bool find_runs = false;
   bool samples_only = false;  ///< Tracks are stitched and passed on; there are no results.
-  bool without_law = false;  ///< Robots with no program (kNone) are analysed: curves, and their speed.
+  bool without_law =
+      false;  ///< Robots with no program (kNone) are analysed: curves, and their speed.
 };
 
 struct AnalysisCounters {
@@ -105,7 +106,7 @@ class Analysis {
   [[nodiscard]] StitcherCounters robotCounters(int robot) const;
   [[nodiscard]] std::vector<int> robots() const;
   /// The median stay of robots in a program before they left it, s; 0: none has left.
-  [[nodiscard]] double medianStay(int program) const;
+  [[nodiscard]] double medianDwellTime(int program) const;
 
  private:
   struct Robot {
@@ -119,7 +120,7 @@ class Analysis {
 
   Robot& robotOf(int id);
   int programOf(const ProgramLaw& law);
-  void noteStay(Robot& robot, const RobotTelemetry& telemetry);
+  void recordDwellTime(Robot& robot, const RobotTelemetry& telemetry);
   void dispatch(const Frame& frame);
   void measurePeriod(bool force);
   void take(int id, Robot& robot);
@@ -128,8 +129,8 @@ class Analysis {
   AnalysisCounters counters_;
   std::map<int, Robot> robots_;
   std::vector<ProgramLaw> programs_;
-  std::vector<std::vector<float>> stays_;  ///< Per program, s.
-  std::vector<Frame> first_frames_;        ///< Wait until the frame period is known.
+  std::vector<std::vector<float>> dwell_times_;  ///< Per program, s.
+  std::vector<Frame> first_frames_;              ///< Wait until the frame period is known.
   std::vector<Sample> samples_;
   bool spatial_light_ = false;
   std::function<void(int, const ProgramLaw&, const Sample&)> sink_;

@@ -13,7 +13,7 @@ constexpr std::uint64_t kTestSeed = 40210;
 struct ProgramFilms {
   SimulatedCurves fit;
   SimulatedCurves test;
-  FilmGaps gaps;  ///< That they have.
+  RecordingGaps gaps;  ///< That they have.
 };
 
 void complete(ProgramResult& result, const BlockData& data, CurveOptions options,
@@ -55,10 +55,10 @@ void complete(ProgramResult& result, const BlockData& data, CurveOptions options
 
 }  // namespace
 
-void completeWithFilms(ProgramResult& pool, const BlockData& pool_data,
-                       std::vector<ProgramResult>& robots,
-                       const std::vector<const BlockData*>& robot_data,
-                       const CurveOptions& options) {
+void addBootstrapResults(ProgramResult& pool, const BlockData& pool_data,
+                         std::vector<ProgramResult>& robots,
+                         const std::vector<const BlockData*>& robot_data,
+                         const CurveOptions& options) {
   if (!ExactLaw(pool.law).exists() || !(pool.observed > 0)) return;
   ProgramFilms films;
   complete(pool, pool_data, options, films, true);

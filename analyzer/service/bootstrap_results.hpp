@@ -10,9 +10,9 @@ namespace lab::analysis {
 /// tests, and errors of lags beyond a 180th of a film. The films are simulated once, for the pool;
 /// its robots reuse them, scaled to their time.
 /// @param pool_data of the pool, robot_data of `robots` in their order.
-void completeWithFilms(ProgramResult& pool, const BlockData& pool_data,
-                       std::vector<ProgramResult>& robots,
-                       const std::vector<const BlockData*>& robot_data,
-                       const CurveOptions& options);
+void addBootstrapResults(ProgramResult& pool, const BlockData& pool_data,
+                         std::vector<ProgramResult>& robots,
+                         const std::vector<const BlockData*>& robot_data,
+                         const CurveOptions& options);
 
 }  // namespace lab::analysis

@@ -4,13 +4,13 @@
 #include <optional>
 #include <vector>
 
-#include "analyzer/fits/brownian_hypothesis.hpp"
 #include "analyzer/curves/curves.hpp"
 #include "analyzer/curves/estimates.hpp"
 #include "analyzer/curves/join_comparison.hpp"
+#include "analyzer/curves/msd_accumulator.hpp"
+#include "analyzer/fits/brownian_hypothesis.hpp"
 #include "analyzer/fits/law_fit.hpp"
 #include "analyzer/laws.hpp"
-#include "analyzer/curves/msd_accumulator.hpp"
 #include "analyzer/runs/run_statistics.hpp"
 #include "analyzer/tracks/track_stitcher.hpp"
 
@@ -39,9 +39,9 @@ struct ProgramResult {
   Curves curves;
   std::vector<Estimate> estimates;
   Verdict verdict;
-  std::optional<LawFit> fit;  ///< At Depth::kFull, of programs with a law.
+  std::optional<LawFit> fit;            ///< At Depth::kFull, of programs with a law.
   std::optional<JoinComparison> joins;  ///< Where AnalysisConfig::compare_joins asks for it.
-  std::optional<RunStatistics> runs;  ///< Of an RTP, where AnalysisConfig::find_runs asks for it.
+  std::optional<RunStatistics> runs;    ///< Of an RTP, where AnalysisConfig::find_runs asks for it.
   std::optional<BrownianTest> brownian;  ///< Of a BP, at Depth::kFull.
 };
 
@@ -52,10 +52,10 @@ class ProgramAnalysis {
   ProgramAnalysis(const ProgramLaw& law, double frame_period, double max_lag);
 
   /// Also compares windows within pieces with all; to be said before the first sample.
-  void watchJoins(double frame_period, double max_lag) { joins_.emplace(frame_period, max_lag); }
+  void collectJoins(double frame_period, double max_lag) { joins_.emplace(frame_period, max_lag); }
 
   /// Also finds the runs of an RTP; to be said before the first sample.
-  void watchRuns(double frame_period) {
+  void collectRuns(double frame_period) {
     if (law_.kind == ProgramKind::kRtp) runs_.emplace(law_, frame_period);
   }
 
@@ -68,13 +68,13 @@ class ProgramAnalysis {
   [[nodiscard]] BlockData data() const { return accumulator_.data(); }
   [[nodiscard]] const ProgramLaw& law() const { return law_; }
   /// Nothing: not watched.
-  [[nodiscard]] const std::optional<JoinWatch>& joins() const { return joins_; }
+  [[nodiscard]] const std::optional<JoinAccumulator>& joins() const { return joins_; }
   [[nodiscard]] const std::optional<RunFinder>& runs() const { return runs_; }
 
  private:
   ProgramLaw law_;
   MsdAccumulator accumulator_;
-  std::optional<JoinWatch> joins_;
+  std::optional<JoinAccumulator> joins_;
   std::optional<RunFinder> runs_;
 };
 

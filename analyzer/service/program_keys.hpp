@@ -9,7 +9,7 @@
 namespace lab::analysis {
 
 /// Gives each program its key: 0, 1, ... in the order of first appearance, -1 for standing.
-class ProgramBook {
+class ProgramKeys {
  public:
   int key(const program_t& program) {
     if (program.kind == program_t::NONE) return -1;

@@ -72,7 +72,7 @@ bool FlipFilter::mend(TrackPoint& point) {
   } else if (suspect_ && relate(*suspect_, now) == Relation::kSame) {
     // Two headings agree with each other and not with the track: another story begins.
     last_.reset();
-    evidence_ = 0;
+    forward_drive_ = 0;
     ++chain_;
     accept(now);
   } else {
@@ -85,10 +85,10 @@ bool FlipFilter::mend(TrackPoint& point) {
 bool FlipFilter::drive(double forward, double sense_distance) {
   if (sense_distance == 0) return false;
   const double enough = std::abs(sense_distance);
-  evidence_ = std::min(evidence_ + (sense_distance < 0 ? -forward : forward), enough);
-  if (evidence_ > -enough) return false;
+  forward_drive_ = std::min(forward_drive_ + (sense_distance < 0 ? -forward : forward), enough);
+  if (forward_drive_ > -enough) return false;
   turned_ = !turned_;
-  evidence_ = 0;
+  forward_drive_ = 0;
   ++chain_;
   for (std::optional<Reference>* one : {&last_, &older_, &suspect_}) {
     if (*one) (*one)->theta = wrapped((*one)->theta + std::numbers::pi);

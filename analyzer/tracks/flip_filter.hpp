@@ -62,7 +62,7 @@ class FlipFilter {
   std::optional<Reference> last_;   ///< The last heading that fitted,
   std::optional<Reference> older_;  ///< the one before: the last may be an outlier by itself.
   std::optional<Reference> suspect_;
-  double evidence_ = 0;  ///< m driven forward since the sense was in doubt.
+  double forward_drive_ = 0;  ///< m driven forward since the sense was in doubt.
   std::int64_t jumps_ = 0;
   int chain_ = 0;
 };

@@ -5,24 +5,24 @@
 #include <numbers>
 #include <optional>
 
-#include "analyzer/tracks/flip_filter.hpp"
 #include "analyzer/laws/numerics.hpp"
+#include "analyzer/tracks/flip_filter.hpp"
 
 namespace lab::analysis {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kSpeedTolerance = 0.1;   // share: calibration of wheels and camera
-constexpr double kLeastSpeed = 0.01;      // m/s, of an estimated speed
-constexpr double kSureTime = 2.0;         // s of straight even motion that show a speed
-constexpr double kAlong = 0.97;           // cosine between heading and motion
-constexpr double kSteadyHeading = 0.05;   // rad about its mean
-constexpr double kLeastSigma = 1e-5;      // m
-constexpr double kPositionSlack = 5e-4;   // m
+constexpr double kSpeedTolerance = 0.1;  // share: calibration of wheels and camera
+constexpr double kLeastSpeed = 0.01;     // m/s, of an estimated speed
+constexpr double kSureTime = 2.0;        // s of straight even motion that show a speed
+constexpr double kAlong = 0.97;          // cosine between heading and motion
+constexpr double kSteadyHeading = 0.05;  // rad about its mean
+constexpr double kLeastSigma = 1e-5;     // m
+constexpr double kPositionSlack = 5e-4;  // m
 constexpr double kSigmas = 4;
-constexpr double kFalseFinds = 0.01;      // an hour, of draws that happen to be alike
-constexpr double kDistanceMargin = 1.1;   // timers and wheels are not exact
-constexpr double kHeldEdge = 0.04;        // s: what is held may be another speed sooner or later
+constexpr double kFalseFinds = 0.01;     // an hour, of draws that happen to be alike
+constexpr double kDistanceMargin = 1.1;  // timers and wheels are not exact
+constexpr double kHeldEdge = 0.04;       // s: what is held may be another speed sooner or later
 constexpr double kMadToSigma = 1.4826;
 
 double median(std::vector<double> values) {
@@ -103,9 +103,8 @@ class Finder {
       const TrackPoint& b = track_[i];
       if (search_.headings) {
         const double theta = a.theta + 0.5 * wrapped(b.theta - a.theta);
-        sideways.push_back(
-            std::abs((b.y - a.y) * std::cos(theta) - (b.x - a.x) * std::sin(theta)) /
-            std::numbers::sqrt2);
+        sideways.push_back(std::abs((b.y - a.y) * std::cos(theta) - (b.x - a.x) * std::sin(theta)) /
+                           std::numbers::sqrt2);
       } else if (i > 1) {
         const TrackPoint& c = track_[i - 2];
         sideways.push_back(std::abs(b.x - 2 * a.x + c.x) / std::sqrt(6.0));
@@ -154,10 +153,9 @@ class Finder {
   [[nodiscard]] bool even(const Line& line, double time, double n, double speed) const {
     const double speed_error = found_.sigma * std::sqrt(12 / n) / time;
     const double least = std::max(kLeastSpeed, 5 * speed_error);
-    const bool at_speed = std::isfinite(speed)
-                              ? std::abs(line.speed() - speed) <=
-                                    kSpeedTolerance * speed + kSigmas * speed_error
-                              : line.speed() > least;
+    const bool at_speed = std::isfinite(speed) ? std::abs(line.speed() - speed) <=
+                                                     kSpeedTolerance * speed + kSigmas * speed_error
+                                               : line.speed() > least;
     // The scatter of few residuals is itself uncertain.
     const double spread = 1 + kSigmas / std::sqrt(std::max(1.0, 4 * n - 8));
     if (!at_speed || line.rms > spread * found_.sigma + kPositionSlack / 5) return false;
@@ -177,8 +175,8 @@ class Finder {
       }
       const double span = track_[end - 1].time - track_[begin].time;
       // A quick look first: most windows go nowhere near the speed.
-      const double way = std::hypot(track_[end - 1].x - track_[begin].x,
-                                    track_[end - 1].y - track_[begin].y);
+      const double way =
+          std::hypot(track_[end - 1].x - track_[begin].x, track_[end - 1].y - track_[begin].y);
       if (std::isfinite(speed) && way < 0.7 * speed * span - kSigmas * found_.sigma) continue;
       // Frames are missing, or the track ends: what is left is too short to tell.
       if (span > 2 * time || (end == track_.size() && span < time - 1.5 * framePeriod())) continue;
@@ -225,8 +223,8 @@ class Finder {
     const double frames = std::max(4.0, search_.least_time / framePeriod());
     const double error = found_.sigma * std::sqrt(12 / frames) / search_.least_time;
     const double slowest = (1 - kSpeedTolerance) * speed - kSigmas * error;
-    const double tail = (std::abs(search_.drawn_mean) + search_.drawn_width - slowest) /
-                        search_.drawn_width;
+    const double tail =
+        (std::abs(search_.drawn_mean) + search_.drawn_width - slowest) / search_.drawn_width;
     if (tail <= 0) return 0;
     constexpr double kHour = 3600;
     const double chance = std::min(0.5 * tail * tail, 0.5);
@@ -366,7 +364,7 @@ ReversalSearch reversalSearch(const ProgramLaw& law, double speed, double distan
   return search;
 }
 
-void ReversalTeller::tell(RobotTelemetry& telemetry) {
+void ReversalReporter::tell(RobotTelemetry& telemetry) {
   while (begun_ < reversals_.size() && reversals_[begun_].start <= telemetry.time) {
     if (begun_ > 0) before_ += reversals_[begun_ - 1].end - reversals_[begun_ - 1].start;
     ++begun_;
@@ -390,8 +388,8 @@ double headingNoise(const std::vector<TrackPoint>& track) {
     const double before = track[i - 1].time - track[i - 2].time;
     const double after = track[i].time - track[i - 1].time;
     if (std::abs(after - before) > kEven * before) continue;
-    scatter.push_back(std::abs(
-        wrapped(track[i].theta - 2 * track[i - 1].theta + track[i - 2].theta)));
+    scatter.push_back(
+        std::abs(wrapped(track[i].theta - 2 * track[i - 1].theta + track[i - 2].theta)));
   }
   return kMadToSigma * median(std::move(scatter)) / std::sqrt(6);  // 1 + 4 + 1 variances
 }

@@ -14,17 +14,17 @@ namespace lab::analysis {
 struct ReversalSearch {
   bool wanted = true;  ///< False: headings are mended, and nothing is searched for.
   double speed = std::numeric_limits<double>::quiet_NaN();  ///< m/s; nan: taken from the track.
-  double max_distance = 0.4;     ///< m
-  double least_time = 0.4;       ///< Shorter ones are not told from free motion, s.
-  double sense_distance = 0;     ///< See senseDistance(); 0: head and tail are alike.
-  bool one_way = false;          ///< The program never drives backward: only reversals do.
-  double free_speed = 0;         ///< Mean speed with which the robot meets a wall, m/s.
-  double edge_time = 0.15;       ///< Free motion is taken for even so long before and after, s.
-  double hold = 0;               ///< epsilon of a program that draws its speed, s; 0: it does not.
-  double drawn_mean = 0;         ///< m/s
-  double drawn_width = 0;        ///< Half width of each wheel's draws, m/s.
-  double max_turn_rate = 7.2;    ///< Of the headings, rad/s.
-  bool headings = true;          ///< False: theta means nothing.
+  double max_distance = 0.4;                                ///< m
+  double least_time = 0.4;     ///< Shorter ones are not told from free motion, s.
+  double sense_distance = 0;   ///< See senseDistance(); 0: head and tail are alike.
+  bool one_way = false;        ///< The program never drives backward: only reversals do.
+  double free_speed = 0;       ///< Mean speed with which the robot meets a wall, m/s.
+  double edge_time = 0.15;     ///< Free motion is taken for even so long before and after, s.
+  double hold = 0;             ///< epsilon of a program that draws its speed, s; 0: it does not.
+  double drawn_mean = 0;       ///< m/s
+  double drawn_width = 0;      ///< Half width of each wheel's draws, m/s.
+  double max_turn_rate = 7.2;  ///< Of the headings, rad/s.
+  bool headings = true;        ///< False: theta means nothing.
 };
 
 /// The search for the program's robots. `speed` and `distance` as the experiment sets them (m/s, m;
@@ -43,10 +43,10 @@ struct FoundReversal {
 /// What a whole track says about itself.
 struct TrackFindings {
   std::vector<FoundReversal> reversals;  ///< In time order.
-  double speed = 0;            ///< Of reversing as searched for or estimated, m/s; nan: none found.
-  double sigma = 0;            ///< Noise of the tracker per axis, m, as the motion across the
-                               ///< headings tells it.
-  std::int64_t flips = 0;      ///< Headings turned round.
+  double speed = 0;        ///< Of reversing as searched for or estimated, m/s; nan: none found.
+  double sigma = 0;        ///< Noise of the tracker per axis, m, as the motion across the
+                           ///< headings tells it.
+  std::int64_t flips = 0;  ///< Headings turned round.
   std::int64_t flip_jumps = 0;
   std::int64_t sense_turns = 0;  ///< Stretches whose head was the tail all along.
 };
@@ -73,9 +73,9 @@ struct TrackFindings {
                                          const ReversalSearch& search);
 
 /// The found reversals as the robot itself would tell them.
-class ReversalTeller {
+class ReversalReporter {
  public:
-  explicit ReversalTeller(std::vector<FoundReversal> reversals)
+  explicit ReversalReporter(std::vector<FoundReversal> reversals)
       : reversals_(std::move(reversals)) {}
 
   /// Fills in what telemetry.time needs of the reversals. Times must not go back.

@@ -130,8 +130,8 @@ void TrackStitcher::process(TrackPoint point, std::vector<Sample>& out) {
     counters_.flip_jumps = flips_.jumps();
   }
   Context context;
-  const Fate fate = judge(point, context);
-  if (fate != Fate::kFree) {
+  const FrameClass fate = judge(point, context);
+  if (fate != FrameClass::kFree) {
     drop(fate, context.program);
     return;
   }
@@ -173,12 +173,12 @@ void TrackStitcher::process(TrackPoint point, std::vector<Sample>& out) {
   append(point, context, gap, out);
 }
 
-TrackStitcher::Fate TrackStitcher::judge(const TrackPoint& point, Context& context) const {
+TrackStitcher::FrameClass TrackStitcher::judge(const TrackPoint& point, Context& context) const {
   const auto next =
       std::lower_bound(log_.begin(), log_.end(), point.time,
                        [](const RobotTelemetry& a, double time) { return a.time < time; });
   if (next == log_.end()) {
-    return Fate::kUncovered;
+    return FrameClass::kUncovered;
   }
   const RobotTelemetry* before = next == log_.begin() ? nullptr : &*(next - 1);
 
@@ -186,7 +186,7 @@ TrackStitcher::Fate TrackStitcher::judge(const TrackPoint& point, Context& conte
   const RobotTelemetry* state = &*next;
   if (point.time < next->program_start) {
     if (before == nullptr || before->program_epoch != next->program_epoch - 1) {
-      return Fate::kUncovered;
+      return FrameClass::kUncovered;
     }
     state = before;
   }
@@ -198,10 +198,10 @@ TrackStitcher::Fate TrackStitcher::judge(const TrackPoint& point, Context& conte
   context.run_time = before != nullptr ? runTimeAt(point.time, *before, *next) : next->run_time;
   context.sense_distance = state->sense_distance;
   if (state->program < 0 || state->stopped || (since_before && before->stopped)) {
-    return Fate::kStanding;
+    return FrameClass::kStanding;
   }
   if (nearContact(point.time, next)) {
-    return Fate::kContact;
+    return FrameClass::kContact;
   }
 
   // The reversals: each message knows the last one.
@@ -212,13 +212,13 @@ TrackStitcher::Fate TrackStitcher::judge(const TrackPoint& point, Context& conte
     context.after = before;
   }
   if (nearReversal(point.time, next)) {
-    return Fate::kReversal;
+    return FrameClass::kReversal;
   }
   if (context.reversals < next->reversal_count && before != nullptr &&
       (before->reversal_count != context.reversals || before->reversing)) {
-    return Fate::kLostReversal;
+    return FrameClass::kLostReversal;
   }
-  return Fate::kFree;
+  return FrameClass::kFree;
 }
 
 bool TrackStitcher::nearContact(double time, Log::const_iterator next) const {
@@ -286,38 +286,38 @@ bool TrackStitcher::reachable(const TrackPoint& from, const TrackPoint& to) cons
   const double noise = kSigmas * std::hypot(from.sigma, to.sigma);
   const double turn = std::abs(wrapped(to.theta - from.theta));
   const double turn_noise = kSigmas * std::hypot(from.sigma_theta, to.sigma_theta);
-  const bool turns = !config_.headings ||
-                     turn <= 2 * config_.max_wheel_speed / config_.wheel_base * dt + turn_noise +
-                                 kHeadingSlack;
+  const bool turns =
+      !config_.headings ||
+      turn <= 2 * config_.max_wheel_speed / config_.wheel_base * dt + turn_noise + kHeadingSlack;
   return turns && distance <= config_.max_wheel_speed * dt + noise + kPositionSlack;
 }
 
-void TrackStitcher::drop(Fate fate, int program) {
+void TrackStitcher::drop(FrameClass fate, int program) {
   PieceEnd reason = PieceEnd::kStop;
   switch (fate) {
-    case Fate::kUncovered:
+    case FrameClass::kUncovered:
       ++counters_.uncovered;
       if (!cut_ && last_) {
         ++tallyOf(last_context_.program).lost;
       }
       return;
-    case Fate::kStanding:
+    case FrameClass::kStanding:
       ++counters_.standing;
       break;
-    case Fate::kReversal:
+    case FrameClass::kReversal:
       ++counters_.in_reversal;
       return;
-    case Fate::kContact:
+    case FrameClass::kContact:
       ++counters_.in_contact;
       ++tallyOf(program).in_contact;
       reason = PieceEnd::kContact;
       break;
-    case Fate::kLostReversal:
+    case FrameClass::kLostReversal:
       counters_.lost_reversals += cut_ ? 0 : 1;
       ++tallyOf(program).lost;
       reason = PieceEnd::kLostReversal;
       break;
-    case Fate::kFree:
+    case FrameClass::kFree:
       return;
   }
   cut(reason);
@@ -389,8 +389,8 @@ void TrackStitcher::join(const TrackPoint& point, const RobotTelemetry& reversal
 void TrackStitcher::watchSense(TrackPoint& point, double sense_distance) {
   // Held programs turn little between frames, and the sum over many of them decides.
   const double middle = last_->theta + 0.5 * wrapped(point.theta - last_->theta);
-  const double forward = (point.x - last_->x) * std::cos(middle) +
-                         (point.y - last_->y) * std::sin(middle);
+  const double forward =
+      (point.x - last_->x) * std::cos(middle) + (point.y - last_->y) * std::sin(middle);
   if (flips_.drive(forward, sense_distance)) {
     ++counters_.sense_turns;
     ++sample_.angular_segment;

@@ -79,16 +79,16 @@ struct StitcherConfig {
 
 /// Why a piece of free motion ended.
 enum class PieceEnd : std::uint8_t {
-  kJoined,          ///< A reversal was removed and the motion after it joined.
-  kNotJoined,       ///< A reversal was removed and cuts, as StitcherConfig::join asks.
-  kLostReversal,    ///< A reversal whose times, or the frames around it, are not known.
-  kProgramSwitch,   ///< Another program, or a fresh start of the same.
-  kContact,         ///< Touches another robot.
-  kStop,            ///< Standing, or stopped from outside.
-  kJump,            ///< Two frames or more agree with each other and not with the track.
-  kClockSetBack,    ///< The camera's time stamps went back for good.
-  kClockStep,       ///< The clock of a file of poses jumped.
-  kEnd,             ///< End of data.
+  kJoined,         ///< A reversal was removed and the motion after it joined.
+  kNotJoined,      ///< A reversal was removed and cuts, as StitcherConfig::join asks.
+  kLostReversal,   ///< A reversal whose times, or the frames around it, are not known.
+  kProgramSwitch,  ///< Another program, or a fresh start of the same.
+  kContact,        ///< Touches another robot.
+  kStop,           ///< Standing, or stopped from outside.
+  kJump,           ///< Two frames or more agree with each other and not with the track.
+  kClockSetBack,   ///< The camera's time stamps went back for good.
+  kClockStep,      ///< The clock of a file of poses jumped.
+  kEnd,            ///< End of data.
 };
 
 /// A stretch of free motion without a gap in its meaning. SI units.
@@ -103,8 +103,8 @@ struct Piece {
   /// Of the reversal that ended it, where it was joined; else nan.
   double reversal_start = std::numeric_limits<double>::quiet_NaN();  ///< s.
   double reversal_end = std::numeric_limits<double>::quiet_NaN();    ///< s.
-  double dx = std::numeric_limits<double>::quiet_NaN();  ///< Taken out of the track, m.
-  double dy = std::numeric_limits<double>::quiet_NaN();  ///< m.
+  double dx = std::numeric_limits<double>::quiet_NaN();              ///< Taken out of the track, m.
+  double dy = std::numeric_limits<double>::quiet_NaN();              ///< m.
   /// What the heading turned between the frames around it, rad. It stays in the track: the robot
   /// keeps its heading while it reverses, and free motion up to the frames turned it.
   double rotation = std::numeric_limits<double>::quiet_NaN();
@@ -183,17 +183,17 @@ class TrackStitcher {
     double run_time = 0;                    ///< At the frame, s.
     double sense_distance = 0;              ///< m.
   };
-  enum class Fate { kFree, kUncovered, kStanding, kReversal, kContact, kLostReversal };
+  enum class FrameClass { kFree, kUncovered, kStanding, kReversal, kContact, kLostReversal };
   enum class Link { kFirst, kSamePiece, kJoin, kCut, kLostReversal };
 
   void processPending(bool force, std::vector<Sample>& out);
   void process(TrackPoint point, std::vector<Sample>& out);
-  Fate judge(const TrackPoint& point, Context& context) const;
+  FrameClass judge(const TrackPoint& point, Context& context) const;
   [[nodiscard]] bool nearContact(double time, Log::const_iterator next) const;
   [[nodiscard]] bool nearReversal(double time, Log::const_iterator next) const;
   [[nodiscard]] Link linkTo(const TrackPoint& point, const Context& context) const;
   [[nodiscard]] bool reachable(const TrackPoint& from, const TrackPoint& to) const;
-  void drop(Fate fate, int program);
+  void drop(FrameClass fate, int program);
   void join(const TrackPoint& point, const RobotTelemetry& reversal);
   void append(TrackPoint point, const Context& context, double gap, std::vector<Sample>& out);
   void watchSense(TrackPoint& point, double sense_distance);

@@ -14,7 +14,7 @@ std::int64_t bigEndian(Bytes data) {
 
 }  // namespace
 
-std::optional<Header> peekHeader(Bytes data) {
+std::optional<MessageHeader> peekHeader(Bytes data) {
   constexpr std::size_t kSenderLength = 16;  // after fingerprint and utime
   constexpr std::size_t kSender = 20;
   if (data.size() < kSender) return std::nullopt;
@@ -22,7 +22,7 @@ std::optional<Header> peekHeader(Bytes data) {
   if (length < 1 || length > kLongestSender) return std::nullopt;
   const auto size = static_cast<std::size_t>(length);
   if (data.size() < kSender + size + 16) return std::nullopt;
-  Header header;
+  MessageHeader header;
   header.fingerprint = bigEndian(data.first(8));
   header.utime = bigEndian(data.subspan(8, 8));
   header.sender = {reinterpret_cast<const char*>(data.data()) + kSender, size - 1};

@@ -11,7 +11,7 @@ namespace lab {
 
 /// Every type that travels on a channel begins with utime, sender, instance, seq: a listener that
 /// does not know the type can still say who sent it and what was lost.
-struct Header {
+struct MessageHeader {
   std::int64_t fingerprint = 0;  ///< LCM's hash of the type
   std::int64_t utime = 0;        ///< [us since 1970]
   std::string_view sender;       ///< lives as long as the bytes
@@ -20,6 +20,6 @@ struct Header {
 };
 
 /// @return nothing when the bytes are too short or the sender's length makes no sense.
-[[nodiscard]] std::optional<Header> peekHeader(Bytes data);
+[[nodiscard]] std::optional<MessageHeader> peekHeader(Bytes data);
 
 }  // namespace lab

@@ -36,7 +36,8 @@ void checkScale(const JsonSection& file, const char* key, const CameraCalibratio
     const double radius = focal * calibration.cap.big_radius / away;
     if (radius >= kLow && radius <= high) continue;
     file.fail(key, fmt::format("of {:g} px makes the big circles {:.3g} px in radius, allowed {:g} "
-                               "to {:g} px (a quarter of the picture)", focal, radius, kLow, high));
+                               "to {:g} px (a quarter of the picture)",
+                               focal, radius, kLow, high));
   }
 }
 

@@ -16,10 +16,10 @@ struct CameraCalibration {
   optics::CameraParameters camera;
   optics::CapGeometry cap;
   std::optional<optics::Imaging> imaging;  ///< empty: nothing of it measured
-  double arena_width = 1.20;   ///< [m]
-  double arena_height = 0.90;  ///< [m]
-  std::optional<double> residual;  ///< [m] root mean square over the arena, at cap height
-  std::string id;  ///< first 12 digits of the file's SHA-256
+  double arena_width = 1.20;               ///< [m]
+  double arena_height = 0.90;              ///< [m]
+  std::optional<double> residual;          ///< [m] root mean square over the arena, at cap height
+  std::string id;                          ///< first 12 digits of the file's SHA-256
 };
 
 /// Reads either form: this lab's own, in SI units ("form": "active-lab camera 1"), or K, dist, R, t

@@ -21,16 +21,17 @@ constexpr double kNarrowestBand = 0.005;  // [1] of the converter's full scale: 
 /// Every robot must be able to tell the bands apart.
 void checkBands(const Experiment& experiment, const LightCalibration& calibration,
                 const std::string& file) {
-  const robot_command_t table = inReadings(lightTableCommand(experiment), calibration);
+  const robot_command_t table = withCalibratedBands(lightTableCommand(experiment), calibration);
   for (const robot_order_t& order : table.orders) {
     for (std::size_t i = 0; i < order.bands.size(); ++i) {
       if (order.bands[i].high - order.bands[i].low >= kNarrowestBand) continue;
       const LightBand& band = experiment.light_table.bands[i];
-      throw ExperimentError({fmt::format(
-          "{}: robot {} would read {:.3f} to {:.3f} in the band {:g} to {:g} of {}, needed are {:g} "
-          "between the two; lower the band, or mend what its sensors see of the light",
-          file, order.robot_ids.front(), order.bands[i].low, order.bands[i].high, band.low, band.high,
-          band.program, kNarrowestBand)});
+      throw ExperimentError(
+          {fmt::format("{}: robot {} would read {:.3f} to {:.3f} in the band {:g} to {:g} of {}, "
+                       "needed are {:g} "
+                       "between the two; lower the band, or mend what its sensors see of the light",
+                       file, order.robot_ids.front(), order.bands[i].low, order.bands[i].high,
+                       band.low, band.high, band.program, kNarrowestBand)});
     }
   }
 }
@@ -46,7 +47,8 @@ double LightCalibration::reading(std::int32_t robot, LightSensor sensor, double 
   return gain * (ambient + scale * tone().weakest() * intensity);
 }
 
-robot_command_t inReadings(const robot_command_t& command, const LightCalibration& calibration) {
+robot_command_t withCalibratedBands(const robot_command_t& command,
+                                    const LightCalibration& calibration) {
   robot_command_t out = command;
   out.orders.clear();
   for (const robot_order_t& order : command.orders) {
@@ -65,7 +67,8 @@ robot_command_t inReadings(const robot_command_t& command, const LightCalibratio
         band.low = reading(band.low);
         band.high = reading(band.high);
       }
-      own.hysteresis *= calibration.reading(robot, sensor, 1) - calibration.reading(robot, sensor, 0);
+      own.hysteresis *=
+          calibration.reading(robot, sensor, 1) - calibration.reading(robot, sensor, 0);
       out.orders.push_back(std::move(own));
     }
   }
@@ -98,8 +101,8 @@ LightCalibration parseLightFile(const std::string& name, const std::string& text
   calibration.arena_height = arena.number("height_m", 0.01, 100);
   const JsonSection sensors = file.section("sensors");
   for (const auto& [key, value] : root.at("sensors").items()) {
-    const bool digits = !key.empty() && key.size() <= 4 &&
-                        key.find_first_not_of("0123456789") == std::string::npos;
+    const bool digits =
+        !key.empty() && key.size() <= 4 && key.find_first_not_of("0123456789") == std::string::npos;
     if (!digits || std::stoi(key) > kLargestId) {
       file.fail("sensors", "found the robot \"" + key + "\", expected its number");
     }
@@ -128,15 +131,16 @@ std::string lightFileText(const LightCalibration& calibration) {
   return file.dump(2) + "\n";
 }
 
-std::optional<LightCalibration> lightInForce(const Experiment& experiment,
-                                             const std::filesystem::path& directory) {
+std::optional<LightCalibration> activeLightCalibration(const Experiment& experiment,
+                                                       const std::filesystem::path& directory) {
   if (experiment.projector.light_calibration.empty()) return std::nullopt;
   const std::filesystem::path path = directory / experiment.projector.light_calibration;
   LightCalibration found = readLightFile(path);
   if (std::abs(found.arena_width - experiment.arena_width) > kSameLength ||
       std::abs(found.arena_height - experiment.arena_height) > kSameLength) {
     throw ExperimentError({fmt::format(
-        "{}: found a calibration of an arena of {:.2f} x {:.2f} cm, expected {:.2f} x {:.2f} cm as in "
+        "{}: found a calibration of an arena of {:.2f} x {:.2f} cm, expected {:.2f} x {:.2f} cm as "
+        "in "
         "the experiment; calibrate again",
         path.string(), found.arena_width / units::kCentimetre,
         found.arena_height / units::kCentimetre, experiment.arena_width / units::kCentimetre,

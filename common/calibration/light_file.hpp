@@ -27,13 +27,13 @@ struct SensorGains {
 struct LightCalibration {
   double gamma = 1;
   std::array<double, 5> vignetting{};
-  double scale = 1;    ///< [1]
-  double ambient = 0;  ///< [1]
+  double scale = 1;                           ///< [1]
+  double ambient = 0;                         ///< [1]
   std::map<std::int32_t, SensorGains> gains;  ///< by robot
-  double residual = 0;         ///< [1] rms of the readings
-  double arena_width = 1.20;   ///< [m]
-  double arena_height = 0.90;  ///< [m]
-  std::string id;              ///< first 12 digits of the file's SHA-256
+  double residual = 0;                        ///< [1] rms of the readings
+  double arena_width = 1.20;                  ///< [m]
+  double arena_height = 0.90;                 ///< [m]
+  std::string id;                             ///< first 12 digits of the file's SHA-256
 
   [[nodiscard]] optics::ProjectorTone tone() const {
     return {gamma, vignetting, arena_width, arena_height};
@@ -45,11 +45,12 @@ struct LightCalibration {
 
 /// The same orders with the bands of each robot where its own sensors read the light that the table
 /// says.
-[[nodiscard]] robot_command_t inReadings(const robot_command_t& command,
-                                         const LightCalibration& calibration);
+[[nodiscard]] robot_command_t withCalibratedBands(const robot_command_t& command,
+                                                  const LightCalibration& calibration);
 
 /// What LIGHT_STATUS says of the calibrations in force, either of which may be empty.
-[[nodiscard]] inline std::string bothIds(const std::string& projector, const std::string& light) {
+[[nodiscard]] inline std::string joinCalibrationIds(const std::string& projector,
+                                                    const std::string& light) {
   return projector.empty() || light.empty() ? projector + light : projector + " " + light;
 }
 
@@ -64,7 +65,7 @@ struct LightCalibration {
 /// The calibration that the experiment names, nothing where it names none.
 /// @param directory that the path is relative to
 /// @throws ExperimentError when it cannot be used: not there, of an arena of another size.
-[[nodiscard]] std::optional<LightCalibration> lightInForce(const Experiment& experiment,
-                                                           const std::filesystem::path& directory);
+[[nodiscard]] std::optional<LightCalibration> activeLightCalibration(
+    const Experiment& experiment, const std::filesystem::path& directory);
 
 }  // namespace lab

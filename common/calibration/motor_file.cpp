@@ -74,8 +74,6 @@ class Reader {
 
 }  // namespace
 
-MotorCalibrations readMotorFile(const std::filesystem::path& file) {
-  return Reader(file).read();
-}
+MotorCalibrations readMotorFile(const std::filesystem::path& file) { return Reader(file).read(); }
 
 }  // namespace lab

@@ -12,8 +12,8 @@ namespace lab {
 namespace {
 
 constexpr const char* kProjectorForm = "active-lab projector 1";
-constexpr double kSameSide = 1e-4;    // [m] of an arena's side
-constexpr double kSamePlace = 1e-6;   // [m] there and back through the lens
+constexpr double kSameSide = 1e-4;   // [m] of an arena's side
+constexpr double kSamePlace = 1e-6;  // [m] there and back through the lens
 
 std::optional<double> optionalNumber(const JsonSection& file, const char* key, double high) {
   if (!file.has(key)) return std::nullopt;
@@ -87,8 +87,9 @@ std::string projectorFileText(const ProjectorCalibration& calibration) {
   return file.dump(2) + "\n";
 }
 
-ProjectorInForce projectorInForce(const Experiment& experiment,
-                                  const std::filesystem::path& directory, int columns, int rows) {
+ActiveProjectorCalibration activeProjectorCalibration(const Experiment& experiment,
+                                                      const std::filesystem::path& directory,
+                                                      int columns, int rows) {
   const double width = experiment.arena_width;
   const double height = experiment.arena_height;
   if (experiment.projector.calibration.empty()) {
@@ -126,7 +127,7 @@ void checkProjectorFile(const Experiment& experiment, const std::filesystem::pat
     columns = lens.width;
     rows = lens.height;
   }
-  static_cast<void>(projectorInForce(experiment, directory, columns, rows));
+  static_cast<void>(activeProjectorCalibration(experiment, directory, columns, rows));
 }
 
 }  // namespace lab

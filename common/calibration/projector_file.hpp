@@ -36,7 +36,7 @@ struct ProjectorCalibration {
 [[nodiscard]] std::string projectorFileText(const ProjectorCalibration& calibration);
 
 /// What projector_ctl goes by, and whoever wants to know what it shows.
-struct ProjectorInForce {
+struct ActiveProjectorCalibration {
   optics::ProjectorModel model;
   std::string id;  ///< of the calibration, empty: there is none, the arena fills the picture
 };
@@ -45,9 +45,8 @@ struct ProjectorInForce {
 /// @param directory that the path is relative to
 /// @throws ExperimentError when it cannot be used: not there, of a picture or arena of another
 /// size.
-[[nodiscard]] ProjectorInForce projectorInForce(const Experiment& experiment,
-                                                const std::filesystem::path& directory, int columns,
-                                                int rows);
+[[nodiscard]] ActiveProjectorCalibration activeProjectorCalibration(
+    const Experiment& experiment, const std::filesystem::path& directory, int columns, int rows);
 
 /// Whether the experiment's calibration can be used, as far as that shows before the display is
 /// open.

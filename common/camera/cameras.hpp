@@ -14,8 +14,8 @@
 
 namespace lab {
 
-/// A camera, movie or picture that cannot be used: which, what was found, what was expected, and the
-/// way out.
+/// A camera, movie or picture that cannot be used: which, what was found, what was expected, and
+/// the way out.
 class CameraError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -23,21 +23,22 @@ class CameraError : public std::runtime_error {
 
 /// What is asked of a camera, and what it turns out to do. 0: not asked, not known.
 struct CameraFormat {
-  int width = 0;        ///< [px]
-  int height = 0;       ///< [px]
-  double fps = 0;       ///< [1/s]
-  double exposure = 0;  ///< [s]
-  double gain = 0;      ///< in the camera's own units
-  std::string pixels;   ///< as the source says it: "GREY", "YUYV", "gray8 (png)"
-  bool locked = false;  ///< exposure, gain and rate are fixed: nothing adjusts itself
+  int width = 0;            ///< [px]
+  int height = 0;           ///< [px]
+  double fps = 0;           ///< [1/s]
+  double exposure = 0;      ///< [s]
+  double gain = 0;          ///< in the camera's own units
+  std::string pixels;       ///< as the source says it: "GREY", "YUYV", "gray8 (png)"
+  bool locked = false;      ///< exposure, gain and rate are fixed: nothing adjusts itself
   bool compressed = false;  ///< by a codec that loses: JPEG, H.264
 };
 
 /// One picture. The view lives only during the handler's call.
 struct CameraFrame {
-  std::int64_t number = 0;  ///< counts the camera's frames from 0; a gap is a frame that was dropped
-  std::int64_t utime = 0;   ///< [us since 1970] middle of the exposure, in host time; of files: since
-                            ///< their first frame, from 0
+  std::int64_t number =
+      0;                   ///< counts the camera's frames from 0; a gap is a frame that was dropped
+  std::int64_t utime = 0;  ///< [us since 1970] middle of the exposure, in host time; of files:
+                           ///< since their first frame, from 0
   optics::GreyView grey;
 };
 

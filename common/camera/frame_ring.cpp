@@ -32,8 +32,8 @@ std::size_t slotBytes(std::size_t frame) { return (frame + kPage - 1) / kPage * 
 std::size_t ringBytes(std::size_t frame) { return kPixelsAt + kRingSlots * slotBytes(frame); }
 
 /// Memory of a fixed size: nobody can shrink it below what others have mapped.
-Descriptor newMemory(std::size_t bytes) {
-  Descriptor memory(memfd_create("active-lab-camera", MFD_CLOEXEC | MFD_ALLOW_SEALING));
+FileDescriptor newMemory(std::size_t bytes) {
+  FileDescriptor memory(memfd_create("active-lab-camera", MFD_CLOEXEC | MFD_ALLOW_SEALING));
   if (memory.get() < 0) fail("none to be had");
   if (ftruncate(memory.get(), static_cast<off_t>(bytes)) != 0) {
     fail(std::to_string(bytes) + " bytes are not to be had");
@@ -113,7 +113,7 @@ RingNotice RingWriter::publish(std::int64_t number, std::int64_t utime) {
 
 void RingWriter::unpin(std::size_t reader) { header_->pins[reader].store(0); }
 
-RingReader::RingReader(const Descriptor& memory, std::size_t reader) : reader_(reader) {
+RingReader::RingReader(const FileDescriptor& memory, std::size_t reader) : reader_(reader) {
   struct stat state {};
   const int seals = fcntl(memory.get(), F_GET_SEALS);
   const bool fixed = seals >= 0 && (seals & F_SEAL_SHRINK) != 0;

@@ -85,7 +85,7 @@ class RingWriter {
   [[nodiscard]] bool isPinned(std::size_t slot) const;
 
   std::size_t bytes_;  ///< of a frame
-  Descriptor memory_;
+  FileDescriptor memory_;
   Mapping mapping_;
   RingHeader* header_;
   std::optional<std::size_t> painting_;
@@ -98,7 +98,7 @@ class RingReader {
   /// @param memory as received from the painter
   /// @param reader its number among the readers
   /// @throws CameraError when the memory is not what it should be.
-  RingReader(const Descriptor& memory, std::size_t reader);
+  RingReader(const FileDescriptor& memory, std::size_t reader);
 
   [[nodiscard]] const CameraFormat& format() const { return format_; }
 

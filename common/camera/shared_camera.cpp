@@ -44,8 +44,8 @@ Address addressOf(const std::filesystem::path& folder) {
 
 sockaddr* generic(Address& address) { return reinterpret_cast<sockaddr*>(&address.name); }
 
-Descriptor newSocket() {
-  Descriptor line(socket(AF_UNIX, SOCK_SEQPACKET | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+FileDescriptor newSocket() {
+  FileDescriptor line(socket(AF_UNIX, SOCK_SEQPACKET | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
   if (line.get() < 0) throw CameraError(std::string("sim: no socket: ") + std::strerror(errno));
   return line;
 }
@@ -74,7 +74,7 @@ bool sendMemory(int line, std::uint64_t reader, int memory) {
 }
 
 /// The other end of sendMemory(). @return the memory, none: not this message, or no message.
-Descriptor receiveMemory(int line, std::uint64_t& reader) {
+FileDescriptor receiveMemory(int line, std::uint64_t& reader) {
   iovec content{&reader, sizeof reader};
   alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(int))> space{};
   msghdr message{};
@@ -83,13 +83,13 @@ Descriptor receiveMemory(int line, std::uint64_t& reader) {
   message.msg_control = space.data();
   message.msg_controllen = space.size();
   if (recvmsg(line, &message, MSG_DONTWAIT | MSG_CMSG_CLOEXEC) != sizeof reader) {
-    return Descriptor();
+    return FileDescriptor();
   }
   const cmsghdr* rights = CMSG_FIRSTHDR(&message);
-  if (rights == nullptr || rights->cmsg_type != SCM_RIGHTS) return Descriptor();
+  if (rights == nullptr || rights->cmsg_type != SCM_RIGHTS) return FileDescriptor();
   int memory = -1;
   std::memcpy(&memory, CMSG_DATA(rights), sizeof memory);
-  return Descriptor(memory);
+  return FileDescriptor(memory);
 }
 
 class SharedSink final : public FrameSink {
@@ -123,13 +123,13 @@ class SharedSink final : public FrameSink {
 
  private:
   struct Reader {
-    Descriptor line;
+    FileDescriptor line;
     std::size_t number = 0;
     std::unique_ptr<AsioLoop::Watch> watch;  ///< ends before the line is closed
   };
 
   void accept() {
-    Descriptor line(::accept4(listener_.get(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC));
+    FileDescriptor line(::accept4(listener_.get(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC));
     if (line.get() < 0 || !isOwnUser(line.get())) return;
     std::size_t number = 0;
     while (number < kRingReaders && taken_[number]) ++number;
@@ -159,7 +159,7 @@ class SharedSink final : public FrameSink {
 
   AsioLoop& loop_;
   RingWriter ring_;
-  Descriptor listener_;
+  FileDescriptor listener_;
   std::unique_ptr<AsioLoop::Watch> watch_;
   std::bitset<kRingReaders> taken_;
   std::vector<std::unique_ptr<Reader>> readers_;
@@ -188,7 +188,7 @@ class Link : public std::enable_shared_from_this<Link> {
   void close() {
     closed_ = true;
     watch_.reset();
-    line_ = Descriptor();
+    line_ = FileDescriptor();
   }
 
   [[nodiscard]] CameraFormat format() const { return ring_ ? ring_->format() : CameraFormat{}; }
@@ -202,7 +202,7 @@ class Link : public std::enable_shared_from_this<Link> {
   }
 
   bool connect() {
-    Descriptor line = newSocket();
+    FileDescriptor line = newSocket();
     if (::connect(line.get(), generic(address_), address_.length) != 0) return false;
     if (!isOwnUser(line.get())) return false;
     line_ = std::move(line);
@@ -215,7 +215,7 @@ class Link : public std::enable_shared_from_this<Link> {
 
   void readWelcome() {
     std::uint64_t reader = 0;
-    const Descriptor memory = receiveMemory(line_.get(), reader);
+    const FileDescriptor memory = receiveMemory(line_.get(), reader);
     if (memory.get() < 0) {
       lost(reader == kRingReaders
                ? "sim: " + std::to_string(kRingReaders) + " programs read it already; end one"
@@ -265,7 +265,7 @@ class Link : public std::enable_shared_from_this<Link> {
 
   void lost(const std::string& reason) {
     watch_.reset();
-    line_ = Descriptor();
+    line_ = FileDescriptor();
     ring_.reset();
     lookLater();
     trouble(reason);
@@ -286,7 +286,7 @@ class Link : public std::enable_shared_from_this<Link> {
   bool troubled_ = false;
   bool fits_ = true;
   std::string trouble_;
-  Descriptor line_;
+  FileDescriptor line_;
   std::unique_ptr<AsioLoop::Watch> watch_;
   std::optional<RingReader> ring_;
   GapCounter gaps_;

@@ -8,8 +8,8 @@
 #include <filesystem>
 #include <memory>
 
-#include "common/loop/asio_loop.hpp"
 #include "common/camera/cameras.hpp"
+#include "common/loop/asio_loop.hpp"
 
 namespace lab::cameras {
 

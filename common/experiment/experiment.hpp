@@ -156,9 +156,9 @@ struct LayerSpec {
   double intensity = 0;   ///< [1]
   double intensity2 = 0;  ///< [1]
   std::uint64_t seed = 0;
-  double phase = 0;       ///< [rad] or [1]
-  std::string image;      ///< path as written in the file, relative to it
-  light::Drive drive;     ///< its images: paths as written in the file
+  double phase = 0;    ///< [rad] or [1]
+  std::string image;   ///< path as written in the file, relative to it
+  light::Drive drive;  ///< its images: paths as written in the file
 
   bool operator==(const LayerSpec&) const = default;
 };
@@ -225,7 +225,7 @@ struct LightScript {
   double frame_rate = 60;     ///< [1/s]
   double safe_intensity = 0;  ///< [1] shown when nobody commands
   std::vector<LightStep> steps;
-  double length = 0;          ///< [s] of one pass, where the script repeats; at most, see `at`
+  double length = 0;  ///< [s] of one pass, where the script repeats; at most, see `at`
   bool repeat = false;
 
   /// Whether every step's time is known beforehand: none has a condition or goes back.
@@ -247,16 +247,16 @@ struct Projector {
   std::string light_calibration;    ///< file as written, empty: light is proportional to values
   double latency = 0;               ///< [s] from the swap of a picture to its light
   bool overlay = false;
-  double sync_patch = 0.015;        ///< [m] side, 0: none
-  int width = 1920;                 ///< [px] of the simulated projector, as all that follows
-  int height = 1080;                ///< [px]
-  double keystone = 0;              ///< [1]
-  double barrel = 0;                ///< [1]
-  double offset_x = 0;              ///< [m]
-  double offset_y = 0;              ///< [m]
-  double gamma = 1;                 ///< [1]
-  double vignetting = 0;            ///< [1]
-  double sheet = 0;                 ///< [m] above the floor, of a white sheet over all; 0: none
+  double sync_patch = 0.015;  ///< [m] side, 0: none
+  int width = 1920;           ///< [px] of the simulated projector, as all that follows
+  int height = 1080;          ///< [px]
+  double keystone = 0;        ///< [1]
+  double barrel = 0;          ///< [1]
+  double offset_x = 0;        ///< [m]
+  double offset_y = 0;        ///< [m]
+  double gamma = 1;           ///< [1]
+  double vignetting = 0;      ///< [1]
+  double sheet = 0;           ///< [m] above the floor, of a white sheet over all; 0: none
 
   bool operator==(const Projector&) const = default;
 };
@@ -272,10 +272,10 @@ inline constexpr const char* kSimulatedCamera = "sim";
 struct Camera {
   Tracker tracker = Tracker::kSimPoses;
   std::string source = kSimulatedCamera;  ///< which camera (docs/cameras.md)
-  double fps = 50;            ///< [1/s]
-  int width = 1280;           ///< [px]
-  int height = 720;           ///< [px]
-  double exposure = 0.01;     ///< [s]
+  double fps = 50;                        ///< [1/s]
+  int width = 1280;                       ///< [px]
+  int height = 720;                       ///< [px]
+  double exposure = 0.01;                 ///< [s]
   double gain = 1;            ///< of the simulated camera a factor, of a device its own units
   std::string calibration;    ///< file as written, empty: the simulated camera's own
   bool handshake = true;      ///< each robot turns before the script, so that the tracker knows it
@@ -310,18 +310,18 @@ struct Network {
 
 /// dds_gateway towards ROS 2 (docs/ros2.md).
 struct Gateway {
-  bool ros = false;                   ///< whether ROS 2 sees the lab
-  int domain = 0;                     ///< ROS_DOMAIN_ID
-  std::string name = "lab";           ///< first part of every topic
-  std::string mapping;                ///< file as written, empty: the built-in mapping
-  std::string address;                ///< of the interface to use, empty: this machine only
-  std::vector<std::string> peers;     ///< addresses of hosts that multicast does not reach
-  std::string configuration;          ///< Cyclone's own XML file instead of ours, as written
-  std::string security;               ///< folder of certificates, as written; empty: none
-  bool commands = false;              ///< whether ROS 2 may drive robots and light
-  bool unsecured_commands = false;    ///< also from other hosts without DDS Security
+  bool ros = false;                          ///< whether ROS 2 sees the lab
+  int domain = 0;                            ///< ROS_DOMAIN_ID
+  std::string name = "lab";                  ///< first part of every topic
+  std::string mapping;                       ///< file as written, empty: the built-in mapping
+  std::string address;                       ///< of the interface to use, empty: this machine only
+  std::vector<std::string> peers;            ///< addresses of hosts that multicast does not reach
+  std::string configuration;                 ///< Cyclone's own XML file instead of ours, as written
+  std::string security;                      ///< folder of certificates, as written; empty: none
+  bool commands = false;                     ///< whether ROS 2 may drive robots and light
+  bool unsecured_commands = false;           ///< also from other hosts without DDS Security
   std::vector<std::int32_t> command_robots;  ///< which it may drive, empty: all
-  double command_timeout = 0.4;       ///< [s] a driven robot stands after this long without a command
+  double command_timeout = 0.4;  ///< [s] a driven robot stands after this long without a command
 
   bool operator==(const Gateway&) const = default;
 };
@@ -355,17 +355,17 @@ struct HostSpec {
 };
 
 /// Where a service runs.
-struct ServicePlace {
+struct ServicePlacement {
   std::string service;
   std::string host;  ///< a HostSpec's name or what ssh takes, empty: this machine
 
-  bool operator==(const ServicePlace&) const = default;
+  bool operator==(const ServicePlacement&) const = default;
 };
 
 /// The page in a browser (docs/dashboard.md).
 struct Dashboard {
-  std::string address;                ///< to listen on, empty: this machine only
-  int port = 8480;                    ///< the first one tried
+  std::string address;                  ///< to listen on, empty: this machine only
+  int port = 8480;                      ///< the first one tried
   bool control_from_elsewhere = false;  ///< else buttons work from this machine only
 
   bool operator==(const Dashboard&) const = default;
@@ -383,7 +383,7 @@ struct Experiment {
   std::string name;
   std::string description;
   std::uint64_t seed = 1;
-  double duration = 0;  ///< [s]
+  double duration = 0;         ///< [s]
   double arena_width = 1.20;   ///< [m] along x
   double arena_height = 0.90;  ///< [m] along y
   Network network;
@@ -391,7 +391,7 @@ struct Experiment {
   Link link;
   Dashboard dashboard;
   std::map<std::string, HostSpec> hosts;
-  std::map<std::string, ServicePlace> services;  ///< those that are placed
+  std::map<std::string, ServicePlacement> services;  ///< those that are placed
   RobotHardware hardware;
   SerialLines serial;
   std::vector<RobotSpec> robots;  ///< in order of id

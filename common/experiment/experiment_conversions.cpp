@@ -2,8 +2,8 @@
 
 namespace lab {
 
-dynamics::ProgramPhysics toPhysics(const ProgramSpec& program) {
-  dynamics::ProgramPhysics physics;
+dynamics::RobotProgram toPhysics(const ProgramSpec& program) {
+  dynamics::RobotProgram physics;
   physics.kind = static_cast<dynamics::ProgramKind>(program.model);
   physics.v = program.v;
   physics.va = program.va;

@@ -2,12 +2,12 @@
 #pragma once
 
 #include "common/experiment/experiment.hpp"
-#include "robot/dynamics/robot_program.hpp"
 #include "light/field/layer.hpp"
+#include "robot/dynamics/robot_program.hpp"
 
 namespace lab {
 
-[[nodiscard]] dynamics::ProgramPhysics toPhysics(const ProgramSpec& program);
+[[nodiscard]] dynamics::RobotProgram toPhysics(const ProgramSpec& program);
 
 [[nodiscard]] dynamics::WheelLimits wheelLimits(const RobotHardware& hardware);
 

@@ -9,9 +9,9 @@
 #include "common/experiment/experiment_conversions.hpp"
 #include "common/experiment/experiment_file.hpp"
 #include "common/experiment/experiment_log_size.hpp"
+#include "common/experiment/script_plan.hpp"
 #include "common/experiment/service_placement.hpp"
 #include "common/files/file_values.hpp"
-#include "common/experiment/script_plan.hpp"
 #include "light/field/field.hpp"
 
 namespace lab {
@@ -104,7 +104,7 @@ std::string derived(const ProgramSpec& p, double d, const PersistenceLength& len
 
 /// The fastest that a wheel ever has to turn [m/s].
 double fastestWheel(const ProgramSpec& program, const RobotHardware& hardware) {
-  const auto result = dynamics::paramsFromPhysics(toPhysics(program), wheelLimits(hardware));
+  const auto result = dynamics::toProgramParams(toPhysics(program), wheelLimits(hardware));
   const dynamics::ProgramParams& params = result.params;
   const auto size = [](std::int32_t speed) { return std::abs(static_cast<double>(speed)); };
   return 1e-6 * std::max({size(params.speed_um_s) + params.amplitude_um_s,
@@ -345,7 +345,7 @@ std::string describeRos(const Experiment& e) {
 
 /// Who else sees the page, and may use its buttons.
 std::string describeDashboard(const Dashboard& dashboard) {
-  if (isOnlyHere(dashboard)) return {};
+  if (isLocalOnly(dashboard)) return {};
   return line("dashboard", "listens on " + dashboard.address +
                                ", unencrypted: who reaches it sees the lab and its runs") +
          line("", dashboard.control_from_elsewhere

@@ -7,9 +7,9 @@
 #include "common/experiment/checks/experiment_checks.hpp"
 #include "common/experiment/keys/experiment_form.hpp"
 #include "common/experiment/keys/experiment_keys.hpp"
+#include "common/experiment/keys/toml_reader.hpp"
 #include "common/files/file_problems.hpp"
 #include "common/files/toml_document.hpp"
-#include "common/experiment/keys/toml_reader.hpp"
 
 namespace lab {
 namespace {

@@ -29,7 +29,7 @@ constexpr double kLightCommandRate = 2;
 constexpr double kLightStatusRate = 10;
 constexpr double kTruthRate = 10;
 constexpr double kExperimentStatusRate = 2;
-constexpr double kStepBytes = 70;  // of one draw in ROBOT_STEPS, with its share of the message
+constexpr double kStepBytes = 70;       // of one draw in ROBOT_STEPS, with its share of the message
 constexpr double kHousekeeping = 1500;  // bytes/s of SERVICE_STATUS, EXPERIMENT_EVENT and CLOCK
 
 template <typename Message>
@@ -108,8 +108,8 @@ double lightStatusBytes(const Experiment& experiment, const LightStep& step) {
 }
 
 bool isDriven(const LightStep& step) {
-  return std::ranges::any_of(
-      step.layers, [](const LayerSpec& layer) { return !light::isStill(layer.drive); });
+  return std::ranges::any_of(step.layers,
+                             [](const LayerSpec& layer) { return !light::isStill(layer.drive); });
 }
 
 /// Draws that robots on the wire report, all robots together: each runs the busiest program.

@@ -97,12 +97,18 @@ std::string programName(const Experiment& experiment, const program_t& program) 
 
 std::string modelName(std::int8_t kind) {
   switch (kind) {
-    case program_t::ABP: return "ABP";
-    case program_t::NOISY_ABP: return "noisy ABP";
-    case program_t::BP: return "BP";
-    case program_t::RTP: return "RTP";
-    case program_t::WHEELS: return "wheels";
-    default: return "standing";
+    case program_t::ABP:
+      return "ABP";
+    case program_t::NOISY_ABP:
+      return "noisy ABP";
+    case program_t::BP:
+      return "BP";
+    case program_t::RTP:
+      return "RTP";
+    case program_t::WHEELS:
+      return "wheels";
+    default:
+      return "standing";
   }
 }
 

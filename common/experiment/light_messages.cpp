@@ -234,13 +234,13 @@ std::vector<light::DrivenLayer> toDrivenLayers(const std::vector<LayerSpec>& lay
   return driven;
 }
 
-std::string sayRefused(const std::string& sender, std::int64_t seq, const std::string& reason) {
+std::string formatRefusal(const std::string& sender, std::int64_t seq, const std::string& reason) {
   return "LIGHT_COMMAND " + std::to_string(seq) + " of " + sender + ": " + reason;
 }
 
-std::string refusalOf(const std::string& sender, std::int64_t seq,
-                      const std::string& last_refusal) {
-  const std::string ours = sayRefused(sender, seq, "");
+std::string parseRefusal(const std::string& sender, std::int64_t seq,
+                         const std::string& last_refusal) {
+  const std::string ours = formatRefusal(sender, seq, "");
   return last_refusal.starts_with(ours) ? last_refusal.substr(ours.size()) : std::string();
 }
 

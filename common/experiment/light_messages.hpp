@@ -45,13 +45,13 @@ void setLayers(light_command_t& command, const std::vector<light::DrivenLayer>& 
                                    const light::ImageStore& images = {});
 
 /// How LIGHT_STATUS says that a command was refused, in `last_refusal`.
-[[nodiscard]] std::string sayRefused(const std::string& sender, std::int64_t seq,
-                                     const std::string& reason);
+[[nodiscard]] std::string formatRefusal(const std::string& sender, std::int64_t seq,
+                                        const std::string& reason);
 
 /// Why the command (sender, seq) was refused, by `last_refusal`; empty: that is of another command,
 /// or there was none.
-[[nodiscard]] std::string refusalOf(const std::string& sender, std::int64_t seq,
-                                    const std::string& last_refusal);
+[[nodiscard]] std::string parseRefusal(const std::string& sender, std::int64_t seq,
+                                       const std::string& last_refusal);
 
 /// The images that an experiment's light script names.
 struct ExperimentImages {

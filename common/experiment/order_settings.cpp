@@ -15,8 +15,8 @@ std::uint16_t counts(double light) {
       std::lround(std::clamp(light, 0.0, 1.0) * (dynamics::kLightCounts - 1)));
 }
 
-dynamics::ProgramPhysics physics(const program_t& program) {
-  dynamics::ProgramPhysics result;
+dynamics::RobotProgram physics(const program_t& program) {
+  dynamics::RobotProgram result;
   result.kind = static_cast<dynamics::ProgramKind>(program.kind);
   result.v = program.v;
   result.va = program.va;
@@ -74,8 +74,7 @@ OrderSettings settingsFrom(const robot_order_t& order, const dynamics::WheelLimi
       return result;
     }
     light.bands[slot] = {counts(band.low), counts(band.high), slot};
-    const dynamics::ParamsResult params =
-        dynamics::paramsFromPhysics(physics(band.program), limits);
+    const dynamics::ParamsResult params = dynamics::toProgramParams(physics(band.program), limits);
     if (!params.ok) {
       result.refusal = params.reason;
       return result;

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "robot/dynamics/robot_program.hpp"
 #include "robot/dynamics/robot_core.hpp"
+#include "robot/dynamics/robot_program.hpp"
 
 namespace lab {
 

@@ -28,8 +28,8 @@ std::vector<StepGroup> groupsOf(const LightScript& script) {
   return groups;
 }
 
-std::vector<double> latestBegins(const std::vector<double>& holds,
-                                 const std::vector<StepGroup>& groups) {
+std::vector<double> latestStartTimes(const std::vector<double>& holds,
+                                     const std::vector<StepGroup>& groups) {
   std::vector<double> begins{0};
   for (std::size_t i = 0; i < holds.size(); ++i) {
     // When a step begins for the first time, a group that ended before it has been shown out, and
@@ -74,25 +74,25 @@ std::string untilText(const Until& until) {
   return who + " in the " + shape + " cm around " + inCm(until.x) + ", " + inCm(until.y) + " cm";
 }
 
-ScriptOrder::ScriptOrder(const LightScript& script)
+ScriptCursor::ScriptCursor(const LightScript& script)
     : steps_(script.steps.size()),
       repeat_(script.repeat),
       groups_(groupsOf(script)),
       shown_(groups_.size(), 0) {}
 
-const StepGroup* ScriptOrder::groupEndingHere() const {
+const StepGroup* ScriptCursor::groupEndingHere() const {
   const auto group = std::ranges::find(groups_, index_, &StepGroup::last);
   return group == groups_.end() ? nullptr : &*group;
 }
 
-bool ScriptOrder::isLast() const {
+bool ScriptCursor::isLast() const {
   if (repeat_ || index_ + 1 < steps_) return false;
   const StepGroup* group = groupEndingHere();
-  return group == nullptr || shown_[static_cast<std::size_t>(group - groups_.data())] + 1 >=
-                                 group->times;
+  return group == nullptr ||
+         shown_[static_cast<std::size_t>(group - groups_.data())] + 1 >= group->times;
 }
 
-void ScriptOrder::advance() {
+void ScriptCursor::advance() {
   if (const StepGroup* group = groupEndingHere()) {
     std::int64_t& shown = shown_[static_cast<std::size_t>(group - groups_.data())];
     if (++shown < group->times) {

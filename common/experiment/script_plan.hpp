@@ -25,8 +25,8 @@ struct StepGroup {
 /// When each step of the first pass begins at the latest, for the first time [s]; the last element
 /// is when the pass ends. Rounded to the microsecond.
 /// @param holds [s] of every step, at most
-[[nodiscard]] std::vector<double> latestBegins(const std::vector<double>& holds,
-                                               const std::vector<StepGroup>& groups);
+[[nodiscard]] std::vector<double> latestStartTimes(const std::vector<double>& holds,
+                                                   const std::vector<StepGroup>& groups);
 
 /// Whether the run may end before its time: with the last step of a script whose times are open, or
 /// where a condition is not met.
@@ -39,9 +39,9 @@ struct StepGroup {
 [[nodiscard]] std::string untilText(const Until& until);
 
 /// Walks through the showings of a script.
-class ScriptOrder {
+class ScriptCursor {
  public:
-  explicit ScriptOrder(const LightScript& script);
+  explicit ScriptCursor(const LightScript& script);
 
   [[nodiscard]] std::size_t index() const { return index_; }  ///< into LightScript::steps
   [[nodiscard]] std::int64_t pass() const { return pass_; }   ///< of the whole script, from 0

@@ -26,7 +26,7 @@ HostSpec hostSpec(const Experiment& experiment, const std::string& host) {
   return spec;
 }
 
-bool isOnlyHere(const Dashboard& dashboard) {
+bool isLocalOnly(const Dashboard& dashboard) {
   const std::string& address = dashboard.address;
   return address.empty() || address.starts_with("127.") || address == "::1";
 }

@@ -15,7 +15,7 @@ inline constexpr std::array<std::string_view, 6> kServiceNames{
     "analyzer", "projector_ctl", "robot_bridge", "tracker_svc", "sim_svc", "dds_gateway"};
 
 /// Who looks on: a lab runs as well without it.
-inline constexpr std::string_view kOnlooker = "dashboard";
+inline constexpr std::string_view kObserverService = "dashboard";
 
 /// The host that the service is placed on, as the file says it; "": this machine.
 [[nodiscard]] std::string hostOf(const Experiment& experiment, std::string_view service);
@@ -27,6 +27,6 @@ inline constexpr std::string_view kOnlooker = "dashboard";
 [[nodiscard]] HostSpec hostSpec(const Experiment& experiment, const std::string& host);
 
 /// Whether no other machine reaches the page.
-[[nodiscard]] bool isOnlyHere(const Dashboard& dashboard);
+[[nodiscard]] bool isLocalOnly(const Dashboard& dashboard);
 
 }  // namespace lab

@@ -18,7 +18,7 @@ void Problems::add(const std::string& path, std::string what) {
   addAt(locate_(path), path, std::move(what));
 }
 
-void Problems::addAt(Place place, std::string path, std::string what) {
+void Problems::addAt(FileLocation place, std::string path, std::string what) {
   problems_.push_back({std::move(place), std::move(path), std::move(what)});
 }
 

@@ -9,7 +9,7 @@
 namespace lab::keys {
 
 /// Where something stands.
-struct Place {
+struct FileLocation {
   std::string text;      ///< "experiments/x.toml:12" or "--set duration_s=abc"
   std::size_t line = 0;  ///< for the order, 0: not in the file
 };
@@ -17,7 +17,7 @@ struct Place {
 /// Paths of keys are written as for --set: "robots[2].x_cm".
 class Problems {
  public:
-  using Locate = std::function<Place(const std::string& path)>;
+  using Locate = std::function<FileLocation(const std::string& path)>;
 
   /// @param locate finds the place of a path, or of the nearest thing around it that is there.
   explicit Problems(Locate locate) : locate_(std::move(locate)) {}
@@ -26,7 +26,7 @@ class Problems {
   void add(const std::string& path, std::string what);
 
   /// add() of something that stands elsewhere than its path says.
-  void addAt(Place place, std::string path, std::string what);
+  void addAt(FileLocation place, std::string path, std::string what);
 
   /// Whether the path, something in it or something around it is already known to be wrong, so
   /// that further conclusions from it would only confuse.
@@ -39,7 +39,7 @@ class Problems {
 
  private:
   struct Problem {
-    Place place;
+    FileLocation place;
     std::string path;
     std::string what;
   };

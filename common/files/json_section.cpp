@@ -35,8 +35,10 @@ nlohmann::json parseJson(const std::string& name, const std::string& text,
   constexpr int kDeepest = 64;  // what reads it calls itself
   const auto shallow = [&](int depth, nlohmann::json::parse_event_t, const nlohmann::json&) {
     if (depth > kDeepest) {
-      throw ExperimentError({fmt::format("{}: has more than {} brackets within each other, "
-                                         "expected {}", name, kDeepest, expected)});
+      throw ExperimentError(
+          {fmt::format("{}: has more than {} brackets within each other, "
+                       "expected {}",
+                       name, kDeepest, expected)});
     }
     return true;
   };
@@ -47,8 +49,8 @@ nlohmann::json parseJson(const std::string& name, const std::string& text,
     throw ExperimentError({fmt::format("{}:{}: is no valid JSON, expected {}", name,
                                        1 + std::count(text.begin(), end, '\n'), expected)});
   } catch (const nlohmann::json::out_of_range&) {
-    throw ExperimentError({fmt::format("{}: holds a number beyond 1e308, expected {}", name,
-                                       expected)});
+    throw ExperimentError(
+        {fmt::format("{}: holds a number beyond 1e308, expected {}", name, expected)});
   }
 }
 

@@ -146,19 +146,19 @@ void TomlDocument::apply(const std::string& argument) {
   array->replace(array->cbegin() + static_cast<std::ptrdiff_t>(*index), std::move(value));
 }
 
-Place TomlDocument::placeOf(const toml::source_region& source) const {
+FileLocation TomlDocument::placeOf(const toml::source_region& source) const {
   if (source.path && source.path->starts_with(kSet)) return {*source.path, 0};
   const std::size_t line = source.begin.line;
   return {line == 0 ? file_ : file_ + ":" + std::to_string(line), line};
 }
 
-Place TomlDocument::place(const toml::node& node) const { return placeOf(node.source()); }
+FileLocation TomlDocument::place(const toml::node& node) const { return placeOf(node.source()); }
 
-Place TomlDocument::place(const toml::key& key, const toml::node& node) const {
+FileLocation TomlDocument::place(const toml::key& key, const toml::node& node) const {
   return placeOf(key.source().begin ? key.source() : node.source());
 }
 
-Place TomlDocument::place(const std::string& path) const {
+FileLocation TomlDocument::place(const std::string& path) const {
   const toml::node* node = &root_;
   for (const Part& part : parsePath(path).value_or(Path{})) {
     const toml::node* next = child(node, part);

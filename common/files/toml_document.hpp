@@ -24,17 +24,17 @@ class TomlDocument {
   [[nodiscard]] const toml::table& root() const { return root_; }
 
   /// Where a value stands: its line, or the override that set it.
-  [[nodiscard]] Place place(const toml::node& node) const;
+  [[nodiscard]] FileLocation place(const toml::node& node) const;
 
   /// Where a key stands: its line, or the override that set its value.
-  [[nodiscard]] Place place(const toml::key& key, const toml::node& node) const;
+  [[nodiscard]] FileLocation place(const toml::key& key, const toml::node& node) const;
 
   /// Where the path stands or, if it is not there, what is around it.
-  [[nodiscard]] Place place(const std::string& path) const;
+  [[nodiscard]] FileLocation place(const std::string& path) const;
 
  private:
   void apply(const std::string& argument);
-  [[nodiscard]] Place placeOf(const toml::source_region& source) const;
+  [[nodiscard]] FileLocation placeOf(const toml::source_region& source) const;
 
   std::string file_;
   toml::table root_;

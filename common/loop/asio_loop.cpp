@@ -28,7 +28,7 @@ struct Watched {
   Loop::Callback callback;
 };
 
-class DescriptorWatch final : public Descriptors::Watch {
+class DescriptorWatch final : public DescriptorWatcher::Watch {
  public:
   explicit DescriptorWatch(std::shared_ptr<Watched> watched) : watched_(std::move(watched)) {}
   ~DescriptorWatch() override { watched_->descriptor.release(); }

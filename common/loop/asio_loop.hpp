@@ -15,7 +15,7 @@ namespace lab {
 
 /// Steady clocks pace, the wall clock stamps: now() is the wall clock read once at construction
 /// plus the steady time since, so that a step of the wall clock during a run moves nothing.
-class AsioLoop final : public Loop, public Descriptors {
+class AsioLoop final : public Loop, public DescriptorWatcher {
  public:
   AsioLoop();
   ~AsioLoop() override;

@@ -3,7 +3,7 @@
 namespace lab {
 namespace {
 
-class NoDescriptors final : public Descriptors {
+class NoDescriptorWatcher final : public DescriptorWatcher {
  public:
   std::unique_ptr<Watch> watch(int /*descriptor*/, std::function<void()> /*callback*/) override {
     throw std::logic_error("no file descriptor can be watched in virtual time");
@@ -12,8 +12,8 @@ class NoDescriptors final : public Descriptors {
 
 }  // namespace
 
-Descriptors& noDescriptors() {
-  static NoDescriptors none;
+DescriptorWatcher& noDescriptorWatcher() {
+  static NoDescriptorWatcher none;
   return none;
 }
 

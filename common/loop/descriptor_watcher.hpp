@@ -7,9 +7,9 @@
 
 namespace lab {
 
-class Descriptors {
+class DescriptorWatcher {
  public:
-  /// Ends what watch() began, when it is destroyed. The Descriptors must outlive it.
+  /// Ends what watch() began, when it is destroyed. The DescriptorWatcher must outlive it.
   class Watch {
    public:
     Watch() = default;
@@ -18,10 +18,10 @@ class Descriptors {
     virtual ~Watch() = default;
   };
 
-  Descriptors() = default;
-  Descriptors(const Descriptors&) = delete;
-  Descriptors& operator=(const Descriptors&) = delete;
-  virtual ~Descriptors() = default;
+  DescriptorWatcher() = default;
+  DescriptorWatcher(const DescriptorWatcher&) = delete;
+  DescriptorWatcher& operator=(const DescriptorWatcher&) = delete;
+  virtual ~DescriptorWatcher() = default;
 
   /// Calls `callback` whenever `descriptor` has something to read or is hung up, until the returned
   /// object is destroyed, which must be before the descriptor is closed. The callback may destroy
@@ -32,6 +32,6 @@ class Descriptors {
 
 /// Where nothing can be watched: in virtual time.
 /// @throws std::logic_error from watch().
-[[nodiscard]] Descriptors& noDescriptors();
+[[nodiscard]] DescriptorWatcher& noDescriptorWatcher();
 
 }  // namespace lab

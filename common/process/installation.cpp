@@ -12,7 +12,7 @@ static std::string packageOf(const std::string& name) {
   return "active-lab";
 }
 
-std::string Installation::wayTo(const std::string& name, const std::string& build) const {
+std::string Installation::installHint(const std::string& name, const std::string& build) const {
   if (!packaged) return build;
   const std::string package = packageOf(name);
   return "sudo apt install ./" + package + "_" + kVersion + "_*.deb";

@@ -15,7 +15,7 @@ struct Installation {
 
   /// What brings a file of the lab that is not there: its package, or what `build` says.
   /// @param name "dds_gateway", "robot_firmware.hex"
-  [[nodiscard]] std::string wayTo(const std::string& name, const std::string& build) const;
+  [[nodiscard]] std::string installHint(const std::string& name, const std::string& build) const;
 };
 
 /// By the path of a program alone: packages put it into PREFIX/lib/active-lab/bin, everything else

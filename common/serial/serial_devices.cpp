@@ -37,7 +37,7 @@ struct flock wholeFile(short kind) {
 
 /// Whether nobody keeps the lock of a link that has one.
 bool isLeftBehind(const fs::path& link) {
-  const Descriptor file(::open(lockFile(link).c_str(), O_RDONLY | O_CLOEXEC));
+  const FileDescriptor file(::open(lockFile(link).c_str(), O_RDONLY | O_CLOEXEC));
   if (file.get() < 0) return false;
   struct flock lock = wholeFile(F_RDLCK);
   return fcntl(file.get(), F_OFD_GETLK, &lock) == 0 && lock.l_type == F_UNLCK;
@@ -47,8 +47,8 @@ bool isLeftBehind(const fs::path& link) {
   throw SerialError(link.string() + ": the line cannot be offered: " + what);
 }
 
-Descriptor takeLock(const fs::path& link) {
-  Descriptor file(::open(lockFile(link).c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600));
+FileDescriptor takeLock(const fs::path& link) {
+  FileDescriptor file(::open(lockFile(link).c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600));
   if (file.get() < 0) failToOffer(link, std::strerror(errno));
   struct flock lock = wholeFile(F_WRLCK);
   if (fcntl(file.get(), F_OFD_SETLK, &lock) != 0) {
@@ -58,15 +58,15 @@ Descriptor takeLock(const fs::path& link) {
 }
 
 /// A new pseudo terminal without a host, and its name.
-std::pair<Descriptor, std::string> newTerminal(const fs::path& link) {
-  Descriptor master(posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
+std::pair<FileDescriptor, std::string> newTerminal(const fs::path& link) {
+  FileDescriptor master(posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
   std::array<char, 64> name{};
   if (master.get() < 0 || grantpt(master.get()) != 0 || unlockpt(master.get()) != 0 ||
       ptsname_r(master.get(), name.data(), name.size()) != 0) {
     failToOffer(link, std::string("no pseudo terminal: ") + std::strerror(errno));
   }
   // Opened once, or it would echo, and would keep bytes for a host that has never been there.
-  const Descriptor slave(::open(name.data(), O_RDWR | O_NOCTTY | O_CLOEXEC));
+  const FileDescriptor slave(::open(name.data(), O_RDWR | O_NOCTTY | O_CLOEXEC));
   if (slave.get() < 0 || makeRaw(slave.get(), 0) != 0) {
     failToOffer(link, std::string(name.data()) + ": " + std::strerror(errno));
   }
@@ -105,7 +105,7 @@ class SerialDevices::Device final : public SerialPort {
 
   AsioLoop& loop_;
   std::string path_;
-  Descriptor line_;
+  FileDescriptor line_;
   std::unique_ptr<AsioLoop::Watch> watch_;  ///< ends before the descriptor
 };
 
@@ -192,8 +192,8 @@ class SerialDevices::Offer final : public SerialPort {
   AsioLoop& loop_;
   std::shared_ptr<Cables> cables_;
   fs::path link_;
-  Descriptor lock_;
-  Descriptor line_;
+  FileDescriptor lock_;
+  FileDescriptor line_;
   std::string terminal_;
   Loop::Callback callback_;
   std::unique_ptr<AsioLoop::Watch> watch_;

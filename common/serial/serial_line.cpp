@@ -124,16 +124,16 @@ std::string lockHolder(const struct stat& file) {
 
 }  // namespace
 
-Descriptor& Descriptor::operator=(Descriptor&& other) noexcept {
+FileDescriptor& FileDescriptor::operator=(FileDescriptor&& other) noexcept {
   std::swap(number_, other.number_);
   return *this;
 }
 
-Descriptor::~Descriptor() {
+FileDescriptor::~FileDescriptor() {
   if (number_ >= 0) close(number_);
 }
 
-int Descriptor::release() { return std::exchange(number_, -1); }
+int FileDescriptor::release() { return std::exchange(number_, -1); }
 
 int makeRaw(int descriptor, int baud) {
   termios settings{};
@@ -155,8 +155,8 @@ int makeRaw(int descriptor, int baud) {
   return cfgetospeed(&in_force) == cfgetospeed(&settings) ? 0 : EINVAL;
 }
 
-Descriptor openSerialLine(const std::string& path, int baud) {
-  Descriptor line(::open(path.c_str(), O_RDWR | O_NONBLOCK | O_NOCTTY | O_CLOEXEC));
+FileDescriptor openSerialLine(const std::string& path, int baud) {
+  FileDescriptor line(::open(path.c_str(), O_RDWR | O_NONBLOCK | O_NOCTTY | O_CLOEXEC));
   if (line.get() < 0) failToOpen(path, errno);
   // The lock comes first: who does not get it must not touch the other's settings.
   if (flock(line.get(), LOCK_EX | LOCK_NB) != 0) failInUse(path);

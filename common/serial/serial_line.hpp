@@ -6,12 +6,12 @@
 namespace lab {
 
 /// A file descriptor that closes itself.
-class Descriptor {
+class FileDescriptor {
  public:
-  explicit Descriptor(int number = -1) : number_(number) {}
-  Descriptor(Descriptor&& other) noexcept : number_(other.release()) {}
-  Descriptor& operator=(Descriptor&& other) noexcept;
-  ~Descriptor();
+  explicit FileDescriptor(int number = -1) : number_(number) {}
+  FileDescriptor(FileDescriptor&& other) noexcept : number_(other.release()) {}
+  FileDescriptor& operator=(FileDescriptor&& other) noexcept;
+  ~FileDescriptor();
 
   [[nodiscard]] int get() const { return number_; }
   int release();
@@ -24,7 +24,7 @@ class Descriptor {
 /// this process alone, with nothing waiting in it.
 /// @throws SerialError, one line: not there, no permission, in use and by whom, no serial device,
 /// no such speed.
-[[nodiscard]] Descriptor openSerialLine(const std::string& path, int baud);
+[[nodiscard]] FileDescriptor openSerialLine(const std::string& path, int baud);
 
 /// Makes the line of an open terminal raw, 8N1, at this speed (0: as it is).
 /// @return an errno: ENOTTY no terminal, EINVAL no such speed

@@ -20,7 +20,7 @@ inline constexpr std::size_t kLongestRemark = 500;
 class ExperimentRequest {
  public:
   static constexpr std::int64_t kRepeat_us = 200'000;  // 5 Hz
-  static constexpr std::int64_t kPatience_us = 5'000'000;
+  static constexpr std::int64_t kTimeout_us = 5'000'000;
 
   /// @param wish action, value and text
   /// @param sender, instance of the node that publishes it
@@ -41,7 +41,7 @@ class ExperimentRequest {
 
   /// Nobody has answered for so long that nobody will.
   [[nodiscard]] bool expired(std::int64_t now) const {
-    return !answered_ && now - message_.utime > kPatience_us;
+    return !answered_ && now - message_.utime > kTimeout_us;
   }
 
  private:

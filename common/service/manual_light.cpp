@@ -11,11 +11,10 @@ constexpr int kFarewells = 3;
 
 }  // namespace
 
-void UniformLight::show(double intensity, double hold, const std::string& label,
-                        std::int64_t now) {
+void ManualLight::show(double intensity, double hold, const std::string& label, std::int64_t now) {
   until_utime_ = hold > 0 ? now + units::microseconds(hold) : 0;
-  const bool same = showing_ && command_.label == label &&
-                    command_.layers.front().intensity == intensity;
+  const bool same =
+      showing_ && command_.label == label && command_.layers.front().intensity == intensity;
   if (same) return;
   ++command_.seq;
   command_.priority = light_command_t::MANUAL;
@@ -27,24 +26,25 @@ void UniformLight::show(double intensity, double hold, const std::string& label,
   uniform.intensity = intensity;
   setLayers(command_, {{uniform, {}}});
   showing_ = true;
-  farewells_ = 0;
+  remaining_releases_ = 0;
   sent_utime_ = 0;
 }
 
-void UniformLight::giveBack() {
+void ManualLight::release() {
   if (!showing_) return;
   showing_ = false;
-  farewells_ = kFarewells;
+  remaining_releases_ = kFarewells;
   sent_utime_ = 0;
   ++command_.seq;
   command_.release = 1;
   setLayers(command_, {});
 }
 
-std::optional<light_command_t> UniformLight::due(std::int64_t now) {
-  if (showing_ && until_utime_ != 0 && now >= until_utime_) giveBack();
-  if ((!showing_ && farewells_ == 0) || now - sent_utime_ < kRepeat_us) return std::nullopt;
-  if (!showing_) --farewells_;
+std::optional<light_command_t> ManualLight::due(std::int64_t now) {
+  if (showing_ && until_utime_ != 0 && now >= until_utime_) release();
+  if ((!showing_ && remaining_releases_ == 0) || now - sent_utime_ < kRepeat_us)
+    return std::nullopt;
+  if (!showing_) --remaining_releases_;
   sent_utime_ = now;
   return command_;
 }

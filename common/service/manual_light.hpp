@@ -8,12 +8,12 @@
 
 namespace lab {
 
-class UniformLight {
+class ManualLight {
  public:
   /// @param intensity [1] 0..1
-  /// @param hold [s] after which it is given back, 0: until giveBack()
+  /// @param hold [s] after which it is given back, 0: until release()
   void show(double intensity, double hold, const std::string& label, std::int64_t now);
-  void giveBack();
+  void release();
 
   /// What is to be sent now, header left empty but for seq: at once, then at 2 Hz, and when it is
   /// given back three times that it is, as one may be lost.
@@ -28,7 +28,7 @@ class UniformLight {
   light_command_t command_{};
   std::int64_t until_utime_ = 0;  ///< 0: for good
   std::int64_t sent_utime_ = 0;
-  int farewells_ = 0;  ///< that are still to be sent
+  int remaining_releases_ = 0;  ///< that are still to be sent
   bool showing_ = false;
 };
 

@@ -47,7 +47,9 @@ void Node::fault(const std::string& what) {
 void Node::close() {
   if (state_ == service_status_t::ENDED) return;
   state_ = service_status_t::ENDED;
-  for (announced_ = kClosingMessages; announced_ > 0; --announced_) beat();
+  for (remaining_closing_reports_ = kClosingMessages; remaining_closing_reports_ > 0;
+       --remaining_closing_reports_)
+    beat();
 }
 
 std::int64_t& Node::sentOn(std::string_view channel) {
@@ -69,7 +71,7 @@ void Node::beat() {
   status.last_error = last_error_.c_str();  // a text on the bus ends at its first zero
 
   // This message counts itself, and the closing ones count those still to come.
-  const std::int64_t own = std::max<std::int64_t>(1, announced_);
+  const std::int64_t own = std::max<std::int64_t>(1, remaining_closing_reports_);
   auto sent = sent_;
   sent[std::string(channels::kServiceStatus)] += own;
   for (const auto& [channel, messages] : sent) {

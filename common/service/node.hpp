@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "common/bus/bus.hpp"
-#include "common/loop/loop.hpp"
 #include "common/bus/stream_counter.hpp"
+#include "common/loop/loop.hpp"
 
 namespace lab {
 
@@ -68,7 +68,7 @@ class Node {
 
   /// Calls `handler` with every message of the lab on any channel, as it is: neither decoded nor
   /// counted.
-  void overhear(PacketHandler handler) { bus_.subscribeAll(std::move(handler)); }
+  void subscribeAll(PacketHandler handler) { bus_.subscribeAll(std::move(handler)); }
 
   /// Says that the service does its job, at once.
   void ready();
@@ -111,7 +111,7 @@ class Node {
   std::int8_t state_ = service_status_t::STARTING;
   std::string last_error_;
   std::map<std::string, std::int64_t, std::less<>> sent_;
-  std::int64_t announced_ = 0;  ///< messages of the closing salvo still to come
+  std::int64_t remaining_closing_reports_ = 0;  ///< messages of the closing salvo still to come
   StreamCounter streams_;
   std::vector<stream_count_t> other_streams_;
 };

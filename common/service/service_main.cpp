@@ -9,12 +9,12 @@
 #include <optional>
 #include <thread>
 
-#include "tracker_svc/camera_devices.hpp"
-#include "common/loop/asio_loop.hpp"
-#include "common/experiment/experiment_file.hpp"
 #include "common/bus/lcm_bus.hpp"
-#include "common/serial/serial_devices.hpp"
+#include "common/experiment/experiment_file.hpp"
+#include "common/loop/asio_loop.hpp"
 #include "common/process/version.hpp"
+#include "common/serial/serial_devices.hpp"
+#include "tracker_svc/camera_devices.hpp"
 
 namespace lab {
 namespace {
@@ -34,7 +34,7 @@ constexpr auto kPassingOnStep = std::chrono::milliseconds(2);
 void end(Node& node, AsioLoop& loop, Service& service) {
   node.close();
   const std::int64_t deadline = loop.now() + kMostPassingOn;
-  while (service.isPassingOn() && loop.now() < deadline) {
+  while (service.isForwarding() && loop.now() < deadline) {
     loop.poll();
     std::this_thread::sleep_for(kPassingOnStep);
   }

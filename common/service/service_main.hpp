@@ -8,11 +8,11 @@
 #include <string>
 
 #include "common/camera/cameras.hpp"
-#include "common/loop/descriptor_watcher.hpp"
 #include "common/experiment/experiment.hpp"
+#include "common/loop/descriptor_watcher.hpp"
 #include "common/loop/loop.hpp"
-#include "common/service/node.hpp"
 #include "common/serial/serial.hpp"
+#include "common/service/node.hpp"
 
 namespace CLI {
 class App;
@@ -30,7 +30,7 @@ class Service {
 
   /// Asked again and again, for a moment, after the node has said its last: whether the service has
   /// still to pass that on.
-  [[nodiscard]] virtual bool isPassingOn() { return false; }
+  [[nodiscard]] virtual bool isForwarding() { return false; }
 };
 
 /// What a service is given from outside.
@@ -42,7 +42,7 @@ struct ServiceContext {
   SerialPorts& ports = noSerialPorts();
   std::filesystem::path programs = {};  ///< folder of the lab's executables
   Cameras& cameras = noCameras();
-  Descriptors& descriptors = noDescriptors();
+  DescriptorWatcher& descriptors = noDescriptorWatcher();
 };
 
 using ServiceFactory = std::function<std::unique_ptr<Service>(const ServiceContext&)>;

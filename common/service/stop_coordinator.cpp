@@ -10,8 +10,8 @@ constexpr std::size_t kMostKnown = 64;
 
 }  // namespace
 
-void StopDesk::ask(std::string by, std::string reason, std::int64_t seq, std::int8_t clear,
-                   std::int64_t now) {
+void StopCoordinator::ask(std::string by, std::string reason, std::int64_t seq, std::int8_t clear,
+                          std::int64_t now) {
   robot_stop_t request{};
   request.seq = seq;
   request.clear = clear;
@@ -19,7 +19,8 @@ void StopDesk::ask(std::string by, std::string reason, std::int64_t seq, std::in
   begin(request, std::move(by), true, now);
 }
 
-void StopDesk::begin(const robot_stop_t& request, std::string by, bool own, std::int64_t now) {
+void StopCoordinator::begin(const robot_stop_t& request, std::string by, bool own,
+                            std::int64_t now) {
   known_.push_back(request.seq);
   if (known_.size() > kMostKnown) known_.pop_front();
   asked_ = true;
@@ -29,16 +30,16 @@ void StopDesk::begin(const robot_stop_t& request, std::string by, bool own, std:
   request_ = request;
   begun_utime_ = now;
   sent_utime_ = 0;
-  took_us_.reset();
+  response_time_us_.reset();
   for (auto& [robot, obeys] : obeys_) obeys = false;
 }
 
-void StopDesk::take(const robot_stop_t& stop, std::int64_t now) {
+void StopCoordinator::take(const robot_stop_t& stop, std::int64_t now) {
   if (std::ranges::find(known_, stop.seq) != known_.end()) return;
   begin(stop, stop.sender, false, now);
 }
 
-void StopDesk::take(const robot_status_t& status, std::int64_t now) {
+void StopCoordinator::take(const robot_status_t& status, std::int64_t now) {
   if (!asked_) adopt(status, now);
   for (const robot_state_t& robot : status.robots) {
     if (robot.origin == robot_state_t::REPLAY) {
@@ -47,12 +48,12 @@ void StopDesk::take(const robot_status_t& status, std::int64_t now) {
     }
     obeys_[robot.robot_id] = isObeyedBy(robot);
   }
-  if (!took_us_ && !adopted_ && confirmed()) took_us_ = now - begun_utime_;
+  if (!response_time_us_ && !adopted_ && confirmed()) response_time_us_ = now - begun_utime_;
   const auto obeys = [](const auto& robot) { return robot.second; };
   if (adopted_ && std::ranges::none_of(obeys_, obeys)) asked_ = adopted_ = false;  // it is over
 }
 
-void StopDesk::adopt(const robot_status_t& status, std::int64_t now) {
+void StopCoordinator::adopt(const robot_status_t& status, std::int64_t now) {
   for (const robot_state_t& robot : status.robots) {
     const bool stopped = (robot.flags & robot_state_t::FLAG_STOPPED) != 0;
     if (!stopped || robot.origin == robot_state_t::REPLAY) continue;
@@ -66,15 +67,15 @@ void StopDesk::adopt(const robot_status_t& status, std::int64_t now) {
   }
 }
 
-void StopDesk::newRun() {
+void StopCoordinator::newRun() {
   if (!own_ || state() == State::kFree) {
-    *this = StopDesk();
+    *this = StopCoordinator();
   } else {
     obeys_.clear();
   }
 }
 
-bool StopDesk::isObeyedBy(const robot_state_t& robot) const {
+bool StopCoordinator::isObeyedBy(const robot_state_t& robot) const {
   const bool stopped = (robot.flags & robot_state_t::FLAG_STOPPED) != 0;
   if (!asked_) return false;
   // A robot that came later has never been stopped and is free as wanted.
@@ -82,12 +83,12 @@ bool StopDesk::isObeyedBy(const robot_state_t& robot) const {
   return stopped && (adopted_ || robot.stop_seq == request_.seq);
 }
 
-bool StopDesk::isAsked(std::int32_t robot) const {
+bool StopCoordinator::isAsked(std::int32_t robot) const {
   const auto& ids = request_.robot_ids;
   return ids.empty() || std::ranges::find(ids, robot) != ids.end();
 }
 
-std::vector<std::int32_t> StopDesk::unconfirmed() const {
+std::vector<std::int32_t> StopCoordinator::unconfirmed() const {
   std::vector<std::int32_t> ids;
   if (!asked_) return ids;
   for (const auto& [robot, obeys] : obeys_) {
@@ -96,24 +97,24 @@ std::vector<std::int32_t> StopDesk::unconfirmed() const {
   return ids;
 }
 
-std::size_t StopDesk::total() const {
+std::size_t StopCoordinator::total() const {
   return static_cast<std::size_t>(
       std::ranges::count_if(obeys_, [this](const auto& robot) { return isAsked(robot.first); }));
 }
 
-bool StopDesk::confirmed() const { return asked_ && total() > 0 && unconfirmed().empty(); }
+bool StopCoordinator::confirmed() const { return asked_ && total() > 0 && unconfirmed().empty(); }
 
-StopDesk::State StopDesk::state() const {
+StopCoordinator::State StopCoordinator::state() const {
   if (!asked_) return State::kFree;
   if (request_.clear != 0) return confirmed() ? State::kFree : State::kReleasing;
   return confirmed() ? State::kStopped : State::kStopping;
 }
 
-std::optional<robot_stop_t> StopDesk::due(std::int64_t now) {
-  const bool young = now - begun_utime_ < kMeetEveryRobot_us;
+std::optional<robot_stop_t> StopCoordinator::due(std::int64_t now) {
+  const bool young = now - begun_utime_ < kDiscovery_us;
   if (!asked_ || !own_ || (confirmed() && !young)) return std::nullopt;
   const bool may_tire = request_.clear != 0 || total() == 0;
-  if (may_tire && now - begun_utime_ > kPatience_us) return std::nullopt;
+  if (may_tire && now - begun_utime_ > kTimeout_us) return std::nullopt;
   if (sent_utime_ != 0 && now - sent_utime_ < kRepeat_us) return std::nullopt;
   sent_utime_ = now;
   request_.utime = now;

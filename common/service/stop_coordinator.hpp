@@ -16,15 +16,15 @@ namespace lab {
 /// The last request holds. Robots that stand though no request is known have been asked by somebody
 /// who was not heard: that counts as a stop of all. Robots of a replay obey nobody and are not
 /// counted. Times are us since 1970.
-class StopDesk {
+class StopCoordinator {
  public:
   enum class State { kFree, kStopping, kStopped, kReleasing };
 
   static constexpr std::int64_t kRepeat_us = 100'000;
   /// Robots that never answer are asked to go on for so long, and nobody at all to stop.
-  static constexpr std::int64_t kPatience_us = 5'000'000;
+  static constexpr std::int64_t kTimeout_us = 5'000'000;
   /// Within it every robot is heard: every owner reports at 20 Hz or faster.
-  static constexpr std::int64_t kMeetEveryRobot_us = 300'000;
+  static constexpr std::int64_t kDiscovery_us = 300'000;
 
   /// A robot that has to obey, though nothing may have been heard of it.
   void expect(std::int32_t robot) { obeys_.try_emplace(robot, false); }
@@ -45,7 +45,7 @@ class StopDesk {
 
   /// The request that is to be sent now, header left empty but for utime and seq: at once, then at
   /// 10 Hz until every robot obeys, and again when one does not any more. For robots that have not
-  /// been heard yet it is repeated at least for kMeetEveryRobot_us.
+  /// been heard yet it is repeated at least for kDiscovery_us.
   [[nodiscard]] std::optional<robot_stop_t> due(std::int64_t now);
 
   /// Another run begins, and no robot of it is known. What was asked here stays in force until it
@@ -66,7 +66,7 @@ class StopDesk {
   [[nodiscard]] bool confirmed() const;
 
   /// From the request to the answer of the last robot.
-  [[nodiscard]] std::optional<std::int64_t> took() const { return took_us_; }
+  [[nodiscard]] std::optional<std::int64_t> took() const { return response_time_us_; }
 
  private:
   void ask(std::string by, std::string reason, std::int64_t seq, std::int8_t clear,
@@ -83,7 +83,7 @@ class StopDesk {
   robot_stop_t request_{};
   std::int64_t begun_utime_ = 0;
   std::int64_t sent_utime_ = 0;
-  std::optional<std::int64_t> took_us_;
+  std::optional<std::int64_t> response_time_us_;
   std::map<std::int32_t, bool> obeys_;
   std::deque<std::int64_t> known_;  ///< seqs of the last requests: late repetitions are no news
 };

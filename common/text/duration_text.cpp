@@ -7,7 +7,7 @@
 
 namespace lab::runner {
 
-std::string leftText(double seconds) {
+std::string remainingTimeText(double seconds) {
   constexpr double kLongest = 1e9;  // beyond which nobody waits, nor an integer reaches
   if (!(seconds < kLongest)) return "very long";
   const auto whole = static_cast<std::int64_t>(std::ceil(seconds));

@@ -7,7 +7,7 @@
 #include <array>
 #include <cmath>
 
-namespace lab::report {
+namespace lab {
 namespace {
 
 constexpr const char* kNone = "–";
@@ -51,14 +51,14 @@ bool isPlain(char letter) {
 
 }  // namespace
 
-PeopleUnit peopleUnit(const std::string& si_unit) {
+DisplayUnit displayUnit(const std::string& si_unit) {
   for (const UnitRow& row : kUnits) {
     if (row.si == si_unit) return {std::string(row.text), std::string(row.key), row.factor};
   }
-  return {si_unit, fileWord(si_unit), 1};
+  return {si_unit, sanitizedFileName(si_unit), 1};
 }
 
-std::string numberText(double value, double error) {
+std::string valueText(double value, double error) {
   if (!std::isfinite(value)) return kNone;
   if (!std::isfinite(error) || error <= 0) return shortText(value);
   return fmt::format("{:.{}f}", value, decimalsFor(error, 2));
@@ -140,7 +140,7 @@ std::string escapeHtml(std::string_view text) {
   return html;
 }
 
-std::string fileWord(std::string_view text) {
+std::string sanitizedFileName(std::string_view text) {
   std::string word;
   for (const char letter : text) {
     if (isPlain(letter)) word += letter;
@@ -149,4 +149,4 @@ std::string fileWord(std::string_view text) {
   return word.empty() ? "program" : word;
 }
 
-}  // namespace lab::report
+}  // namespace lab

@@ -6,21 +6,21 @@
 #include <string>
 #include <string_view>
 
-namespace lab::report {
+namespace lab {
 
 /// A unit of the analysis as people read it.
-struct PeopleUnit {
+struct DisplayUnit {
   std::string text;   ///< "cm²/s", empty for a pure number
   std::string key;    ///< in keys of summary.json: "cm2_s", empty for a pure number
   double factor = 1;  ///< people's value = factor * SI value
 };
 
 /// Of an SI unit as the analysis writes it: "m^2/s".
-[[nodiscard]] PeopleUnit peopleUnit(const std::string& si_unit);
+[[nodiscard]] DisplayUnit displayUnit(const std::string& si_unit);
 
 /// "0.748": as many digits as show two figures of `error`; four figures where there is no error;
 /// "–" for a number that is none.
-[[nodiscard]] std::string numberText(double value, double error);
+[[nodiscard]] std::string valueText(double value, double error);
 
 /// Four significant figures, without trailing zeros; "–" for a number that is none.
 [[nodiscard]] std::string shortText(double value);
@@ -44,6 +44,6 @@ struct PeopleUnit {
 [[nodiscard]] std::string escapeHtml(std::string_view text);
 
 /// Letters, digits, '-' and '_' of the text, for names of files; "program" where nothing is left.
-[[nodiscard]] std::string fileWord(std::string_view text);
+[[nodiscard]] std::string sanitizedFileName(std::string_view text);
 
-}  // namespace lab::report
+}  // namespace lab

@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 
-namespace lab::report {
+namespace lab {
 
 using Json = nlohmann::ordered_json;
 
@@ -18,4 +18,4 @@ Json number(double value) {
   return rounded == 0 ? 0.0 : rounded;  // no -0
 }
 
-}  // namespace lab::report
+}  // namespace lab

@@ -3,9 +3,9 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-namespace lab::report {
+namespace lab {
 
 /// Rounded to six figures; null where it is no number.
 [[nodiscard]] nlohmann::ordered_json number(double value);
 
-}  // namespace lab::report
+}  // namespace lab

@@ -17,12 +17,16 @@ constexpr double kFastest = 1000;       // [1] log seconds a second
 constexpr const char* kLightLabel = "by hand, from the page";
 constexpr const char* kNoRobotHears = "the robots of a played log do not obey";
 
-const char* stateName(StopDesk::State state) {
+const char* stateName(StopCoordinator::State state) {
   switch (state) {
-    case StopDesk::State::kFree: return "free";
-    case StopDesk::State::kStopping: return "stopping";
-    case StopDesk::State::kStopped: return "stopped";
-    case StopDesk::State::kReleasing: return "releasing";
+    case StopCoordinator::State::kFree:
+      return "free";
+    case StopCoordinator::State::kStopping:
+      return "stopping";
+    case StopCoordinator::State::kStopped:
+      return "stopped";
+    case StopCoordinator::State::kReleasing:
+      return "releasing";
   }
   return "";
 }
@@ -39,7 +43,7 @@ std::int64_t Controls::nextSeq(std::int64_t now) {
   return seq_;
 }
 
-std::string Controls::wish(const Wish& wish, std::int64_t now) {
+std::string Controls::wish(const OperatorRequest& wish, std::int64_t now) {
   using Command = experiment_command_t;
   return std::visit(
       Match{[&](const StopRobots& w) -> std::string {
@@ -62,7 +66,7 @@ std::string Controls::wish(const Wish& wish, std::int64_t now) {
             [&](const ShowLight& w) { return act(w, now); },
             [&](const ReleaseLight&) -> std::string {
               if (!light_.isShown()) return "no light is set from here";
-              light_.giveBack();
+              light_.release();
               watchLight("release_light", now);
               return {};
             },
@@ -89,7 +93,7 @@ std::string Controls::act(const ShowLight& light, std::int64_t now) {
 }
 
 void Controls::watchLight(const char* name, std::int64_t now) {
-  light_wish_ = name;
+  pending_light_request_ = name;
   light_utime_ = now;
   light_refusal_.clear();
 }
@@ -104,12 +108,12 @@ std::string Controls::ask(const char* name, std::int8_t action, double value,
       action == experiment_command_t::MARK || action == experiment_command_t::END;
   if (only_of_a_lab && replay_) return "a played log has been recorded: it takes no remarks";
   if (const std::string problem = remarkProblem(text); !problem.empty()) return problem;
-  if (errands_.size() >= kMostWaiting) return "too many wishes wait for an answer";
+  if (pending_requests_.size() >= kMostWaiting) return "too many wishes wait for an answer";
   experiment_command_t command{};
   command.action = action;
   command.value = value;
   command.text = text;
-  errands_.push_back({{command, sender_, instance_, nextSeq(now), now}, name});
+  pending_requests_.push_back({{command, sender_, instance_, nextSeq(now), now}, name});
   return {};
 }
 
@@ -121,22 +125,22 @@ void Controls::take(const robot_stop_t& stop, std::int64_t now) {
 void Controls::take(const experiment_status_t& status, std::int64_t now) {
   heard_utime_ = now;
   replay_ = isPlayed(status);
-  if (errands_.empty() || !errands_.front().request.take(status)) return;
-  const Errand& errand = errands_.front();
+  if (pending_requests_.empty() || !pending_requests_.front().request.take(status)) return;
+  const PendingRequest& errand = pending_requests_.front();
   const std::string& refusal = errand.request.refusal();
   note(errand.name, refusal.empty() ? "done" : "refused: " + refusal, now);
-  errands_.pop_front();
+  pending_requests_.pop_front();
   sent_utime_ = 0;
 }
 
 void Controls::take(const light_status_t& status, std::int64_t now) {
-  if (light_wish_.empty()) return;
-  const std::string refusal = refusalOf(sender_, light_.seq(), status.last_refusal);
+  if (pending_light_request_.empty()) return;
+  const std::string refusal = parseRefusal(sender_, light_.seq(), status.last_refusal);
   if (!refusal.empty()) light_refusal_ = refusal;
   const bool ours = status.commander == sender_ && status.command_instance == instance_;
   if (ours != light_.isShown() || status.utime < light_utime_) return;
-  note(light_wish_, light_.isShown() ? "shown" : "the script's light is back", now);
-  light_wish_.clear();
+  note(pending_light_request_, light_.isShown() ? "shown" : "the script's light is back", now);
+  pending_light_request_.clear();
 }
 
 void Controls::expect(const std::vector<std::int32_t>& commanded_robots) {
@@ -145,7 +149,7 @@ void Controls::expect(const std::vector<std::int32_t>& commanded_robots) {
 
 void Controls::forget() {
   stop_.newRun();
-  errands_.clear();
+  pending_requests_.clear();
   sent_utime_ = 0;
 }
 
@@ -153,22 +157,22 @@ DueCommands Controls::due(std::int64_t now) {
   DueCommands due;
   due.stop = stop_.due(now);
   due.light = light_.due(now);
-  if (!light_wish_.empty() && now - light_utime_ > kLightPatience_us) {
-    note(light_wish_,
+  if (!pending_light_request_.empty() && now - light_utime_ > kLightTimeout_us) {
+    note(pending_light_request_,
          "the projector does not show it" + (light_refusal_.empty() ? "" : ": " + light_refusal_),
          now);
-    light_wish_.clear();
+    pending_light_request_.clear();
   }
-  if (errands_.empty()) return due;
+  if (pending_requests_.empty()) return due;
   // Its patience begins when it is its turn.
   if (sent_utime_ == 0) {
-    const experiment_command_t& message = errands_.front().request.message();
-    errands_.front().request = {message, sender_, instance_, message.seq, now};
+    const experiment_command_t& message = pending_requests_.front().request.message();
+    pending_requests_.front().request = {message, sender_, instance_, message.seq, now};
   }
-  const Errand& errand = errands_.front();
+  const PendingRequest& errand = pending_requests_.front();
   if (errand.request.expired(now)) {
     note(errand.name, "nobody has answered for 5 s", now);
-    errands_.pop_front();
+    pending_requests_.pop_front();
     sent_utime_ = 0;
     return due;
   }

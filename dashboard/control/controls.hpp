@@ -13,8 +13,8 @@
 #include <utility>
 
 #include "common/service/experiment_request.hpp"
-#include "common/service/stop_coordinator.hpp"
 #include "common/service/manual_light.hpp"
+#include "common/service/stop_coordinator.hpp"
 #include "dashboard/control/operator_request.hpp"
 
 namespace lab::dashboard {
@@ -31,14 +31,14 @@ struct DueCommands {
 class Controls {
  public:
   static constexpr std::size_t kMostWaiting = 8;
-  static constexpr std::int64_t kLightPatience_us = 3'000'000;
+  static constexpr std::int64_t kLightTimeout_us = 3'000'000;
 
   /// @param sender, instance of the node that publishes
   Controls(std::string sender, std::int64_t instance)
       : sender_(std::move(sender)), instance_(instance) {}
 
   /// @return why it is refused, empty: it is taken.
-  [[nodiscard]] std::string wish(const Wish& wish, std::int64_t now);
+  [[nodiscard]] std::string wish(const OperatorRequest& wish, std::int64_t now);
 
   void take(const robot_status_t& status, std::int64_t now) { stop_.take(status, now); }
   void take(const robot_stop_t& stop, std::int64_t now);
@@ -64,7 +64,7 @@ class Controls {
   [[nodiscard]] bool replay() const { return replay_; }
 
  private:
-  struct Errand {
+  struct PendingRequest {
     ExperimentRequest request;
     std::string name;
   };
@@ -78,12 +78,12 @@ class Controls {
 
   std::string sender_;
   std::int64_t instance_;
-  StopDesk stop_;
-  UniformLight light_;
-  std::string light_wish_;  ///< whose effect is waited for, empty: none
+  StopCoordinator stop_;
+  ManualLight light_;
+  std::string pending_light_request_;  ///< whose effect is waited for, empty: none
   std::int64_t light_utime_ = 0;
   std::string light_refusal_;
-  std::deque<Errand> errands_;
+  std::deque<PendingRequest> pending_requests_;
   std::int64_t sent_utime_ = 0;  ///< of the first errand, 0: not yet
   std::int64_t seq_ = 0;
   std::int64_t heard_utime_ = 0;  ///< EXPERIMENT_STATUS

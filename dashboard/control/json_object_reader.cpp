@@ -13,100 +13,103 @@ constexpr int kDeepest = 3;
 
 std::string checkedText(const nlohmann::json& value, const std::string& where, std::size_t most) {
   if (!value.is_string()) {
-    throw FormError(fmt::format("{}: found {}, expected a text", where, value.type_name()));
+    throw JsonObjectError(fmt::format("{}: found {}, expected a text", where, value.type_name()));
   }
   const auto& text = value.get_ref<const std::string&>();
   // Bytes that begin a character: all but those 10xxxxxx.
-  const auto length = static_cast<std::size_t>(std::ranges::count_if(
-      text, [](unsigned char byte) { return (byte & 0xc0) != 0x80; }));
+  const auto length = static_cast<std::size_t>(
+      std::ranges::count_if(text, [](unsigned char byte) { return (byte & 0xc0) != 0x80; }));
   if (length > most) {
-    throw FormError(
+    throw JsonObjectError(
         fmt::format("{}: found {} characters, expected at most {}", where, length, most));
   }
   const auto is_control = [](unsigned char sign) { return sign < ' ' || sign == 0x7f; };
   if (std::ranges::any_of(text, is_control)) {
-    throw FormError(where + ": found a control character, expected one line of text");
+    throw JsonObjectError(where + ": found a control character, expected one line of text");
   }
   return text;
 }
 
 }  // namespace
 
-JsonForm::JsonForm(std::string_view text) {
+JsonObjectReader::JsonObjectReader(std::string_view text) {
   // The parser takes one for the end, whatever stands behind it.
   if (text.find('\0') != std::string_view::npos)
-    throw FormError("found a zero byte, expected JSON");
+    throw JsonObjectError("found a zero byte, expected JSON");
   std::set<std::string> keys;
   const auto check = [&keys](int depth, nlohmann::json::parse_event_t event,
                              const nlohmann::json& parsed) {
-    if (depth > kDeepest) throw FormError("found JSON within JSON, expected one object");
+    if (depth > kDeepest) throw JsonObjectError("found JSON within JSON, expected one object");
     if (event == nlohmann::json::parse_event_t::key && depth == 1 &&
         !keys.insert(parsed.get<std::string>()).second) {
-      throw FormError(fmt::format("found {} twice, expected it once", parsed.dump()));
+      throw JsonObjectError(fmt::format("found {} twice, expected it once", parsed.dump()));
     }
     return true;
   };
   try {
     json_ = nlohmann::json::parse(text, check);
   } catch (const nlohmann::json::exception& error) {
-    throw FormError(fmt::format("found no JSON (byte {})", [&] {
+    throw JsonObjectError(fmt::format("found no JSON (byte {})", [&] {
       const auto* parse = dynamic_cast<const nlohmann::json::parse_error*>(&error);
       return parse ? parse->byte : 0;
     }()));
   }
   if (!json_.is_object()) {
-    throw FormError(fmt::format("found {}, expected a JSON object", json_.type_name()));
+    throw JsonObjectError(fmt::format("found {}, expected a JSON object", json_.type_name()));
   }
 }
 
-const nlohmann::json& JsonForm::at(const char* key, const char* expected) {
+const nlohmann::json& JsonObjectReader::at(const char* key, const char* expected) {
   known_.emplace_back(key);
   const auto place = json_.find(key);
-  if (place == json_.end()) throw FormError(fmt::format("{}: missing, expected {}", key, expected));
+  if (place == json_.end())
+    throw JsonObjectError(fmt::format("{}: missing, expected {}", key, expected));
   return *place;
 }
 
-std::string JsonForm::text(const char* key, std::size_t most) {
+std::string JsonObjectReader::text(const char* key, std::size_t most) {
   return checkedText(at(key, "a text"), key, most);
 }
 
-double JsonForm::number(const char* key, double low, double high) {
+double JsonObjectReader::number(const char* key, double low, double high) {
   const nlohmann::json& value = at(key, "a number");
   if (!value.is_number()) {
-    throw FormError(fmt::format("{}: found {}, expected a number from {} to {}", key,
-                                value.type_name(), low, high));
+    throw JsonObjectError(fmt::format("{}: found {}, expected a number from {} to {}", key,
+                                      value.type_name(), low, high));
   }
   const auto found = value.get<double>();
   if (!(found >= low && found <= high)) {  // nan too
-    throw FormError(
+    throw JsonObjectError(
         fmt::format("{}: found {}, expected a number from {} to {}", key, found, low, high));
   }
   return found;
 }
 
-bool JsonForm::flag(const char* key) {
+bool JsonObjectReader::flag(const char* key) {
   const nlohmann::json& value = at(key, "true or false");
   if (!value.is_boolean()) {
-    throw FormError(fmt::format("{}: found {}, expected true or false", key, value.type_name()));
+    throw JsonObjectError(
+        fmt::format("{}: found {}, expected true or false", key, value.type_name()));
   }
   return value.get<bool>();
 }
 
-std::vector<std::string> JsonForm::texts(const char* key, std::size_t count, std::size_t most) {
+std::vector<std::string> JsonObjectReader::texts(const char* key, std::size_t count,
+                                                 std::size_t most) {
   const nlohmann::json& value = at(key, "a list of texts");
   if (!value.is_array() || value.size() > count) {
-    throw FormError(fmt::format("{}: expected a list of at most {} texts", key, count));
+    throw JsonObjectError(fmt::format("{}: expected a list of at most {} texts", key, count));
   }
   std::vector<std::string> all;
   for (const nlohmann::json& one : value) all.push_back(checkedText(one, key, most));
   return all;
 }
 
-void JsonForm::finish() const {
+void JsonObjectReader::finish() const {
   for (const auto& [key, value] : json_.items()) {
     if (std::ranges::find(known_, key) == known_.end()) {
-      throw FormError(fmt::format("found the key {}, expected only {}", nlohmann::json(key).dump(),
-                                  fmt::join(known_, ", ")));
+      throw JsonObjectError(fmt::format("found the key {}, expected only {}",
+                                        nlohmann::json(key).dump(), fmt::join(known_, ", ")));
     }
   }
 }

@@ -11,18 +11,18 @@
 namespace lab::dashboard {
 
 /// What was found and what was expected.
-class FormError : public std::runtime_error {
+class JsonObjectError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
 /// Each key is asked for once; finish() then says whether others were there.
-class JsonForm {
+class JsonObjectReader {
  public:
-  /// @throws FormError when the text is no JSON object, or a deep one, or names a key twice.
-  explicit JsonForm(std::string_view text);
+  /// @throws JsonObjectError when the text is no JSON object, or a deep one, or names a key twice.
+  explicit JsonObjectReader(std::string_view text);
 
-  // All throw FormError.
+  // All throw JsonObjectError.
 
   /// UTF-8 without control characters, of at most `most` characters.
   [[nodiscard]] std::string text(const char* key, std::size_t most);

@@ -10,16 +10,16 @@
 namespace lab::dashboard {
 
 /// Called from the threads of a server, answered by the lab's own.
-class LabPort {
+class LabRequestHandler {
  public:
-  LabPort() = default;
-  LabPort(const LabPort&) = delete;
-  LabPort& operator=(const LabPort&) = delete;
-  virtual ~LabPort() = default;
+  LabRequestHandler() = default;
+  LabRequestHandler(const LabRequestHandler&) = delete;
+  LabRequestHandler& operator=(const LabRequestHandler&) = delete;
+  virtual ~LabRequestHandler() = default;
 
   /// Takes a wish. What became of it is told by the topics (docs/dashboard.md).
   /// @return why it is refused, empty: it is taken.
-  [[nodiscard]] virtual std::string wish(const Wish& wish) = 0;
+  [[nodiscard]] virtual std::string wish(const OperatorRequest& wish) = 0;
 
   /// JSON that is made only when somebody asks.
   /// @param what "analysis", "trails", "robot" ...

@@ -33,7 +33,7 @@ struct SpeedLog {
   double speed = 1;  ///< [1] log seconds a second
 };
 
-using Wish = std::variant<StopRobots, ReleaseStop, PauseScript, ResumeScript, MarkRun, EndRun,
-                          ShowLight, ReleaseLight, SeekLog, SpeedLog>;
+using OperatorRequest = std::variant<StopRobots, ReleaseStop, PauseScript, ResumeScript, MarkRun,
+                                     EndRun, ShowLight, ReleaseLight, SeekLog, SpeedLog>;
 
 }  // namespace lab::dashboard

@@ -10,12 +10,13 @@
 namespace lab::dashboard {
 
 /// What is wrong with a text, and what was expected.
-struct BadText {
+struct InvalidRequest {
   std::string why;
 };
 
 /// {"wish": NAME, ...} of docs/dashboard.md. Nothing may be missing, unknown, of another type or
 /// out of range; nothing is repaired.
-[[nodiscard]] std::variant<Wish, BadText> readWish(std::string_view json);
+[[nodiscard]] std::variant<OperatorRequest, InvalidRequest> readOperatorRequest(
+    std::string_view json);
 
 }  // namespace lab::dashboard

@@ -13,10 +13,10 @@ namespace lab::dashboard {
 
 /// One who waits. The loop claims it, does it and says so; who has waited too long withdraws it,
 /// unless it has been claimed.
-struct LabInbox::Errand {
+struct RequestQueue::PendingRequest {
   enum class State { kWaiting, kClaimed, kDone, kWithdrawn };
 
-  explicit Errand(std::function<void()> w) : work(std::move(w)) {}
+  explicit PendingRequest(std::function<void()> w) : work(std::move(w)) {}
 
   void execute() {
     {
@@ -68,25 +68,25 @@ struct LabInbox::Errand {
   State state = State::kWaiting;
 };
 
-LabInbox::LabInbox(Answers answers, std::chrono::milliseconds patience)
+RequestQueue::RequestQueue(Answers answers, std::chrono::milliseconds patience)
     : answers_(std::move(answers)),
       patience_(patience),
       descriptor_(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
   if (descriptor_ < 0) throw std::system_error(errno, std::generic_category(), "eventfd");
 }
 
-LabInbox::~LabInbox() {
+RequestQueue::~RequestQueue() {
   close();
   ::close(descriptor_);
 }
 
-bool LabInbox::ring() const {
+bool RequestQueue::ring() const {
   const std::uint64_t one = 1;
   return ::write(descriptor_, &one, sizeof one) == sizeof one || errno == EAGAIN;
 }
 
-bool LabInbox::run(Queue& queue, std::function<void()> work) {
-  const auto errand = std::make_shared<Errand>(std::move(work));
+bool RequestQueue::run(Queue& queue, std::function<void()> work) {
+  const auto errand = std::make_shared<PendingRequest>(std::move(work));
   {
     const std::lock_guard lock(mutex_);
     // Who has given up waiting takes no place.
@@ -98,25 +98,25 @@ bool LabInbox::run(Queue& queue, std::function<void()> work) {
   return errand->wait(patience_);
 }
 
-std::string LabInbox::wish(const Wish& wish) {
+std::string RequestQueue::wish(const OperatorRequest& wish) {
   std::string refusal;
-  const bool done = run(wishes_, [&] { refusal = answers_.wish(wish); });
+  const bool done = run(requests_, [&] { refusal = answers_.wish(wish); });
   return done ? refusal : "the lab's loop does not answer; nothing was done";
 }
 
-std::optional<std::string> LabInbox::ask(std::string_view what, std::string_view which) {
+std::optional<std::string> RequestQueue::ask(std::string_view what, std::string_view which) {
   std::optional<std::string> answer;
   const bool done = run(questions_, [&] { answer = answers_.ask(what, which); });
   return done ? answer : std::nullopt;
 }
 
-void LabInbox::serve() {
+void RequestQueue::serve() {
   Queue errands;
   {
     const std::lock_guard lock(mutex_);
     std::uint64_t count = 0;
     if (::read(descriptor_, &count, sizeof count) < 0 && errno != EAGAIN) return;
-    errands.swap(wishes_);
+    errands.swap(requests_);
     if (!questions_.empty()) {
       errands.push_back(std::move(questions_.front()));
       questions_.pop_front();
@@ -126,12 +126,12 @@ void LabInbox::serve() {
   for (const auto& errand : errands) errand->execute();
 }
 
-void LabInbox::close() {
+void RequestQueue::close() {
   Queue errands;
   {
     const std::lock_guard lock(mutex_);
     closed_ = true;
-    errands.swap(wishes_);
+    errands.swap(requests_);
     errands.insert(errands.end(), questions_.begin(), questions_.end());
     questions_.clear();
   }

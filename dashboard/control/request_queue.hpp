@@ -17,10 +17,10 @@ namespace lab::dashboard {
 /// What is asked waits until the loop serves it, at most a second: then it is withdrawn, so that
 /// nothing is done that was said to be refused. No wish waits behind more than one question: a stop
 /// may be among them.
-class LabInbox final : public LabPort {
+class RequestQueue final : public LabRequestHandler {
  public:
   struct Answers {
-    std::function<std::string(const Wish&)> wish;
+    std::function<std::string(const OperatorRequest&)> wish;
     std::function<std::optional<std::string>(std::string_view what, std::string_view which)> ask;
   };
 
@@ -28,10 +28,11 @@ class LabInbox final : public LabPort {
 
   /// @param answers called by serve() alone
   /// @throws std::system_error when the machine has no descriptor left
-  explicit LabInbox(Answers answers, std::chrono::milliseconds patience = std::chrono::seconds(1));
-  ~LabInbox() override;
+  explicit RequestQueue(Answers answers,
+                        std::chrono::milliseconds patience = std::chrono::seconds(1));
+  ~RequestQueue() override;
 
-  [[nodiscard]] std::string wish(const Wish& wish) override;
+  [[nodiscard]] std::string wish(const OperatorRequest& wish) override;
   [[nodiscard]] std::optional<std::string> ask(std::string_view what,
                                                std::string_view which) override;
 
@@ -46,8 +47,8 @@ class LabInbox final : public LabPort {
   void close();
 
  private:
-  struct Errand;
-  using Queue = std::deque<std::shared_ptr<Errand>>;
+  struct PendingRequest;
+  using Queue = std::deque<std::shared_ptr<PendingRequest>>;
 
   /// @return whether it was done.
   bool run(Queue& queue, std::function<void()> work);
@@ -58,7 +59,7 @@ class LabInbox final : public LabPort {
   int descriptor_;
   std::mutex mutex_;
   bool closed_ = false;
-  Queue wishes_;
+  Queue requests_;
   Queue questions_;
 };
 

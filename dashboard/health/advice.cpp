@@ -78,14 +78,14 @@ void onServices(const AdviceFacts& facts, std::vector<Advice>& out) {
 
 void onStreams(const AdviceFacts& facts, std::vector<Advice>& out) {
   for (const auto& [channel, messages] : facts.health.notUnderstood()) {
-    out.push_back({Level::kError,
-                   fmt::format("{} messages on {} are of another contract, or broken", messages,
-                               channel),
-                   "somebody on this bus runs another version: end it, or give this lab a port of "
-                   "its own ([network] port)"});
+    out.push_back(
+        {Level::kError,
+         fmt::format("{} messages on {} are of another contract, or broken", messages, channel),
+         "somebody on this bus runs another version: end it, or give this lab a port of "
+         "its own ([network] port)"});
   }
   for (const auto& [key, row] : facts.health.streams()) {
-    if (row.new_losses <= 0 || facts.sheet.replay()) continue;
+    if (row.new_losses <= 0 || facts.run_info.replay()) continue;
     out.push_back({Level::kWarn,
                    fmt::format("{} messages on {} from {} were lost in the last seconds",
                                row.new_losses, key.channel, key.sender),
@@ -93,16 +93,16 @@ void onStreams(const AdviceFacts& facts, std::vector<Advice>& out) {
                    "how to enlarge them"});
   }
   for (const auto& [sender, ahead] : facts.health.ahead()) {
-    out.push_back({Level::kError,
-                   fmt::format("the clock of {} is {:.1f} s ahead of this machine's", sender,
-                               ahead),
-                   "set the clocks of all hosts by NTP or PTP; a clock that jumped spoils delays"});
+    out.push_back(
+        {Level::kError,
+         fmt::format("the clock of {} is {:.1f} s ahead of this machine's", sender, ahead),
+         "set the clocks of all hosts by NTP or PTP; a clock that jumped spoils delays"});
   }
 }
 
 void onRobots(const AdviceFacts& facts, std::vector<Advice>& out) {
   Group missing, silent, rivals, rejected, lease, saturated, battery, errors;
-  for (const RobotSpec& robot : facts.sheet.experiment().robots) {
+  for (const RobotSpec& robot : facts.run_info.experiment().robots) {
     const auto row = facts.robots.rows().find(robot.id);
     const bool heard = row != facts.robots.rows().end() && !row->second.owner.empty();
     if (!heard && facts.isLive()) missing.add(robot.id);
@@ -195,9 +195,12 @@ void onLinks(const AdviceFacts& facts, std::vector<Advice>& out) {
 
 const char* levelName(Level level) {
   switch (level) {
-    case Level::kError: return "error";
-    case Level::kWarn: return "warn";
-    case Level::kInfo: return "info";
+    case Level::kError:
+      return "error";
+    case Level::kWarn:
+      return "warn";
+    case Level::kInfo:
+      return "info";
   }
   return "";
 }
@@ -210,8 +213,9 @@ std::vector<Advice> adviceOn(const AdviceFacts& facts) {
     return {{Level::kInfo, "no lab is heard on this bus",
              "start one: lab run FILE, or under Runs on this page"}};
   }
-  if (!facts.sheet.trouble().empty()) {
-    out.push_back({Level::kError, "the run's experiment cannot be read: " + facts.sheet.trouble(),
+  if (!facts.run_info.trouble().empty()) {
+    out.push_back({Level::kError,
+                   "the run's experiment cannot be read: " + facts.run_info.trouble(),
                    "the lab runs another version than this page: start both from one build"});
   }
   if (facts.now - facts.bus_utime > kSilentBus_us && !facts.ended) {

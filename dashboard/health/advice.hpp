@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "dashboard/health/health_view.hpp"
-#include "dashboard/views/run_info.hpp"
 #include "dashboard/views/robots_view.hpp"
+#include "dashboard/views/run_info.hpp"
 
 namespace lab::dashboard {
 
@@ -24,7 +24,7 @@ struct Advice {
 /// Of the lab as it is. Nobody is blamed for silence once the run has ended, nor for that of a
 /// played log, which is paused, jumps and is played faster.
 struct AdviceFacts {
-  const LabSheet& sheet;
+  const RunInfo& run_info;
   const HealthView& health;
   const RobotsView& robots;
   const std::optional<light_status_t>& light;
@@ -33,7 +33,7 @@ struct AdviceFacts {
   bool ended = false;
   std::int64_t now = 0;
 
-  [[nodiscard]] bool isLive() const { return !ended && !sheet.replay(); }
+  [[nodiscard]] bool isLive() const { return !ended && !run_info.replay(); }
 };
 
 /// Errors first.

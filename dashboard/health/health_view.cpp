@@ -15,30 +15,44 @@ constexpr double kAhead = 1;             // [s]
 
 const char* stateName(std::int8_t state) {
   switch (state) {
-    case service_status_t::STARTING: return "starting";
-    case service_status_t::READY: return "ready";
-    case service_status_t::FAULT: return "fault";
-    case service_status_t::ENDED: return "ended";
-    default: return "unknown";
+    case service_status_t::STARTING:
+      return "starting";
+    case service_status_t::READY:
+      return "ready";
+    case service_status_t::FAULT:
+      return "fault";
+    case service_status_t::ENDED:
+      return "ended";
+    default:
+      return "unknown";
   }
 }
 
 const char* trackerStateName(std::int8_t state) {
   switch (state) {
-    case tracker_status_t::WAITING: return "waiting";
-    case tracker_status_t::RUNNING: return "running";
-    case tracker_status_t::GONE: return "gone";
-    case tracker_status_t::ENDED: return "ended";
-    default: return "unknown";
+    case tracker_status_t::WAITING:
+      return "waiting";
+    case tracker_status_t::RUNNING:
+      return "running";
+    case tracker_status_t::GONE:
+      return "gone";
+    case tracker_status_t::ENDED:
+      return "ended";
+    default:
+      return "unknown";
   }
 }
 
 const char* peerStateName(std::int8_t state) {
   switch (state) {
-    case link_peer_t::JOINED: return "joined";
-    case link_peer_t::SILENT: return "silent";
-    case link_peer_t::REFUSED: return "refused";
-    default: return "unknown";
+    case link_peer_t::JOINED:
+      return "joined";
+    case link_peer_t::SILENT:
+      return "silent";
+    case link_peer_t::REFUSED:
+      return "refused";
+    default:
+      return "unknown";
   }
 }
 
@@ -102,7 +116,7 @@ Json linksJson(const std::map<std::string, link_status_t>& links) {
 
 }  // namespace
 
-void HealthView::count(std::string_view channel, const Header& header, std::int64_t now) {
+void HealthView::count(std::string_view channel, const MessageHeader& header, std::int64_t now) {
   const bool same = last_ != nullptr && last_->first.instance == header.instance &&
                     last_->first.channel == channel && last_->first.sender == header.sender;
   if (!same) {

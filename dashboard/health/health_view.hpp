@@ -15,8 +15,8 @@
 
 #include "common/bus/message_header.hpp"
 #include "common/bus/stream_counter.hpp"
-#include "dashboard/views/json.hpp"
 #include "dashboard/health/process_meter.hpp"
+#include "dashboard/views/json.hpp"
 
 namespace lab::dashboard {
 
@@ -30,8 +30,8 @@ struct ServiceRow {
 
 struct StreamRow {
   std::int64_t heard_utime = 0;
-  double rate = 0;  ///< [1/s] over the last seconds
-  std::int64_t new_losses = 0;  ///< over the same time
+  double rate = 0;                         ///< [1/s] over the last seconds
+  std::int64_t new_losses = 0;             ///< over the same time
   std::array<std::int64_t, 5> received{};  ///< second by second
   std::array<std::int64_t, 5> lost{};
   std::int64_t ticks = 0;
@@ -44,7 +44,7 @@ class HealthView {
   static constexpr std::int64_t kSilent_us = 3'000'000;  ///< of a service
 
   /// Every message of the lab, whether it is decoded or not.
-  void count(std::string_view channel, const Header& header, std::int64_t now);
+  void count(std::string_view channel, const MessageHeader& header, std::int64_t now);
 
   /// Of a type that is not ours, or broken.
   void countNotUnderstood(std::string_view channel);

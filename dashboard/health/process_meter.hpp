@@ -12,9 +12,9 @@ namespace lab::dashboard {
 
 /// One process so far.
 struct ProcessTimes {
-  double cpu = 0;           ///< [s] user and system
-  double memory = 0;        ///< [byte] resident
-  std::int64_t begun = 0;   ///< tells two processes of one number apart
+  double cpu = 0;          ///< [s] user and system
+  double memory = 0;       ///< [byte] resident
+  std::int64_t begun = 0;  ///< tells two processes of one number apart
 };
 
 struct ProcessUse {

@@ -26,7 +26,7 @@ namespace {
 constexpr std::size_t kMostOutput = 16 * 1024;  // bytes
 constexpr const char* kOutput = "output.txt";
 constexpr int kRuns = std::numeric_limits<int>::min();  // in place of an exit code
-constexpr std::chrono::milliseconds kLook{100};  // whether it is to stop
+constexpr std::chrono::milliseconds kLook{100};         // whether it is to stop
 
 int codeOf(int status) {
   return WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);

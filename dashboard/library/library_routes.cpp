@@ -61,34 +61,34 @@ void sendFile(const fs::path& path, httplib::Response& response) {
 
 }  // namespace
 
-WebLibrary::WebLibrary(LabStarter::Places places)
-    : runs_(places.runs), starter_(std::move(places)) {}
+LibraryRoutes::LibraryRoutes(RunLauncher::Places places)
+    : runs_(places.runs), launcher_(std::move(places)) {}
 
-Decision WebLibrary::get(const httplib::Request& request, bool control,
-                         httplib::Response& response) {
+Decision LibraryRoutes::get(const httplib::Request& request, bool control,
+                            httplib::Response& response) {
   constexpr std::string_view kRuns = "/api/runs/";
   const std::string& path = request.path;
   if (path == "/api/compare") return compare(request, response);
   if (path.starts_with(kRuns)) return file(path.substr(kRuns.size()), response);
   if (path == "/api/runs") {
-    answerJson(response, runs_.json());
+    respondJson(response, runs_.json());
   } else if (path == "/api/experiments") {
-    answerJson(response, starter_.experiments());
+    respondJson(response, launcher_.experiments());
   } else if (path == "/api/started") {
-    answerJson(response, starter_.started(control));
+    respondJson(response, launcher_.started(control));
   } else {
     return {Refusal::kPath, 404, "there is no such path; docs/dashboard.md lists all"};
   }
   return {};
 }
 
-void WebLibrary::post(const httplib::Request& request, httplib::Response& response) {
-  LabStarter::Answer answer =
-      request.path == "/api/start" ? starter_.start(request.body) : starter_.check(request.body);
-  answerJson(response, std::move(answer.json), answer.status);
+void LibraryRoutes::post(const httplib::Request& request, httplib::Response& response) {
+  RunLauncher::Answer answer =
+      request.path == "/api/start" ? launcher_.start(request.body) : launcher_.check(request.body);
+  respondJson(response, std::move(answer.json), answer.status);
 }
 
-Decision WebLibrary::compare(const httplib::Request& request, httplib::Response& response) {
+Decision LibraryRoutes::compare(const httplib::Request& request, httplib::Response& response) {
   auto all = nlohmann::ordered_json::array();
   std::istringstream names(request.get_param_value("runs"));
   std::size_t count = 0;
@@ -99,13 +99,14 @@ Decision WebLibrary::compare(const httplib::Request& request, httplib::Response&
     if (!runs_.folderOf(name)) return {Refusal::kPath, 404, "runs: there is no run " + name};
     const auto summary = runs_.file(name, "summary.json");
     if (!summary) {
-      answerError(response, 409, name + " has no summary.json; lab analyze makes one from its log");
+      respondError(response, 409,
+                   name + " has no summary.json; lab analyze makes one from its log");
       return {};
     }
     if (fs::file_size(*summary) > kLargestSummary) {
-      answerError(response, 409,
-                  fmt::format("{}: its summary.json has more than {} MB; compare by lab report",
-                              name, kLargestSummary / 1'000'000));
+      respondError(response, 409,
+                   fmt::format("{}: its summary.json has more than {} MB; compare by lab report",
+                               name, kLargestSummary / 1'000'000));
       return {};
     }
     std::ifstream stream(*summary, std::ios::binary);
@@ -113,15 +114,15 @@ Decision WebLibrary::compare(const httplib::Request& request, httplib::Response&
     try {
       for (auto& program : curvesOf(name, text)) all.push_back(std::move(program));
     } catch (const std::runtime_error& error) {
-      answerError(response, 409, error.what());
+      respondError(response, 409, error.what());
       return {};
     }
   }
-  answerJson(response, all.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+  respondJson(response, all.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
   return {};
 }
 
-Decision WebLibrary::file(const std::string& run_and_name, httplib::Response& response) {
+Decision LibraryRoutes::file(const std::string& run_and_name, httplib::Response& response) {
   const std::size_t slash = run_and_name.find('/');
   if (slash != std::string::npos) {
     const std::string name = run_and_name.substr(slash + 1);

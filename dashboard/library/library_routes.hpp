@@ -5,17 +5,17 @@
 
 #include <string>
 
-#include "dashboard/web/http_guard.hpp"
 #include "dashboard/library/run_launcher.hpp"
 #include "dashboard/library/run_list.hpp"
+#include "dashboard/web/http_guard.hpp"
 
 namespace lab::dashboard {
 
 /// The paths /api/runs, /api/compare, /api/experiments, /api/started, /api/check and /api/start.
 /// From any thread.
-class WebLibrary {
+class LibraryRoutes {
  public:
-  explicit WebLibrary(LabStarter::Places places);
+  explicit LibraryRoutes(RunLauncher::Places places);
 
   /// Answers a GET.
   /// @param control whether who asks may use the buttons
@@ -23,18 +23,18 @@ class WebLibrary {
   [[nodiscard]] Decision get(const httplib::Request& request, bool control,
                              httplib::Response& response);
 
-  /// Answers a POST to /api/check or /api/start. @throws FormError
+  /// Answers a POST to /api/check or /api/start. @throws JsonObjectError
   void post(const httplib::Request& request, httplib::Response& response);
 
   /// What is under way ends soon.
-  void close() { starter_.close(); }
+  void close() { launcher_.close(); }
 
  private:
   [[nodiscard]] Decision compare(const httplib::Request& request, httplib::Response& response);
   [[nodiscard]] Decision file(const std::string& run_and_name, httplib::Response& response);
 
   RunList runs_;
-  LabStarter starter_;
+  RunLauncher launcher_;
 };
 
 }  // namespace lab::dashboard

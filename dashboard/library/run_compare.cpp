@@ -10,7 +10,7 @@ namespace lab::dashboard {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using report::PeopleUnit;
+using lab::DisplayUnit;
 
 /// A key of summary.json: "D_r_rad2_s" is D_r in rad²/s. The longest unit that fits is meant.
 struct NamedUnit {
@@ -22,7 +22,7 @@ NamedUnit splitKey(const std::string& key) {
   NamedUnit found{key, ""};
   for (const char* si :
        {"m", "m^2", "m/s", "m^2/s", "rad", "rad^2", "rad/s", "rad^2/s", "1/s", "s"}) {
-    const PeopleUnit unit = report::peopleUnit(si);
+    const DisplayUnit unit = lab::displayUnit(si);
     const std::string ending = "_" + unit.key;
     const std::size_t length = key.size() - ending.size();
     if (key.ends_with(ending) && length < found.name.size()) {
@@ -38,7 +38,7 @@ Json valueOr(const Json& object, const std::string& key, Json otherwise) {
 }
 
 Json curve(const char* name, const char* si_unit, const Json& columns) {
-  const PeopleUnit unit = report::peopleUnit(si_unit);
+  const DisplayUnit unit = lab::displayUnit(si_unit);
   const auto column = [&columns](const std::string& key) {
     return valueOr(columns, key, Json::array());
   };

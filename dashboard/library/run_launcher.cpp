@@ -9,8 +9,8 @@
 #include <stdexcept>
 #include <vector>
 
-#include "dashboard/library/experiment_list.hpp"
 #include "dashboard/control/json_object_reader.hpp"
+#include "dashboard/library/experiment_list.hpp"
 
 namespace lab::dashboard {
 namespace fs = std::filesystem;
@@ -27,7 +27,7 @@ std::string dump(const Json& json) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-LabStarter::Answer refusal(int status, const std::string& why) {
+RunLauncher::Answer refusal(int status, const std::string& why) {
   return {status, dump(Json{{"error", why}})};
 }
 
@@ -36,11 +36,11 @@ struct Order {
   std::string file;
   std::vector<std::string> set;
 
-  explicit Order(JsonForm& form)
+  explicit Order(JsonObjectReader& form)
       : file(form.text("file", kLongestText)), set(form.texts("set", kMostSettings, kLongestText)) {
     for (const std::string& one : set) {
       if (one.find('=') == std::string::npos || one.starts_with('=')) {
-        throw FormError(fmt::format("set: found \"{}\", expected key=value", one));
+        throw JsonObjectError(fmt::format("set: found \"{}\", expected key=value", one));
       }
     }
   }
@@ -91,12 +91,12 @@ std::string withoutToken(std::string text) {
 
 }  // namespace
 
-std::string LabStarter::experiments() const {
+std::string RunLauncher::experiments() const {
   return experimentsJson(listExperiments(places_.experiments, places_.own));
 }
 
-LabStarter::Answer LabStarter::check(std::string_view body) {
-  JsonForm form(body);
+RunLauncher::Answer RunLauncher::check(std::string_view body) {
+  JsonObjectReader form(body);
   const Order order(form);
   form.finish();
   const auto path = experimentPath(listExperiments(places_.experiments, places_.own), order.file);
@@ -108,8 +108,8 @@ LabStarter::Answer LabStarter::check(std::string_view body) {
   return {200, dump(Json{{"ok", result.code == 0}, {"text", result.output + late}})};
 }
 
-LabStarter::Answer LabStarter::start(std::string_view body) {
-  JsonForm form(body);
+RunLauncher::Answer RunLauncher::start(std::string_view body) {
+  JsonObjectReader form(body);
   const Order order(form);
   const bool virtual_time = form.flag("virtual_time");
   form.finish();
@@ -133,7 +133,7 @@ LabStarter::Answer LabStarter::start(std::string_view body) {
   return {202, "{}"};
 }
 
-std::string LabStarter::started(bool control) {
+std::string RunLauncher::started(bool control) {
   const std::lock_guard lock(mutex_);
   if (!run_) {
     return dump(

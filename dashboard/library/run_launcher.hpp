@@ -14,7 +14,7 @@
 namespace lab::dashboard {
 
 /// From any thread.
-class LabStarter {
+class RunLauncher {
  public:
   struct Places {
     std::filesystem::path programs;     ///< where `lab` is
@@ -28,11 +28,11 @@ class LabStarter {
     std::string json;
   };
 
-  explicit LabStarter(Places places) : places_(std::move(places)) {}
+  explicit RunLauncher(Places places) : places_(std::move(places)) {}
 
   [[nodiscard]] std::string experiments() const;
 
-  // Both take the body of the request. @throws FormError for what it must not be.
+  // Both take the body of the request. @throws JsonObjectError for what it must not be.
   [[nodiscard]] Answer check(std::string_view body);
   [[nodiscard]] Answer start(std::string_view body);
 

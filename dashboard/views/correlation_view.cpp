@@ -13,10 +13,10 @@ namespace {
 
 using units::kNan;
 
-constexpr double kFrame = 0.05;       // [s] between the frames that are taken
+constexpr double kFrame = 0.05;  // [s] between the frames that are taken
 constexpr double kLeastStep = 2 * kFrame;
-constexpr double kTolerance = 0.3;    // of a step, for the time between two headings
-constexpr double kFirstBlock = 2;     // times the longest lag
+constexpr double kTolerance = 0.3;        // of a step, for the time between two headings
+constexpr double kFirstBlock = 2;         // times the longest lag
 constexpr std::size_t kFewestBlocks = 6;  // for an error
 constexpr double kFewestPairs = 10;
 
@@ -35,9 +35,7 @@ double stepOf(const analysis::ProgramLaw& law) {
 }  // namespace
 
 HeadingCorrelation::HeadingCorrelation(const analysis::ProgramLaw& law)
-    : law_(law),
-      step_(stepOf(law)),
-      block_(kFirstBlock * step_ * kLags) {}
+    : law_(law), step_(stepOf(law)), block_(kFirstBlock * step_ * kLags) {}
 
 void HeadingCorrelation::Sums::add(const Sums& other) {
   for (std::size_t k = 0; k < kLags; ++k) {
@@ -125,8 +123,8 @@ LengthCurve HeadingCorrelation::curve(double speed) const {
 }
 
 analysis::AnalysisFeed* CorrelationView::feed() {
-  if (feed_ || !wanted_ || !sheet_.known()) return feed_.get();
-  const Experiment& experiment = sheet_.experiment();
+  if (feed_ || !wanted_ || !run_info_.known()) return feed_.get();
+  const Experiment& experiment = run_info_.experiment();
   const double wheel_base = experiment.hardware.diameter;
   std::vector<std::pair<analysis::ProgramLaw, std::string>> laws;
   for (const auto& [name, program] : experiment.programs) {
@@ -164,7 +162,7 @@ void CorrelationView::clear() {
 std::optional<LengthCurve> CorrelationView::curve(const std::string& program, double speed) const {
   const auto found = programs_.find(program);
   if (found == programs_.end()) return std::nullopt;
-  const auto& programs = sheet_.experiment().programs;
+  const auto& programs = run_info_.experiment().programs;
   const auto spec = programs.find(program);
   if (spec == programs.end()) return std::nullopt;  // of an experiment before
   LengthCurve curve = found->second.curve(speed > 0 ? speed : spec->second.v);

@@ -25,7 +25,7 @@ namespace lab::dashboard {
 class HeadingCorrelation {
  public:
   static constexpr std::size_t kLags = 24;
-  static constexpr double kReach = 4;  ///< persistence times up to which it is measured
+  static constexpr double kReach = 4;        ///< persistence times up to which it is measured
   static constexpr std::size_t kGroups = 8;  ///< of robots
   static constexpr std::size_t kMostTimes = 16;
 
@@ -56,9 +56,9 @@ class HeadingCorrelation {
   Row& rowAt(double time);
 
   analysis::ExactLaw law_;
-  double step_;         ///< [s] between lags
-  double block_ = 0;    ///< [s] of a row
-  double begin_ = -1;   ///< [s] of the first row, -1: none yet
+  double step_;        ///< [s] between lags
+  double block_ = 0;   ///< [s] of a row
+  double begin_ = -1;  ///< [s] of the first row, -1: none yet
   std::vector<Row> rows_;
   std::map<int, std::deque<Heading>> headings_;
 };
@@ -66,7 +66,7 @@ class HeadingCorrelation {
 /// Of all ABP programs of the experiment, with the analyzer's own stitched tracks.
 class CorrelationView {
  public:
-  explicit CorrelationView(const LabSheet& sheet) : sheet_(sheet) {}
+  explicit CorrelationView(const RunInfo& run_info) : run_info_(run_info) {}
 
   void take(const robot_status_t& status);
   void take(const tracked_frame_t& frame);
@@ -79,7 +79,7 @@ class CorrelationView {
  private:
   analysis::AnalysisFeed* feed();
 
-  const LabSheet& sheet_;
+  const RunInfo& run_info_;
   std::unique_ptr<analysis::AnalysisFeed> feed_;
   bool wanted_ = true;  ///< the experiment has such a program
   std::map<std::string, HeadingCorrelation> programs_;

@@ -11,9 +11,12 @@ namespace {
 
 const char* verdictName(std::int8_t verdict) {
   switch (verdict) {
-    case analysis_t::AGREES: return "agrees";
-    case analysis_t::DISAGREES: return "disagrees";
-    default: return "undecided";
+    case analysis_t::AGREES:
+      return "agrees";
+    case analysis_t::DISAGREES:
+      return "disagrees";
+    default:
+      return "undecided";
   }
 }
 
@@ -25,7 +28,7 @@ Json numbers(const Values& values, double factor) {
 }
 
 Json curveJson(const curve_t& curve) {
-  const report::PeopleUnit unit = report::peopleUnit(curve.unit);
+  const lab::DisplayUnit unit = lab::displayUnit(curve.unit);
   return {{"name", curve.name},
           {"unit", unit.text},
           {"lag", numbers(curve.lag, 1)},
@@ -38,7 +41,7 @@ Json curveJson(const curve_t& curve) {
 }
 
 Json estimateJson(const estimate_t& estimate) {
-  const report::PeopleUnit unit = report::peopleUnit(estimate.unit);
+  const lab::DisplayUnit unit = lab::displayUnit(estimate.unit);
   return {{"name", estimate.name},
           {"unit", unit.text},
           {"value", number(estimate.value * unit.factor)},

@@ -4,8 +4,8 @@
 #include <utility>
 
 #include "common/math/units.hpp"
-#include "dashboard/views/json.hpp"
 #include "common/text/format.hpp"
+#include "dashboard/views/json.hpp"
 
 namespace lab::dashboard {
 namespace {
@@ -61,7 +61,7 @@ std::string HistoryView::json(const std::string& program) const {
   for (const double time : found->second.times) times.push_back(number(time));
   Json estimates = Json::array();
   for (const auto& [name, line] : found->second.lines) {
-    const report::PeopleUnit unit = report::peopleUnit(line.unit);
+    const lab::DisplayUnit unit = lab::displayUnit(line.unit);
     Json values = Json::array();
     Json lows = Json::array();
     Json highs = Json::array();

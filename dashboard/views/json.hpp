@@ -13,7 +13,7 @@ namespace lab::dashboard {
 using Json = nlohmann::ordered_json;
 
 /// Rounded to six figures; null where it is no number.
-using report::number;
+using lab::number;
 
 /// A time of day, null where it is 0: not known.
 [[nodiscard]] inline Json timeOrNull(std::int64_t utime) {

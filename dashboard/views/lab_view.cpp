@@ -67,9 +67,8 @@ void LabView::subscribe() {
     tracks_.take(frame);
     correlation_.take(frame);
   });
-  on<robot_stop_t>(channels::kRobotStop, [this](const auto& stop, std::int64_t now) {
-    controls_.take(stop, now);
-  });
+  on<robot_stop_t>(channels::kRobotStop,
+                   [this](const auto& stop, std::int64_t now) { controls_.take(stop, now); });
   on<light_status_t>(channels::kLightStatus, [this](const auto& status, std::int64_t now) {
     light_.take(status);
     light_utime_ = now;
@@ -81,18 +80,15 @@ void LabView::subscribe() {
     curves_.take(analysis);
     if (analysis.robot_id != analysis_t::POOL) return;
     if (history_.take(analysis, timeline_.startUtime())) {
-      publishPart(kHistory, analysis.program_name, history_.json(analysis.program_name));
+      publishNamedTopic(kHistory, analysis.program_name, history_.json(analysis.program_name));
     }
   });
-  on<service_status_t>(channels::kServiceStatus, [this](const auto& status, std::int64_t now) {
-    health_.take(status, now);
-  });
-  on<tracker_status_t>(channels::kTrackerStatus, [this](const auto& status, std::int64_t now) {
-    health_.take(status, now);
-  });
-  on<link_status_t>(channels::kLinkStatus, [this](const auto& status, std::int64_t now) {
-    health_.take(status, now);
-  });
+  on<service_status_t>(channels::kServiceStatus,
+                       [this](const auto& status, std::int64_t now) { health_.take(status, now); });
+  on<tracker_status_t>(channels::kTrackerStatus,
+                       [this](const auto& status, std::int64_t now) { health_.take(status, now); });
+  on<link_status_t>(channels::kLinkStatus,
+                    [this](const auto& status, std::int64_t now) { health_.take(status, now); });
   on<experiment_event_t>(channels::kExperimentEvent,
                          [this](const auto& event, std::int64_t now) { take(event, now); });
   on<experiment_status_t>(channels::kExperimentStatus,
@@ -100,20 +96,20 @@ void LabView::subscribe() {
 }
 
 void LabView::begin(const Experiment& experiment, const std::string& run) {
-  sheet_.set(experiment, run);
+  run_info_.set(experiment, run);
   useExperiment();
 }
 
 void LabView::useExperiment() {
-  const Experiment& experiment = sheet_.experiment();
+  const Experiment& experiment = run_info_.experiment();
   light_.setArena(experiment.arena_width, experiment.arena_height);
-  light_.setImages(images_(experiment, sheet_.run()));
+  light_.setImages(images_(experiment, run_info_.run()));
   controls_.expect(commandedRobots(experiment));
   robots_.renumber();
-  sheet_changed_ = true;
+  run_info_changed_ = true;
 }
 
-bool LabView::isWanted(std::string_view channel, const Header& header) {
+bool LabView::isWanted(std::string_view channel, const MessageHeader& header) {
   if (channel != channels::kTrackedFrame) return true;
   // A camera may be faster than anybody can look: one frame for each of the page's.
   auto last = frames_.find(header.sender);
@@ -125,7 +121,7 @@ bool LabView::isWanted(std::string_view channel, const Header& header) {
 }
 
 void LabView::take(const Packet& packet, std::int64_t now) {
-  const std::optional<Header> header = peekHeader(packet.data);
+  const std::optional<MessageHeader> header = peekHeader(packet.data);
   if (!header) {
     health_.countNotUnderstood(packet.channel);
     return;
@@ -143,15 +139,15 @@ void LabView::take(const Packet& packet, std::int64_t now) {
 
 void LabView::take(const experiment_event_t& event, std::int64_t) {
   if (event.kind == experiment_event_t::START) {
-    const std::string before = sheet_.text();
-    const LabSheet::News news = sheet_.take(event);
-    if (sheet_.text() != before) correlation_.clear();  // its laws are of those programs
-    if (news == LabSheet::News::kOtherRun) {
+    const std::string before = run_info_.text();
+    const RunInfo::RunChange news = run_info_.take(event);
+    if (run_info_.text() != before) correlation_.clear();  // its laws are of those programs
+    if (news == RunInfo::RunChange::kOtherRun) {
       health_.clear();
       clearRun();
       controls_.forget();
     }
-    if (news != LabSheet::News::kNone) useExperiment();
+    if (news != RunInfo::RunChange::kNone) useExperiment();
   }
   timeline_.take(event);
 }
@@ -162,11 +158,11 @@ void LabView::take(const experiment_status_t& status, std::int64_t now) {
     health_.clear();
     clearRun();
   }
-  if (sheet_.run() != status.run || sheet_.replay() != replay) {
-    const bool named = sheet_.run().empty();
-    sheet_.setRun(status.run, replay);
-    if (named && sheet_.known()) light_.setImages(images_(sheet_.experiment(), status.run));
-    sheet_changed_ = true;
+  if (run_info_.run() != status.run || run_info_.replay() != replay) {
+    const bool named = run_info_.run().empty();
+    run_info_.setRun(status.run, replay);
+    if (named && run_info_.known()) light_.setImages(images_(run_info_.experiment(), status.run));
+    run_info_changed_ = true;
   }
   script_ = status;
   timeline_.take(status);
@@ -188,8 +184,8 @@ void LabView::clearRun() {
   delivery_.reset();
   script_.reset();
   frames_.clear();
-  for (const std::string& topic : parts_) hub_.remove(topic);
-  parts_.clear();
+  for (const std::string& topic : named_topics_) hub_.remove(topic);
+  named_topics_.clear();
   for (const char* topic : {".light", "light", "delivery", "camera", "player"}) hub_.remove(topic);
 }
 
@@ -198,14 +194,15 @@ void LabView::publish(std::string_view topic, std::string text) {
   if (!before || *before != text) hub_.publish(topic, std::move(text));
 }
 
-void LabView::publishPart(const std::string& kind, const std::string& name, std::string text) {
+void LabView::publishNamedTopic(const std::string& kind, const std::string& name,
+                                std::string text) {
   const std::string topic = kind + "/" + name;
-  parts_.insert(topic);
+  named_topics_.insert(topic);
   publish(topic, std::move(text));
 }
 
 void LabView::publishMoving(std::int64_t now, bool watched) {
-  if (std::exchange(sheet_changed_, false)) publish("lab", sheet_.json());
+  if (std::exchange(run_info_changed_, false)) publish("lab", run_info_.json());
   const bool moved = frame_count_ != robots_.frames();
   const std::int64_t wait = watched && moved ? kFrame_us - kFrame_us / 5 : kUnwatched_us;
   if (now - frame_utime_ >= wait) {
@@ -216,7 +213,7 @@ void LabView::publishMoving(std::int64_t now, bool watched) {
   if ((watched || light_.pixels().empty()) && light_.paint(now)) {
     // The bytes are no text of a stream: they are asked for when the picture's number is another.
     hub_.publishQuietly(".light", {light_.pixels().begin(), light_.pixels().end()});
-    publish("light", light_.json(sheet_.conductor()));
+    publish("light", light_.json(run_info_.conductor()));
   }
   if (std::exchange(timeline_version_, timeline_.version()) != timeline_.version()) {
     publish("timeline", timeline_.json());
@@ -232,14 +229,14 @@ void LabView::publishPools() {
     if (const auto curve = correlation_.curve(name, estimateOf(pool, "v"))) {
       json["curves"].push_back(curveJson(*curve));
     }
-    publishPart(kPool, name, toText(json));
+    publishNamedTopic(kPool, name, toText(json));
   }
   for (const std::string& name : run_times_.takeChanged()) {
-    publishPart(kRuns, name, run_times_.json(name));
+    publishNamedTopic(kRuns, name, run_times_.json(name));
   }
 }
 
-void LabView::publishSums(std::int64_t now, const ServerFacts& server) {
+void LabView::publishTotals(std::int64_t now, const ServerFacts& server) {
   health_.tick(now);
   publish("robots", robots_.robotsJson(now));
   publishPools();
@@ -252,7 +249,7 @@ void LabView::publishSums(std::int64_t now, const ServerFacts& server) {
 
 Json LabView::healthJson(std::int64_t now, const ServerFacts& server) const {
   Json json = health_.json(now, server.host, server.uses);
-  json["advice"] = adviceJson(adviceOn({.sheet = sheet_,
+  json["advice"] = adviceJson(adviceOn({.run_info = run_info_,
                                         .health = health_,
                                         .robots = robots_,
                                         .light = light_.status(),
@@ -284,12 +281,13 @@ std::string LabView::cameraJson() const {
   const tracker_status_t& tracker = *health_.tracker();
   const char* const states[] = {"unknown", "waiting", "running", "gone", "ended"};
   const bool known = tracker.state >= 1 && tracker.state <= 4;
-  return toText({{"state", states[known ? tracker.state : 0]},
-                 {"width_px", tracker.width},
-                 {"height_px", tracker.height},
-                 {"fps", number(tracker.fps)},
-                 {"trouble", tracker.trouble},
-                 {"picture", !sheet_.replay() && sheet_.experiment().camera.debug_port != 0}});
+  return toText(
+      {{"state", states[known ? tracker.state : 0]},
+       {"width_px", tracker.width},
+       {"height_px", tracker.height},
+       {"fps", number(tracker.fps)},
+       {"trouble", tracker.trouble},
+       {"picture", !run_info_.replay() && run_info_.experiment().camera.debug_port != 0}});
 }
 
 std::optional<std::string> LabView::ask(std::string_view what, std::string_view which,

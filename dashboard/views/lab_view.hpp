@@ -13,18 +13,18 @@
 
 #include "common/bus/bus.hpp"
 #include "dashboard/control/controls.hpp"
+#include "dashboard/health/health_view.hpp"
+#include "dashboard/health/process_meter.hpp"
 #include "dashboard/views/correlation_view.hpp"
 #include "dashboard/views/curves_view.hpp"
-#include "dashboard/health/health_view.hpp"
 #include "dashboard/views/history_view.hpp"
-#include "dashboard/web/hub.hpp"
-#include "dashboard/views/run_info.hpp"
 #include "dashboard/views/light_picture.hpp"
-#include "dashboard/health/process_meter.hpp"
 #include "dashboard/views/robots_view.hpp"
+#include "dashboard/views/run_info.hpp"
 #include "dashboard/views/run_times.hpp"
 #include "dashboard/views/timeline_view.hpp"
 #include "dashboard/views/tracks_view.hpp"
+#include "dashboard/web/hub.hpp"
 #include "dashboard/web/web_server.hpp"
 
 namespace lab::dashboard {
@@ -61,9 +61,9 @@ class LabView {
   void publishMoving(std::int64_t now, bool watched);
 
   /// Every second: what adds up.
-  void publishSums(std::int64_t now, const ServerFacts& server);
+  void publishTotals(std::int64_t now, const ServerFacts& server);
 
-  /// Of LabPort::ask().
+  /// Of LabRequestHandler::ask().
   [[nodiscard]] std::optional<std::string> ask(std::string_view what, std::string_view which,
                                                std::int64_t now);
 
@@ -74,16 +74,15 @@ class LabView {
   using Take = std::function<bool(Bytes, std::int64_t now)>;
 
   template <class Message>
-  void on(std::string_view channel,
-          std::function<void(const Message&, std::int64_t now)> handler);
+  void on(std::string_view channel, std::function<void(const Message&, std::int64_t now)> handler);
   void subscribe();
-  [[nodiscard]] bool isWanted(std::string_view channel, const Header& header);
+  [[nodiscard]] bool isWanted(std::string_view channel, const MessageHeader& header);
   void take(const experiment_event_t& event, std::int64_t now);
   void take(const experiment_status_t& status, std::int64_t now);
   void clearRun();
   void useExperiment();
   void publish(std::string_view topic, std::string text);
-  void publishPart(const std::string& kind, const std::string& name, std::string text);
+  void publishNamedTopic(const std::string& kind, const std::string& name, std::string text);
   void publishPools();
   [[nodiscard]] Json healthJson(std::int64_t now, const ServerFacts& server) const;
   [[nodiscard]] std::string cameraJson() const;
@@ -94,12 +93,12 @@ class LabView {
   Images images_;
   std::map<std::string, Take, std::less<>> takes_;
 
-  LabSheet sheet_;
-  RobotsView robots_{sheet_};
+  RunInfo run_info_;
+  RobotsView robots_{run_info_};
   TracksView tracks_;
-  RunTimes run_times_{sheet_};
+  RunTimes run_times_{run_info_};
   CurvesView curves_;
-  CorrelationView correlation_{sheet_};
+  CorrelationView correlation_{run_info_};
   HistoryView history_;
   TimelineView timeline_;
   HealthView health_;
@@ -109,7 +108,7 @@ class LabView {
   std::optional<light_delivery_t> delivery_;
 
   std::map<std::string, std::int64_t, std::less<>> frames_;  ///< number of the last one, by sender
-  std::set<std::string> parts_;                              ///< topics with a name in them
+  std::set<std::string> named_topics_;                       ///< topics with a name in them
   std::string trails_;                                       ///< the last answer, empty: none
   std::int64_t trails_utime_ = 0;
   std::int64_t bus_utime_ = 0;  ///< others were heard, 0: never
@@ -117,7 +116,7 @@ class LabView {
   std::int64_t frame_utime_ = 0;  ///< when topic `frame` was made
   std::uint64_t frame_count_ = 0;
   std::uint64_t timeline_version_ = 0;
-  bool sheet_changed_ = true;
+  bool run_info_changed_ = true;
 };
 
 }  // namespace lab::dashboard

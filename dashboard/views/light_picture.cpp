@@ -24,13 +24,13 @@ void LightPicture::setArena(double width, double height) {
   height_ = height;
   painter_.reset();
   painted_.reset();
-  news_ = status_.has_value();
+  changed_ = status_.has_value();
 }
 
 void LightPicture::setImages(light::ImageStore images) {
   images_ = std::move(images);
   painted_.reset();
-  news_ = status_.has_value();
+  changed_ = status_.has_value();
 }
 
 int LightPicture::rows() const {
@@ -43,7 +43,7 @@ void LightPicture::take(const light_status_t& status) {
                     status_->command_instance == status.command_instance &&
                     status_->mix == status.mix &&
                     status_->first_shown_utime == status.first_shown_utime;
-  if (!same) news_ = true;
+  if (!same) changed_ = true;
   status_ = status;
 }
 
@@ -51,13 +51,13 @@ void LightPicture::clear() {
   status_.reset();
   painted_.reset();
   pixels_.clear();
-  news_ = false;
+  changed_ = false;
 }
 
 bool LightPicture::paint(std::int64_t now) {
   const bool young = painted_utime_ != 0 && now - painted_utime_ < kPeriod_us;
-  if (!status_ || !news_ || young) return false;
-  news_ = false;
+  if (!status_ || !changed_ || young) return false;
+  changed_ = false;
   painted_utime_ = now;
   ++version_;
   light::Field field = toField(*status_, images_);
@@ -77,8 +77,8 @@ bool LightPicture::paint(std::int64_t now) {
 
 std::string LightPicture::json(const std::string& conductor) const {
   if (!status_) return {};
-  const bool manual = !status_->commander.empty() && !conductor.empty() &&
-                      status_->commander != conductor;
+  const bool manual =
+      !status_->commander.empty() && !conductor.empty() && status_->commander != conductor;
   return toText({{"version", version_},
                  {"columns", kColumns},
                  {"rows", rows()},

@@ -48,7 +48,7 @@ class LightPicture {
   std::optional<light::Field> painted_;
   std::optional<light::FramePainter> painter_;
   std::int64_t painted_utime_ = 0;
-  bool news_ = false;
+  bool changed_ = false;
   std::vector<std::uint8_t> pixels_;
   std::int64_t version_ = 0;
   double mean_ = 0;

@@ -69,7 +69,7 @@ bool RobotRow::batteryIsLow() const {
 
 std::string RobotsView::nameOf(const RobotRow& row) const {
   return row.program < 0 ? modelName(row.state.program.kind)
-                         : sheet_.programs()[static_cast<std::size_t>(row.program)];
+                         : run_info_.programs()[static_cast<std::size_t>(row.program)];
 }
 
 RobotRow* RobotsView::rowOf(std::int32_t id) {
@@ -87,7 +87,7 @@ void RobotsView::take(const robot_status_t& status, std::int64_t now) {
     RobotRow* row = rowOf(state.robot_id);
     if (row == nullptr) continue;
     if (row->owner.empty() || !sameProgram(row->state.program, state.program)) {
-      row->program = sheet_.indexOf(state.program);
+      row->program = run_info_.indexOf(state.program);
     }
     if (row->owner != status.sender) {
       const bool other_is_alive = !row->owner.empty() && now - row->heard_utime < kSeen_us;
@@ -112,7 +112,7 @@ void RobotsView::take(const tracked_frame_t& frame, std::int64_t now) {
   ++frames_;
   frame_utime_ = frame.utime;
   for (const tracked_pose_t& pose : frame.robots) {
-    if (!isPlace(pose)) continue;
+    if (!isPlausiblePose(pose)) continue;
     RobotRow* row = rowOf(pose.robot_id);
     if (row == nullptr) continue;
     row->pose = pose;
@@ -120,7 +120,7 @@ void RobotsView::take(const tracked_frame_t& frame, std::int64_t now) {
     row->seen_utime = now;
   }
   unidentified_ = frame.unidentified;
-  std::erase_if(unidentified_, [](const tracked_pose_t& pose) { return !isPlace(pose); });
+  std::erase_if(unidentified_, [](const tracked_pose_t& pose) { return !isPlausiblePose(pose); });
   if (unidentified_.size() > kMostUnidentified) unidentified_.resize(kMostUnidentified);
   unidentified_utime_ = now;
 }
@@ -134,7 +134,7 @@ void RobotsView::clear() {
 }
 
 void RobotsView::renumber() {
-  for (auto& [id, row] : rows_) row.program = sheet_.indexOf(row.state.program);
+  for (auto& [id, row] : rows_) row.program = run_info_.indexOf(row.state.program);
 }
 
 std::string RobotsView::frameJson(std::int64_t now) const {

@@ -20,7 +20,7 @@ struct RobotRow {
   std::int64_t heard_utime = 0;
   std::string rival;  ///< another sender of the same robot
   std::int64_t rival_utime = 0;
-  int program = -1;  ///< as LabSheet::indexOf()
+  int program = -1;  ///< as RunInfo::indexOf()
 
   tracked_pose_t pose{};
   std::int8_t pose_origin = 0;
@@ -38,7 +38,7 @@ class RobotsView {
  public:
   static constexpr std::size_t kMostRobots = 500;
 
-  explicit RobotsView(const LabSheet& sheet) : sheet_(sheet) {}
+  explicit RobotsView(const RunInfo& run_info) : run_info_(run_info) {}
 
   void take(const robot_status_t& status, std::int64_t now);
   void take(const tracked_frame_t& frame, std::int64_t now);
@@ -70,7 +70,7 @@ class RobotsView {
   RobotRow* rowOf(std::int32_t id);
   [[nodiscard]] std::string nameOf(const RobotRow& row) const;
 
-  const LabSheet& sheet_;
+  const RunInfo& run_info_;
   std::map<std::int32_t, RobotRow> rows_;
   std::vector<tracked_pose_t> unidentified_;
   std::int64_t unidentified_utime_ = 0;  ///< when they were seen

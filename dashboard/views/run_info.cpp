@@ -16,11 +16,16 @@ namespace {
 
 const char* bodyName(Body body) {
   switch (body) {
-    case Body::kSim: return "sim";
-    case Body::kSerial: return "serial";
-    case Body::kFirmware: return "firmware";
-    case Body::kReplay: return "replay";
-    case Body::kWire: return "wire";
+    case Body::kSim:
+      return "sim";
+    case Body::kSerial:
+      return "serial";
+    case Body::kFirmware:
+      return "firmware";
+    case Body::kReplay:
+      return "replay";
+    case Body::kWire:
+      return "wire";
   }
   return "";
 }
@@ -38,7 +43,8 @@ std::string parameters(const ProgramSpec& p) {
     case Model::kWheels:
       return fmt::format("left {:.4g} cm/s, right {:.4g} cm/s", cm(p.wheel_left),
                          cm(p.wheel_right));
-    default: return "";
+    default:
+      return "";
   }
 }
 
@@ -66,13 +72,13 @@ Json scriptJson(const Experiment& experiment) {
 
 }  // namespace
 
-void LabSheet::set(const Experiment& experiment, const std::string& run) {
+void RunInfo::set(const Experiment& experiment, const std::string& run) {
   use(experiment, writeExperiment(experiment));
   run_ = run;
   version_ = kVersion;
 }
 
-void LabSheet::use(Experiment experiment, std::string text) {
+void RunInfo::use(Experiment experiment, std::string text) {
   names_.clear();
   messages_.clear();
   for (const auto& [name, program] : experiment.programs) {
@@ -84,10 +90,10 @@ void LabSheet::use(Experiment experiment, std::string text) {
   trouble_.clear();
 }
 
-LabSheet::News LabSheet::take(const experiment_event_t& start) {
+RunInfo::RunChange RunInfo::take(const experiment_event_t& start) {
   const bool other = start.sender != conductor_ || start.instance != instance_;
   const bool first = conductor_.empty();
-  if (!other && start.text == text_) return News::kNone;
+  if (!other && start.text == text_) return RunChange::kNone;
   conductor_ = start.sender;
   instance_ = start.instance;
   version_ = start.version;
@@ -102,27 +108,27 @@ LabSheet::News LabSheet::take(const experiment_event_t& start) {
       trouble_ = error.what();
     }
   }
-  return first ? News::kFirst : News::kOtherRun;
+  return first ? RunChange::kFirst : RunChange::kOtherRun;
 }
 
-void LabSheet::setRun(const std::string& run, bool replay) {
+void RunInfo::setRun(const std::string& run, bool replay) {
   run_ = run;
   replay_ = replay;
 }
 
-const Experiment& LabSheet::experiment() const {
+const Experiment& RunInfo::experiment() const {
   static const Experiment kDefault{};
   return experiment_ ? *experiment_ : kDefault;
 }
 
-int LabSheet::indexOf(const program_t& program) const {
+int RunInfo::indexOf(const program_t& program) const {
   for (std::size_t i = 0; i < messages_.size(); ++i) {
     if (sameProgram(messages_[i], program)) return static_cast<int>(i);
   }
   return -1;
 }
 
-std::string LabSheet::json() const {
+std::string RunInfo::json() const {
   const Experiment& e = experiment();
   Json robots = Json::array();
   for (const RobotSpec& robot : e.robots) {

@@ -11,15 +11,15 @@
 
 namespace lab::dashboard {
 
-class LabSheet {
+class RunInfo {
  public:
   /// The experiment by its file.
   void set(const Experiment& experiment, const std::string& run);
 
-  enum class News { kNone, kFirst, kOtherRun };
+  enum class RunChange { kNone, kFirst, kOtherRun };
 
   /// START, which is said again each minute.
-  News take(const experiment_event_t& start);
+  RunChange take(const experiment_event_t& start);
 
   /// Of EXPERIMENT_STATUS.
   void setRun(const std::string& run, bool replay);

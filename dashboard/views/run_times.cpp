@@ -46,9 +46,9 @@ void RunTimes::take(const robot_state_t& state) {
 }
 
 void RunTimes::add(const program_t& program, double run) {
-  const int index = sheet_.indexOf(program);
+  const int index = run_info_.indexOf(program);
   if (index < 0 || !(program.gamma > 0) || !(run >= 0)) return;
-  Histogram& histogram = programs_[sheet_.programs()[static_cast<std::size_t>(index)]];
+  Histogram& histogram = programs_[run_info_.programs()[static_cast<std::size_t>(index)]];
   histogram.gamma = program.gamma;
   histogram.changed = true;
   ++histogram.runs;

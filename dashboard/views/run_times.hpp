@@ -21,7 +21,7 @@ class RunTimes {
   static constexpr std::size_t kBins = 24;
   static constexpr double kBinsPerMeanRun = 4;
 
-  explicit RunTimes(const LabSheet& sheet) : sheet_(sheet) {}
+  explicit RunTimes(const RunInfo& run_info) : run_info_(run_info) {}
 
   void take(const robot_status_t& status);
   void clear();
@@ -51,7 +51,7 @@ class RunTimes {
   void take(const robot_state_t& state);
   void add(const program_t& program, double run);
 
-  const LabSheet& sheet_;
+  const RunInfo& run_info_;
   std::map<std::int32_t, Robot> robots_;
   std::map<std::string, Histogram> programs_;
 };

@@ -10,14 +10,20 @@ namespace {
 
 const char* phaseName(std::int8_t phase) {
   switch (phase) {
-    case experiment_status_t::PREPARING: return "preparing";
+    case experiment_status_t::PREPARING:
+      return "preparing";
     case experiment_status_t::SCRIPT:
-    case experiment_status_t::PLAYING: return "script";
+    case experiment_status_t::PLAYING:
+      return "script";
     case experiment_status_t::PAUSED:
-    case experiment_status_t::PLAY_PAUSED: return "paused";
-    case experiment_status_t::LEAVING: return "leaving";
-    case experiment_status_t::ENDED: return "ended";
-    default: return "preparing";
+    case experiment_status_t::PLAY_PAUSED:
+      return "paused";
+    case experiment_status_t::LEAVING:
+      return "leaving";
+    case experiment_status_t::ENDED:
+      return "ended";
+    default:
+      return "preparing";
   }
 }
 
@@ -72,21 +78,27 @@ void TimelineView::take(const experiment_event_t& event) {
         ++steps_before_;
       }
       break;
-    case experiment_event_t::MARK: changed = marks_.add(event); break;
-    case experiment_event_t::FAULT: changed = faults_.add(event); break;
+    case experiment_event_t::MARK:
+      changed = marks_.add(event);
+      break;
+    case experiment_event_t::FAULT:
+      changed = faults_.add(event);
+      break;
     case experiment_event_t::END:
       changed = !end_;
       if (changed) end_ = {event.utime, event.text};
       break;
-    default: changed = false; break;
+    default:
+      changed = false;
+      break;
   }
   if (changed) ++version_;
 }
 
 void TimelineView::take(const experiment_status_t& status) {
   constexpr std::int64_t kRounding_us = 100'000;
-  const bool runs = status.phase == experiment_status_t::SCRIPT ||
-                    status.phase == experiment_status_t::PAUSED;
+  const bool runs =
+      status.phase == experiment_status_t::SCRIPT || status.phase == experiment_status_t::PAUSED;
   if (!runs || !(status.elapsed >= 0) || status.elapsed > units::seconds(status.utime)) return;
   const std::int64_t begin = status.utime - units::microseconds(status.elapsed);
   if (counted_back_ && begin > start_utime_ - kRounding_us) return;
@@ -105,14 +117,10 @@ void TimelineView::clear() {
 std::string TimelineView::json() const {
   Json steps = Json::array();
   for (const auto& [number, step] : steps_) steps.push_back(stepJson(step));
-  Json json = {{"start_us", timeOrNull(start_utime_)},
-               {"steps", std::move(steps)},
-               {"steps_before", steps_before_},
-               {"marks", remarksJson(marks_)},
-               {"marks_before", marks_.before},
-               {"faults", remarksJson(faults_)},
-               {"faults_before", faults_.before},
-               {"end", nullptr}};
+  Json json = {{"start_us", timeOrNull(start_utime_)}, {"steps", std::move(steps)},
+               {"steps_before", steps_before_},        {"marks", remarksJson(marks_)},
+               {"marks_before", marks_.before},        {"faults", remarksJson(faults_)},
+               {"faults_before", faults_.before},      {"end", nullptr}};
   if (end_) json["end"] = {{"t_us", end_->utime}, {"text", end_->text}};
   return toText(json);
 }

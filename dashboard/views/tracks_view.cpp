@@ -30,9 +30,8 @@ void TracksView::take(const tracked_frame_t& frame) {
   step.utime = frame.utime;
   for (const tracked_pose_t& pose : frame.robots) {
     if (step.places.size() == kMostRobots) break;
-    if (!isPlace(pose)) continue;
-    step.places.push_back(
-        {pose.robot_id, static_cast<float>(pose.x), static_cast<float>(pose.y)});
+    if (!isPlausiblePose(pose)) continue;
+    step.places.push_back({pose.robot_id, static_cast<float>(pose.x), static_cast<float>(pose.y)});
   }
   steps_.push_back(std::move(step));
   while (number - steps_.front().number >= static_cast<std::int64_t>(kSteps)) steps_.pop_front();

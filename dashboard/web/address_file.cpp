@@ -26,8 +26,7 @@ std::optional<PageAddress> parseAddress(std::string_view address) {
   const std::size_t mark = address.find(kToken);
   if (mark == std::string_view::npos) return std::nullopt;
   const std::string_view token = address.substr(mark + kToken.size());
-  const bool hexadecimal =
-      token.find_first_not_of("0123456789abcdef") == std::string_view::npos;
+  const bool hexadecimal = token.find_first_not_of("0123456789abcdef") == std::string_view::npos;
   if (token.size() != kTokenLength || !hexadecimal) return std::nullopt;
   const std::string_view place = address.substr(0, mark);
   const std::size_t colon = place.rfind(':');

@@ -78,7 +78,7 @@ ssize_t ClientStream::read(char* bytes, size_t size) {
 
 ssize_t ClientStream::write(const char* bytes, size_t size) {
   wrote_ = true;
-  const auto deadline = Clock::now() + kPatience;
+  const auto deadline = Clock::now() + kTimeout;
   std::size_t sent = 0;
   while (sent < size) {
     const ssize_t count = send(socket_, bytes + sent, size - sent, MSG_DONTWAIT | MSG_NOSIGNAL);

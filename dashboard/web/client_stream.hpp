@@ -10,12 +10,12 @@
 
 namespace lab::dashboard {
 
-/// Everything a client sends must have come within kPatience of the start and within the limit of
-/// bytes; what is written must go out within kPatience a piece. Does not own the socket, which must
+/// Everything a client sends must have come within kTimeout of the start and within the limit of
+/// bytes; what is written must go out within kTimeout a piece. Does not own the socket, which must
 /// not block; ::shutdown() of it ends every wait.
 class ClientStream final : public httplib::Stream {
  public:
-  static constexpr std::chrono::seconds kPatience{10};
+  static constexpr std::chrono::seconds kTimeout{10};
   static constexpr std::size_t kMostHead = 16384;  ///< bytes of request line and headers
 
   explicit ClientStream(int socket);
@@ -44,7 +44,7 @@ class ClientStream final : public httplib::Stream {
   using Clock = std::chrono::steady_clock;
 
   int socket_;
-  Clock::time_point deadline_ = Clock::now() + kPatience;
+  Clock::time_point deadline_ = Clock::now() + kTimeout;
   std::size_t left_ = kMostHead;
   bool exhausted_ = false;
   bool heard_ = false;

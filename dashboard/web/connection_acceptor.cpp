@@ -23,7 +23,7 @@ namespace {
 constexpr int kPortsTried = 100;
 constexpr int kBacklog = 128;
 // Beyond kMost: who is turned out may not have gone when the next one is there.
-constexpr int kThreads = FrontDoor::kMost + 8;
+constexpr int kThreads = ConnectionAcceptor::kMost + 8;
 // What a client that reads slowly may have waiting in the kernel; more would be old news.
 constexpr int kSendBuffer = 128 * 1024;
 
@@ -58,7 +58,7 @@ int portOf(int socket) {
   return std::stoi(service.data());
 }
 
-bool isFar(const sockaddr_storage& peer, socklen_t size) {
+bool isRemote(const sockaddr_storage& peer, socklen_t size) {
   std::array<char, NI_MAXHOST> host{};
   const auto* const plain = reinterpret_cast<const sockaddr*>(&peer);
   return getnameinfo(plain, size, host.data(), host.size(), nullptr, 0, NI_NUMERICHOST) != 0 ||
@@ -67,7 +67,7 @@ bool isFar(const sockaddr_storage& peer, socklen_t size) {
 
 }  // namespace
 
-FrontDoor::FrontDoor(const std::string& address, int port) {
+ConnectionAcceptor::ConnectionAcceptor(const std::string& address, int port) {
   addrinfo hints{};
   hints.ai_socktype = SOCK_STREAM;
   hints.ai_flags = AI_NUMERICHOST | AI_NUMERICSERV | AI_PASSIVE;
@@ -94,42 +94,42 @@ FrontDoor::FrontDoor(const std::string& address, int port) {
                                          port, port + kPortsTried - 1));
   }
   port_ = portOf(listener_);
-  bell_ = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+  wakeup_ = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
 }
 
-FrontDoor::~FrontDoor() {
+ConnectionAcceptor::~ConnectionAcceptor() {
   close();
   if (listener_ >= 0) ::close(listener_);
-  if (bell_ >= 0) ::close(bell_);
+  if (wakeup_ >= 0) ::close(wakeup_);
 }
 
-void FrontDoor::open(Serve serve) {
+void ConnectionAcceptor::open(Serve serve) {
   serve_ = std::move(serve);
   threads_ = std::make_unique<httplib::ThreadPool>(kThreads);
   accepting_ = std::thread([this] { acceptAll(); });
 }
 
-void FrontDoor::close() {
+void ConnectionAcceptor::close() {
   if (!accepting_.joinable()) return;
   closing_ = true;
-  eventfd_write(bell_, 1);
+  eventfd_write(wakeup_, 1);
   accepting_.join();
   {
     const std::lock_guard lock(mutex_);
-    for (const auto& [socket, guest] : guests_) shutdown(socket, SHUT_RDWR);
+    for (const auto& [socket, guest] : connections_) shutdown(socket, SHUT_RDWR);
   }
   threads_->shutdown();
 }
 
-void FrontDoor::acceptAll() {
+void ConnectionAcceptor::acceptAll() {
   while (!closing_) {
-    std::array<pollfd, 2> places{pollfd{listener_, POLLIN, 0}, pollfd{bell_, POLLIN, 0}};
+    std::array<pollfd, 2> places{pollfd{listener_, POLLIN, 0}, pollfd{wakeup_, POLLIN, 0}};
     poll(places.data(), places.size(), -1);
     if (closing_) return;
     sockaddr_storage peer{};
     socklen_t size = sizeof peer;
-    const int socket = accept4(listener_, reinterpret_cast<sockaddr*>(&peer), &size,
-                               SOCK_CLOEXEC | SOCK_NONBLOCK);
+    const int socket =
+        accept4(listener_, reinterpret_cast<sockaddr*>(&peer), &size, SOCK_CLOEXEC | SOCK_NONBLOCK);
     if (socket < 0) {
       // Out of descriptors, say: not to be asked again at once.
       if (errno != EAGAIN && errno != EINTR && errno != ECONNABORTED) {
@@ -140,7 +140,7 @@ void FrontDoor::acceptAll() {
     const int yes = 1;
     setsockopt(socket, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
     setsockopt(socket, SOL_SOCKET, SO_SNDBUF, &kSendBuffer, sizeof kSendBuffer);
-    const bool room = enter(socket, isFar(peer, size));
+    const bool room = enter(socket, isRemote(peer, size));
     threads_->enqueue([this, socket, room] {
       serve_(socket, room && !closing_);
       leave(socket);
@@ -148,39 +148,40 @@ void FrontDoor::acceptAll() {
   }
 }
 
-bool FrontDoor::enter(int socket, bool far) {
+bool ConnectionAcceptor::enter(int socket, bool far) {
   const std::lock_guard lock(mutex_);
   const auto is_far = [](const auto& guest) { return guest.second.far; };
-  const bool too_many_far = far && std::ranges::count_if(guests_, is_far) >= kMostFar;
-  bool room = guests_.size() < kMost && !too_many_far;
+  const bool too_many_far = far && std::ranges::count_if(connections_, is_far) >= kMostRemote;
+  bool room = connections_.size() < kMost && !too_many_far;
   if (!room) {
     // Of other machines first.
-    const auto goes_before = [](const Guest& one, const Guest& other) {
+    const auto goes_before = [](const Connection& one, const Connection& other) {
       return one.far != other.far ? one.far : one.since < other.since;
     };
-    auto oldest = guests_.end();
-    for (auto guest = guests_.begin(); guest != guests_.end(); ++guest) {
+    auto oldest = connections_.end();
+    for (auto guest = connections_.begin(); guest != connections_.end(); ++guest) {
       if (guest->second.settled || (too_many_far && !guest->second.far)) continue;
-      if (oldest == guests_.end() || goes_before(guest->second, oldest->second)) oldest = guest;
+      if (oldest == connections_.end() || goes_before(guest->second, oldest->second))
+        oldest = guest;
     }
-    if (oldest != guests_.end()) {
+    if (oldest != connections_.end()) {
       shutdown(oldest->first, SHUT_RDWR);
       oldest->second.settled = true;  // not to be chosen again
       room = true;
     }
   }
-  guests_[socket] = {std::chrono::steady_clock::now(), false, far};
+  connections_[socket] = {std::chrono::steady_clock::now(), false, far};
   return room;
 }
 
-void FrontDoor::settled(int socket) {
+void ConnectionAcceptor::settled(int socket) {
   const std::lock_guard lock(mutex_);
-  guests_[socket].settled = true;
+  connections_[socket].settled = true;
 }
 
-void FrontDoor::leave(int socket) {
+void ConnectionAcceptor::leave(int socket) {
   const std::lock_guard lock(mutex_);
-  guests_.erase(socket);
+  connections_.erase(socket);
   ::close(socket);  // under the lock: its number is another's from here on
 }
 

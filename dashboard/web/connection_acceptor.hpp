@@ -18,11 +18,12 @@ namespace lab::dashboard {
 
 /// Takes connections and hands each to `serve` on a thread of its own, at most kMost at once. Who
 /// has not yet said what they want makes room for who comes: silent clients, however many, keep
-/// nobody out. Of other machines there are at most kMostFar: the page on this one always gets in.
-class FrontDoor {
+/// nobody out. Of other machines there are at most kMostRemote: the page on this one always gets
+/// in.
+class ConnectionAcceptor {
  public:
   static constexpr int kMost = 64;
-  static constexpr int kMostFar = 40;
+  static constexpr int kMostRemote = 40;
 
   /// Called with a socket that does not block, and whether there is room for another client: if
   /// not, it is to be told so. Closed behind it.
@@ -30,10 +31,10 @@ class FrontDoor {
 
   /// Takes the first free port from `port` on; 0: any free one.
   /// @throws std::runtime_error when none of 100 is free or the address is not this machine's.
-  FrontDoor(const std::string& address, int port);
-  ~FrontDoor();
-  FrontDoor(const FrontDoor&) = delete;
-  FrontDoor& operator=(const FrontDoor&) = delete;
+  ConnectionAcceptor(const std::string& address, int port);
+  ~ConnectionAcceptor();
+  ConnectionAcceptor(const ConnectionAcceptor&) = delete;
+  ConnectionAcceptor& operator=(const ConnectionAcceptor&) = delete;
 
   [[nodiscard]] int port() const { return port_; }
 
@@ -47,7 +48,7 @@ class FrontDoor {
   void close();
 
  private:
-  struct Guest {
+  struct Connection {
     std::chrono::steady_clock::time_point since;
     bool settled = false;
     bool far = false;  ///< of another machine
@@ -58,12 +59,12 @@ class FrontDoor {
   void leave(int socket);
 
   int listener_ = -1;
-  int bell_ = -1;  ///< an eventfd: wakes the accepting thread for its end
+  int wakeup_ = -1;  ///< an eventfd: wakes the accepting thread for its end
   int port_ = 0;
   Serve serve_;
   std::atomic<bool> closing_ = false;
   std::mutex mutex_;
-  std::map<int, Guest> guests_;
+  std::map<int, Connection> connections_;
   std::unique_ptr<httplib::ThreadPool> threads_;
   std::thread accepting_;
 };

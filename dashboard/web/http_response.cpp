@@ -25,15 +25,16 @@ void replaceHeader(httplib::Response& response, const std::string& name, const s
   response.headers.emplace(name, value);
 }
 
-void answerJson(httplib::Response& response, std::string text, int status) {
+void respondJson(httplib::Response& response, std::string text, int status) {
   response.status = status;
   response.body = std::move(text);
   replaceHeader(response, "Content-Type", "application/json");
 }
 
-void answerError(httplib::Response& response, int status, std::string_view why) {
+void respondError(httplib::Response& response, int status, std::string_view why) {
   const nlohmann::json json{{"error", why}};
-  answerJson(response, json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace), status);
+  respondJson(response, json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace),
+              status);
 }
 
 std::string contentType(std::string_view name) {

@@ -14,10 +14,10 @@ namespace lab::dashboard {
 /// Instead of the common one of that name.
 void replaceHeader(httplib::Response& response, const std::string& name, const std::string& value);
 
-void answerJson(httplib::Response& response, std::string text, int status = 200);
+void respondJson(httplib::Response& response, std::string text, int status = 200);
 
 /// {"error": why}
-void answerError(httplib::Response& response, int status, std::string_view why);
+void respondError(httplib::Response& response, int status, std::string_view why);
 
 /// By its ending; for what has none of the known, bytes.
 [[nodiscard]] std::string contentType(std::string_view name);

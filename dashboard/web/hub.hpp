@@ -15,9 +15,9 @@
 namespace lab::dashboard {
 
 /// State, not events: each topic holds its newest text. A reader is given every topic that changed
-/// since it last looked, once, in the order of the changes; what changed twice meanwhile comes once.
-/// A slow reader therefore skips, and no reader costs the publisher memory. A text is made once,
-/// however many read it. Safe to use from any thread.
+/// since it last looked, once, in the order of the changes; what changed twice meanwhile comes
+/// once. A slow reader therefore skips, and no reader costs the publisher memory. A text is made
+/// once, however many read it. Safe to use from any thread.
 ///
 /// A topic whose name begins with a dot is not sent to the page by itself, which has to ask:
 /// ".light", the raster of topic `light` as bytes (GET /api/light).
@@ -44,8 +44,8 @@ class Hub {
   [[nodiscard]] Text newest(std::string_view topic) const;
 
   /// What changed after `seen`, which is set to the newest version. Waits for a change for at most
-  /// `patience`; empty: nothing changed, or the hub is closed. A reader that begins with seen = 0 is
-  /// given everything.
+  /// `patience`; empty: nothing changed, or the hub is closed. A reader that begins with seen = 0
+  /// is given everything.
   [[nodiscard]] std::vector<Change> changesSince(std::uint64_t& seen,
                                                  std::chrono::milliseconds patience) const;
 

@@ -10,17 +10,17 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "dashboard/control/json_object_reader.hpp"
+#include "dashboard/control/operator_request_reader.hpp"
+#include "dashboard/library/library_routes.hpp"
 #include "dashboard/web/camera_picture.hpp"
 #include "dashboard/web/client_stream.hpp"
-#include "dashboard/web/event_stream.hpp"
 #include "dashboard/web/connection_acceptor.hpp"
+#include "dashboard/web/event_stream.hpp"
 #include "dashboard/web/http_guard.hpp"
-#include "dashboard/control/json_object_reader.hpp"
+#include "dashboard/web/http_response.hpp"
 #include "dashboard/web/page_files.hpp"
 #include "dashboard/web/refusal_count.hpp"
-#include "dashboard/web/http_response.hpp"
-#include "dashboard/library/library_routes.hpp"
-#include "dashboard/control/operator_request_reader.hpp"
 
 namespace lab::dashboard {
 namespace {
@@ -88,7 +88,7 @@ std::string entityTag(std::string_view content) {
 }  // namespace
 
 struct WebServer::Server final : httplib::Server {
-  Server(const WebOptions& the_options, Hub& the_hub, LabPort& the_lab);
+  Server(const WebOptions& the_options, Hub& the_hub, LabRequestHandler& the_lab);
   ~Server() override;
 
   void serve(int socket, bool room);
@@ -108,18 +108,18 @@ struct WebServer::Server final : httplib::Server {
 
   WebOptions options;
   Hub& hub;
-  LabPort& lab;
+  LabRequestHandler& lab;
   std::map<std::string, std::string, std::less<>> tags;  ///< of the page's files
-  WebLibrary library;
+  LibraryRoutes library;
   CameraPicture picture;
-  FrontDoor door;
+  ConnectionAcceptor acceptor;
   GuardRules rules;
   RefusalCount refused;
   std::atomic<int> viewers = 0;
   std::atomic<bool> closing = false;
 };
 
-WebServer::Server::Server(const WebOptions& the_options, Hub& the_hub, LabPort& the_lab)
+WebServer::Server::Server(const WebOptions& the_options, Hub& the_hub, LabRequestHandler& the_lab)
     : options(the_options),
       hub(the_hub),
       lab(the_lab),
@@ -128,8 +128,8 @@ WebServer::Server::Server(const WebOptions& the_options, Hub& the_hub, LabPort& 
                .runs = options.runs,
                .own = std::filesystem::current_path()}),
       picture(options.camera_port),
-      door(options.address, options.port),
-      rules{options.address, door.port(), options.token, options.control_from_elsewhere} {
+      acceptor(options.address, options.port),
+      rules{options.address, acceptor.port(), options.token, options.control_from_elsewhere} {
   for (const PageFile& file : pageFiles()) tags.emplace(file.name, entityTag(file.content));
   svr_sock_ = 0;  // to the library: not shutting down
   set_default_headers(commonHeaders());
@@ -144,15 +144,15 @@ WebServer::Server::Server(const WebOptions& the_options, Hub& the_hub, LabPort& 
       Handler([this](const httplib::Request&, httplib::Response& response) { explain(response); }));
   set_exception_handler(
       [](const httplib::Request&, httplib::Response& response, const std::exception_ptr&) {
-        answerError(response, 500, "the server failed at this; its log says more");
+        respondError(response, 500, "the server failed at this; its log says more");
       });
-  door.open([this](int socket, bool room) { serve(socket, room); });
+  acceptor.open([this](int socket, bool room) { serve(socket, room); });
 }
 
 WebServer::Server::~Server() {
   closing = true;
   library.close();
-  door.close();
+  acceptor.close();
 }
 
 void WebServer::Server::serve(int socket, bool room) {
@@ -192,7 +192,7 @@ void WebServer::Server::answerClient(ClientStream& stream) {
 
 void WebServer::Server::refuse(httplib::Response& response, const Decision& decision) {
   refused.add(decision.refusal);
-  answerError(response, decision.status, decision.why);
+  respondError(response, decision.status, decision.why);
 }
 
 /// What the library answers by itself.
@@ -218,7 +218,7 @@ httplib::Server::HandlerResponse WebServer::Server::route(const httplib::Request
     client->allow(kMostBody);
     return HandlerResponse::Unhandled;
   } else {
-    door.settled(client->socket());
+    acceptor.settled(client->socket());
     get(request, response);
   }
   return HandlerResponse::Handled;
@@ -275,55 +275,55 @@ void WebServer::Server::stream(httplib::Response& response) {
 void WebServer::Server::me(const httplib::Request& request, httplib::Response& response) {
   const Decision decision = mayControl(rules, factsOf(request));
   const nlohmann::json json{{"control", decision.yes()}, {"why", decision.why}};
-  answerJson(response, json.dump());
+  respondJson(response, json.dump());
 }
 
 void WebServer::Server::ask(const httplib::Request& request, httplib::Response& response) {
   const std::string what = request.path.substr(std::string_view("/api/ask/").size());
   const std::string which = request.get_param_value("which");
-  if (auto json = lab.ask(what, which)) return answerJson(response, std::move(*json));
-  answerError(response, 404, "there is no such thing, or the lab does not answer");
+  if (auto json = lab.ask(what, which)) return respondJson(response, std::move(*json));
+  respondError(response, 404, "there is no such thing, or the lab does not answer");
 }
 
 void WebServer::Server::light(httplib::Response& response) {
   const Hub::Text raster = hub.newest(".light");
-  if (!raster) return answerError(response, 404, "no light is known yet");
+  if (!raster) return respondError(response, 404, "no light is known yet");
   response.set_content(*raster, "application/octet-stream");
 }
 
 void WebServer::Server::camera(httplib::Response& response) {
-  if (options.camera_port == 0) return answerError(response, 404, "the tracker shows no picture");
+  if (options.camera_port == 0) return respondError(response, 404, "the tracker shows no picture");
   const CameraPicture::Text jpeg = picture.newest();
-  if (!jpeg) return answerError(response, 503, "no picture comes from the tracker");
+  if (!jpeg) return respondError(response, 503, "no picture comes from the tracker");
   response.set_content(*jpeg, "image/jpeg");
 }
 
 void WebServer::Server::post(const httplib::Request& request, httplib::Response& response) {
-  door.settled(client->socket());
+  acceptor.settled(client->socket());
   try {
     if (request.path == "/api/wish") return wish(request, response);
     library.post(request, response);
-  } catch (const FormError& error) {
+  } catch (const JsonObjectError& error) {
     refuse(response, {Refusal::kMalformed, 400, error.what()});
   }
 }
 
 void WebServer::Server::wish(const httplib::Request& request, httplib::Response& response) {
-  const std::variant<Wish, BadText> read = readWish(request.body);
-  if (const auto* bad = std::get_if<BadText>(&read)) {
+  const std::variant<OperatorRequest, InvalidRequest> read = readOperatorRequest(request.body);
+  if (const auto* bad = std::get_if<InvalidRequest>(&read)) {
     return refuse(response, {Refusal::kMalformed, 400, bad->why});
   }
-  const std::string refusal = lab.wish(std::get<Wish>(read));
-  if (refusal.empty()) return answerJson(response, "{}", 202);
-  answerError(response, 409, refusal);
+  const std::string refusal = lab.wish(std::get<OperatorRequest>(read));
+  if (refusal.empty()) return respondJson(response, "{}", 202);
+  respondError(response, 409, refusal);
 }
 
-WebServer::WebServer(const WebOptions& options, Hub& hub, LabPort& lab)
+WebServer::WebServer(const WebOptions& options, Hub& hub, LabRequestHandler& lab)
     : server_(std::make_unique<Server>(options, hub, lab)) {}
 
 WebServer::~WebServer() = default;
 
-int WebServer::port() const { return server_->door.port(); }
+int WebServer::port() const { return server_->acceptor.port(); }
 
 std::string WebServer::address() const {
   // Who listens everywhere is told of the way from this machine.

@@ -93,9 +93,9 @@ std::string networkConfiguration(const NetworkOptions& options) {
                  indices(32) + "<SPDPInterval>1s</SPDPInterval>" +
                  (peers.empty() ? "" : "<Peers>" + peers + "</Peers>") +
                  "</Discovery><Internal><NackDelay>10ms</NackDelay>" +
-                 (options.patient_writers ? "<Watermarks><WhcHigh>1GB</WhcHigh></Watermarks>"
-                                            "<SocketSendBufferSize max=\"4MB\"/>"
-                                          : "") +
+                 (options.unthrottled_writers ? "<Watermarks><WhcHigh>1GB</WhcHigh></Watermarks>"
+                                                "<SocketSendBufferSize max=\"4MB\"/>"
+                                              : "") +
                  "</Internal>" +
                  (options.security.empty() ? "" : securityElement(options.security)));
 }

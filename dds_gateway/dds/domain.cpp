@@ -61,10 +61,10 @@ Domain::Domain(int id, const std::string& configuration, const std::string& wher
     throw DdsError(where + ": found \"" + configuration.substr(0, 40) +
                    "\", expected an XML document <CycloneDDS> ... </CycloneDDS>");
   }
-  static_cast<void>(takeComplaints());
+  static_cast<void>(takeWarnings());
   dds_set_log_sink(hear, nullptr);
   const auto fail = [&](const char* what, dds_return_t code) {
-    const std::string said = takeComplaints();
+    const std::string said = takeWarnings();
     throw DdsError(where + ": " + what + " (DDS domain " + std::to_string(id) +
                    "): " + (said.empty() ? dds_strretcode(-code) : said));
   };
@@ -77,7 +77,7 @@ Domain::Domain(int id, const std::string& configuration, const std::string& wher
   participant_ = Entity(participant);
 }
 
-std::string takeComplaints() {
+std::string takeWarnings() {
   auto& [mutex, lines, malformed] = complaints();
   const std::lock_guard lock(mutex);
   std::string text;

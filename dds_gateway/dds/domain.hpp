@@ -59,7 +59,7 @@ class Domain {
 
 /// What Cyclone said since the last call (warnings and errors, each text once, at most a hundred),
 /// one a line: it says a lot on no channel of ours.
-[[nodiscard]] std::string takeComplaints();
+[[nodiscard]] std::string takeWarnings();
 
 /// Payloads that are no message of the topic's type, and packets that are no RTPS, since the
 /// process started. A reliable writer sends what was not understood again, and each time counts.

@@ -20,7 +20,7 @@ QosHandle made(const Qos& qos) {
   QosHandle handle(dds_create_qos(), dds_delete_qos);
   dds_qos_t* q = handle.get();
   dds_qset_reliability(q, qos.reliable ? DDS_RELIABILITY_RELIABLE : DDS_RELIABILITY_BEST_EFFORT,
-                       nanoseconds(qos.most_blocking));
+                       nanoseconds(qos.max_blocking_time));
   dds_qset_history(q, DDS_HISTORY_KEEP_LAST, qos.depth);
   if (qos.latched) {
     dds_qset_durability(q, DDS_DURABILITY_TRANSIENT_LOCAL);
@@ -41,7 +41,7 @@ QosHandle made(const Qos& qos) {
 
 Entity checked(dds_entity_t handle, const std::string& topic, const char* what) {
   if (handle >= 0) return Entity(handle);
-  const std::string said = takeComplaints();
+  const std::string said = takeWarnings();
   throw DdsError(topic + ": " + what + ": " + (said.empty() ? dds_strretcode(-handle) : said));
 }
 
@@ -114,9 +114,7 @@ bool Writer::write(const void* sample) {
   throw DdsError(name_ + ": could not be written: " + dds_strretcode(-code));
 }
 
-bool Writer::acknowledged() const {
-  return dds_wait_for_acks(writer_.get(), 0) == DDS_RETCODE_OK;
-}
+bool Writer::acknowledged() const { return dds_wait_for_acks(writer_.get(), 0) == DDS_RETCODE_OK; }
 
 Matching Writer::matching() const {
   dds_publication_matched_status_t matched{};

@@ -15,11 +15,11 @@ namespace lab::dds {
 /// What is asked of and offered to the other side. XCDR1 always: ROS 2 speaks nothing else.
 struct Qos {
   bool reliable = true;
-  bool latched = false;         ///< TRANSIENT_LOCAL: late joiners get the last ones
-  int depth = 10;               ///< KEEP_LAST, of each key
-  int latched_depth = 0;        ///< what late joiners get, 0: as depth
-  double most_blocking = 0.01;  ///< [s] a write may wait, reliable ones only
-  std::string user_data;        ///< "typehash=RIHS01_...;"
+  bool latched = false;             ///< TRANSIENT_LOCAL: late joiners get the last ones
+  int depth = 10;                   ///< KEEP_LAST, of each key
+  int latched_depth = 0;            ///< what late joiners get, 0: as depth
+  double max_blocking_time = 0.01;  ///< [s] a write may wait, reliable ones only
+  std::string user_data;            ///< "typehash=RIHS01_...;"
 };
 
 /// How an endpoint fares; the counts since it was made.

@@ -3,8 +3,8 @@
 
 namespace lab::dds {
 
-/// A file descriptor that is readable while something has arrived: for Descriptors::watch(). The
-/// loop's thread does all the work; Cyclone's threads only ring.
+/// A file descriptor that is readable while something has arrived: for DescriptorWatcher::watch().
+/// The loop's thread does all the work; Cyclone's threads only ring.
 class Waker {
  public:
   /// @throws std::system_error without file descriptors.

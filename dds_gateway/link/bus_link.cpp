@@ -45,7 +45,7 @@ dds::Qos packetQos() {
   qos.latched = true;
   qos.latched_depth = 1;
   qos.depth = kKept;
-  qos.most_blocking = kMostBlocking;
+  qos.max_blocking_time = kMostBlocking;
   return qos;
 }
 
@@ -110,7 +110,7 @@ std::int8_t stateOf(const LinkPeer& peer) {
 }  // namespace
 
 struct BusLink::Implementation {
-  Implementation(Node& its_node, Loop& its_loop, Descriptors& descriptors,
+  Implementation(Node& its_node, Loop& its_loop, DescriptorWatcher& descriptors,
                  const BusLinkOptions& its_options);
 
   [[nodiscard]] std::int64_t now() const { return options.clock ? options.clock() : loop.now(); }
@@ -120,16 +120,16 @@ struct BusLink::Implementation {
   [[nodiscard]] bool waitsForPeers();
   void passOnEarly();
   void noteOwn(const Packet& packet);
-  [[nodiscard]] bool isPassingOn();
+  [[nodiscard]] bool isForwarding();
   void takeAll();
   void take(const Packed& packed);
   void take(const Signed& sign);
   void deliver(const std::string& host, const ClockOffset& clock, const Held& packet, Bytes data);
   void release();
-  void send(const LinkSign& sign);
+  void send(const LinkHeartbeat& sign);
   void tick();
   void tell();
-  void missThoseWhoNeverCame();
+  void reportMissingPeers();
 
   Node& node;
   Loop& loop;
@@ -154,10 +154,11 @@ struct BusLink::Implementation {
   dds::Writer signs_out;
   dds::Reader packets_in;
   dds::Reader signs_in;
-  std::unique_ptr<Descriptors::Watch> watch;
+  std::unique_ptr<DescriptorWatcher::Watch> watch;
 };
 
-BusLink::Implementation::Implementation(Node& its_node, Loop& its_loop, Descriptors& descriptors,
+BusLink::Implementation::Implementation(Node& its_node, Loop& its_loop,
+                                        DescriptorWatcher& descriptors,
                                         const BusLinkOptions& its_options)
     : node(its_node),
       loop(its_loop),
@@ -171,21 +172,21 @@ BusLink::Implementation::Implementation(Node& its_node, Loop& its_loop, Descript
                                         .peers = options.peers,
                                         .multicast = false,
                                         .security = options.security,
-                                        .patient_writers = true}),
+                                        .unthrottled_writers = true}),
              "link"),
       packets_out(domain, lab_link_Packet_desc, packetTopic(options), packetQos()),
       signs_out(domain, lab_link_Sign_desc, topicOf(options, "signs"), signQos()),
       packets_in(domain, lab_link_Packet_desc, packetTopic(options), packetQos(), waker),
       signs_in(domain, lab_link_Sign_desc, topicOf(options, "signs"), signQos(), waker) {
   watch = descriptors.watch(waker.fileDescriptor(), [this] { takeAll(); });
-  node.overhear([this](const Packet& packet) { passOn(packet); });
+  node.subscribeAll([this](const Packet& packet) { passOn(packet); });
   loop.every(kPingPeriod, loop.now(), [this] { send(peers.ping(now())); });
   loop.every(kTickPeriod, loop.now() + kTickPeriod, [this] { tick(); });
   loop.every(units::kSecond_us, loop.now() + units::kSecond_us, [this] { tell(); });
 }
 
 bool BusLink::Implementation::isOwn(const Packet& packet) const {
-  const std::optional<Header> header = peekHeader(packet.data);
+  const std::optional<MessageHeader> header = peekHeader(packet.data);
   return header && header->instance == gateway && header->sender == node.identity().name;
 }
 
@@ -243,7 +244,7 @@ void BusLink::Implementation::noteOwn(const Packet& packet) {
   }
 }
 
-bool BusLink::Implementation::isPassingOn() {
+bool BusLink::Implementation::isForwarding() {
   leaving = true;
   return !heard_last || !packets_out.acknowledged();
 }
@@ -263,11 +264,11 @@ void BusLink::Implementation::takeAll() {
 }
 
 void BusLink::Implementation::take(const Signed& sample) {
-  LinkSign sign{
+  LinkHeartbeat sign{
       sample.host,     sample.gateway, {sample.contract, sample.fingerprints, sample.version},
       sample.to,       sample.sent,    sample.there,
       sample.answered, sample.refusal};
-  LinkSign answer;
+  LinkHeartbeat answer;
   if (peers.hear(now(), sign, answer)) send(answer);
 }
 
@@ -325,7 +326,7 @@ void BusLink::Implementation::release() {
   }
 }
 
-void BusLink::Implementation::send(const LinkSign& sign) {
+void BusLink::Implementation::send(const LinkHeartbeat& sign) {
   Signed sample{};
   sample.host = text(sign.host);
   sample.gateway = sign.gateway;
@@ -350,10 +351,10 @@ void BusLink::Implementation::tick() {
     send(peers.ping(now()));
     break;
   }
-  missThoseWhoNeverCame();
+  reportMissingPeers();
 }
 
-void BusLink::Implementation::missThoseWhoNeverCame() {
+void BusLink::Implementation::reportMissingPeers() {
   if (missed || loop.now() - started < kPatience) return;
   missed = true;
   if (peers.all().size() >= options.peers.size()) return;
@@ -415,11 +416,12 @@ void BusLink::Implementation::tell() {
   node.publish(channels::kLinkStatus, status);
 }
 
-BusLink::BusLink(Node& node, Loop& loop, Descriptors& descriptors, const BusLinkOptions& options)
+BusLink::BusLink(Node& node, Loop& loop, DescriptorWatcher& descriptors,
+                 const BusLinkOptions& options)
     : implementation_(std::make_unique<Implementation>(node, loop, descriptors, options)) {}
 
 BusLink::~BusLink() = default;
 
-bool BusLink::isPassingOn() { return implementation_->isPassingOn(); }
+bool BusLink::isForwarding() { return implementation_->isForwarding(); }
 
 }  // namespace lab::gateway

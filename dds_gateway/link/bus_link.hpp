@@ -25,7 +25,7 @@ struct BusLinkOptions {
   /// Now [us since 1970], empty: the loop's. Tests shift it.
   std::function<std::int64_t()> clock = {};
   /// What this end speaks. Tests say another.
-  LinkEdition edition = LinkEdition::own();
+  ProtocolVersion edition = ProtocolVersion::own();
 };
 
 /// Passes on what the lab's programs of this host publish, and publishes what those of the other
@@ -36,7 +36,7 @@ class BusLink {
  public:
   /// All of them outlive the link.
   /// @throws dds::DdsError
-  BusLink(Node& node, Loop& loop, Descriptors& descriptors, const BusLinkOptions& options);
+  BusLink(Node& node, Loop& loop, DescriptorWatcher& descriptors, const BusLinkOptions& options);
   ~BusLink();
   BusLink(const BusLink&) = delete;
   BusLink& operator=(const BusLink&) = delete;
@@ -44,7 +44,7 @@ class BusLink {
   /// To be asked after Node::close(): whether what the node has said last is still on its way, from
   /// the bus to the readers of the other hosts. From the first call on the link says nothing
   /// itself.
-  [[nodiscard]] bool isPassingOn();
+  [[nodiscard]] bool isForwarding();
 
  private:
   struct Implementation;

@@ -17,8 +17,8 @@ bool within(std::int64_t from, std::int64_t to) {
 
 }  // namespace
 
-void LinkClock::add(std::int64_t sent, std::int64_t there, std::int64_t answered,
-                    std::int64_t came) {
+void ClockOffsetEstimator::add(std::int64_t sent, std::int64_t there, std::int64_t answered,
+                               std::int64_t came) {
   if (!within(sent, came) || !within(there, answered)) return;
   const std::int64_t delay = (came - sent) - (answered - there);
   if (delay < 0) return;
@@ -32,7 +32,7 @@ void LinkClock::add(std::int64_t sent, std::int64_t there, std::int64_t answered
   last_.push_back({came, delay, offset});
 }
 
-ClockOffset LinkClock::estimate() const {
+ClockOffset ClockOffsetEstimator::estimate() const {
   if (last_.size() < kEnough) return {};
   std::vector<std::int64_t> delays;
   for (const RoundTrip& trip : last_) delays.push_back(trip.delay);

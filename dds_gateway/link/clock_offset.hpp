@@ -16,7 +16,7 @@ struct ClockOffset {
 
 /// NTP's formula (RFC 5905, section 8) on the fastest of the last round trips: whatever delays a
 /// message on one way shows in its round trip, and the true offset is within half of that.
-class LinkClock {
+class ClockOffsetEstimator {
  public:
   static constexpr std::size_t kWindow = 16;  ///< round trips that are kept
   static constexpr std::size_t kEnough = 6;   ///< before anything is said

@@ -25,9 +25,9 @@ bool isCommand(std::string_view channel) {
 
 /// @return the header of a message of the lab that is passed between hosts. A type that is not ours
 ///   is not: what it has in the header's place would be anything.
-std::optional<Header> passed(std::string_view channel, Bytes data) {
+std::optional<MessageHeader> passed(std::string_view channel, Bytes data) {
   if (channel.size() > 63) return std::nullopt;  // LCM's limit
-  const std::optional<Header> header = peekHeader(data);
+  const std::optional<MessageHeader> header = peekHeader(data);
   if (!header || typeWithFingerprint(header->fingerprint).empty()) return std::nullopt;
   return header;
 }
@@ -44,7 +44,7 @@ bool LinkCore::isStop(std::string_view channel, Bytes data) {
   return decode(data, stop) && stop.clear == 0;
 }
 
-bool LinkCore::isAtHome(std::int64_t now, const Header& header) {
+bool LinkCore::isAtHome(std::int64_t now, const MessageHeader& header) {
   const Sender key{std::string(header.sender), header.instance};
   Home* home = homes_.find(key);
   if (home == nullptr) {
@@ -63,7 +63,8 @@ bool LinkCore::isAtHome(std::int64_t now, const Header& header) {
   return false;
 }
 
-LinkCore::Home* LinkCore::homeOn(const std::string& host, std::int64_t now, const Header& header) {
+LinkCore::Home* LinkCore::homeOn(const std::string& host, std::int64_t now,
+                                 const MessageHeader& header) {
   const Sender key{std::string(header.sender), header.instance};
   Home* home = homes_.find(key);
   if (home == nullptr) {
@@ -80,7 +81,7 @@ LinkCore::Home* LinkCore::homeOn(const std::string& host, std::int64_t now, cons
 
 std::optional<Outgoing> LinkCore::hear(std::int64_t now, std::string_view channel, Bytes data) {
   if (staysHere(channel)) return std::nullopt;
-  const std::optional<Header> header = passed(channel, data);
+  const std::optional<MessageHeader> header = passed(channel, data);
   if (!header) {
     ++foreign_;
     return std::nullopt;
@@ -100,7 +101,7 @@ std::optional<Outgoing> LinkCore::hear(std::int64_t now, std::string_view channe
 Verdict LinkCore::receive(std::int64_t now, const std::string& host, std::int64_t gateway,
                           std::int32_t stream, std::int64_t number, std::int64_t age,
                           std::string_view channel, Bytes data) {
-  const std::optional<Header> header = passed(channel, data);
+  const std::optional<MessageHeader> header = passed(channel, data);
   const bool known = hosts_.contains(host);
   if (!header || staysHere(channel) || (!known && hosts_.size() >= kMostHosts)) {
     ++foreign_;

@@ -58,11 +58,11 @@ class LinkCore {
   /// Of a bus. A busy lab has a hundred; those that are quiet for the longest are forgotten.
   static constexpr std::size_t kMostStreams = 1000;
   /// A sender that was not heard here for one to two of these may be at home elsewhere [us].
-  static constexpr std::int64_t kHomeHolds = 2'000'000;
+  static constexpr std::int64_t kHomeTimeout = 2'000'000;
 
   /// @param gateway ours, any number that differs from gateway to gateway
   explicit LinkCore(std::int64_t gateway)
-      : home_holds_(kHomeHolds + (gateway % kHomeHolds + kHomeHolds) % kHomeHolds) {}
+      : home_holds_(kHomeTimeout + (gateway % kHomeTimeout + kHomeTimeout) % kHomeTimeout) {}
 
   /// A packet of our own bus, ours and those we put there included.
   /// @param now [us] of a clock that does not jump
@@ -109,19 +109,19 @@ class LinkCore {
     std::int64_t gateway = 0;
     LinkCounts counts;
     // Twice what the sender keeps: none of those it keeps is ever forgotten here.
-    RecentMap<std::int32_t, std::int64_t> last{2 * kMostStreams};  ///< number of each stream
+    LruMap<std::int32_t, std::int64_t> last{2 * kMostStreams};  ///< number of each stream
   };
   static constexpr std::size_t kMostSenders = 4 * kMostStreams;
   static constexpr std::size_t kMostHosts = 100;
 
   /// Whether it is our own bus that this sender, just heard there, is at home on.
-  bool isAtHome(std::int64_t now, const Header& header);
+  bool isAtHome(std::int64_t now, const MessageHeader& header);
   /// @return of this sender, just heard from there; nullptr when it is at home elsewhere.
-  Home* homeOn(const std::string& host, std::int64_t now, const Header& header);
+  Home* homeOn(const std::string& host, std::int64_t now, const MessageHeader& header);
 
   std::int64_t home_holds_;
-  RecentMap<Sender, Home> homes_{kMostSenders};
-  RecentMap<StreamName, Sent> sent_{kMostStreams};
+  LruMap<Sender, Home> homes_{kMostSenders};
+  LruMap<StreamName, Sent> sent_{kMostStreams};
   std::map<std::string, From> hosts_;
   std::int32_t streams_ = 0;
   std::int64_t foreign_ = 0;

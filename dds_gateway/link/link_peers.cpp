@@ -38,24 +38,26 @@ std::string inWords(double seconds) {
   return text.data();
 }
 
-std::string inWords(const LinkEdition& edition) {
+std::string inWords(const ProtocolVersion& edition) {
   return "message contract " + std::to_string(edition.contract) + " (types " +
          edition.fingerprints + ", version " + edition.version + ")";
 }
 
 }  // namespace
 
-LinkEdition LinkEdition::own() { return {kContractVersion, digest(fingerprintList()), kVersion}; }
+ProtocolVersion ProtocolVersion::own() {
+  return {kContractVersion, digest(fingerprintList()), kVersion};
+}
 
-LinkPeers::LinkPeers(std::string host, std::int64_t gateway, LinkEdition edition,
+LinkPeers::LinkPeers(std::string host, std::int64_t gateway, ProtocolVersion edition,
                      double most_offset)
     : host_(std::move(host)),
       gateway_(gateway),
       edition_(std::move(edition)),
       most_offset_(most_offset) {}
 
-LinkSign LinkPeers::ping(std::int64_t now) const {
-  LinkSign sign;
+LinkHeartbeat LinkPeers::ping(std::int64_t now) const {
+  LinkHeartbeat sign;
   sign.host = host_;
   sign.gateway = gateway_;
   sign.edition = edition_;
@@ -63,7 +65,7 @@ LinkSign LinkPeers::ping(std::int64_t now) const {
   return sign;
 }
 
-LinkPeer* LinkPeers::admit(std::int64_t now, const LinkSign& sign) {
+LinkPeer* LinkPeers::admit(std::int64_t now, const LinkHeartbeat& sign) {
   const auto found = peers_.find(sign.host);
   if (found == peers_.end() && peers_.size() >= kMostPeers) return nullptr;
   if (found != peers_.end()) {
@@ -83,7 +85,7 @@ LinkPeer* LinkPeers::admit(std::int64_t now, const LinkSign& sign) {
   return &peer;
 }
 
-bool LinkPeers::hear(std::int64_t now, const LinkSign& sign, LinkSign& answer) {
+bool LinkPeers::hear(std::int64_t now, const LinkHeartbeat& sign, LinkHeartbeat& answer) {
   if (sign.gateway == gateway_ && sign.host == host_) return false;  // ourselves
   LinkPeer* peer = admit(now, sign);
   if (peer == nullptr) return false;

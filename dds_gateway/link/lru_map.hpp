@@ -10,9 +10,9 @@ namespace lab::gateway {
 
 /// A map of bounded size: what was not asked for the longest goes first.
 template <class Key, class Value>
-class RecentMap {
+class LruMap {
  public:
-  explicit RecentMap(std::size_t most) : most_(most) {}
+  explicit LruMap(std::size_t most) : most_(most) {}
 
   /// @return the value of this key, used now; nullptr when there is none.
   template <class Wanted>

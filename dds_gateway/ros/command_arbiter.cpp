@@ -57,7 +57,7 @@ std::string textOf(Answer answer) {
   return "";
 }
 
-Answer CommandDesk::refusal(std::int32_t robot, dds::WriterId writer, std::int64_t now) const {
+Answer CommandArbiter::refusal(std::int32_t robot, dds::WriterId writer, std::int64_t now) const {
   if (!robots_.contains(robot)) return Answer::kNoRobot;
   const auto stop = stop_utime_.find(robot);
   const bool asked = stop != stop_utime_.end() && now - stop->second < kStopAlive_us;
@@ -72,8 +72,8 @@ Answer CommandDesk::refusal(std::int32_t robot, dds::WriterId writer, std::int64
   return owned ? Answer::kOwned : Answer::kTaken;
 }
 
-Answer CommandDesk::drive(std::int32_t robot, dds::WriterId writer, const ros::Twist& twist,
-                          std::int64_t now) {
+Answer CommandArbiter::drive(std::int32_t robot, dds::WriterId writer, const ros::Twist& twist,
+                             std::int64_t now) {
   if (!isFinite(twist)) return Answer::kNotFinite;
   const Answer answer = refusal(robot, writer, now);
   if (answer != Answer::kTaken) return answer;
@@ -89,8 +89,8 @@ Answer CommandDesk::drive(std::int32_t robot, dds::WriterId writer, const ros::T
   return wheels.clamped ? Answer::kClamped : Answer::kTaken;
 }
 
-Answer CommandDesk::command(const std::vector<std::int32_t>& robots, dds::WriterId writer,
-                            const robot_order_t& order, std::int64_t now) {
+Answer CommandArbiter::command(const std::vector<std::int32_t>& robots, dds::WriterId writer,
+                               const robot_order_t& order, std::int64_t now) {
   Answer first = Answer::kTaken;
   ++seq_;
   for (const std::int32_t robot : robots) {
@@ -109,8 +109,8 @@ Answer CommandDesk::command(const std::vector<std::int32_t>& robots, dds::Writer
   return first;
 }
 
-Answer CommandDesk::release(const std::vector<std::int32_t>& robots, dds::WriterId writer,
-                            std::int64_t now) {
+Answer CommandArbiter::release(const std::vector<std::int32_t>& robots, dds::WriterId writer,
+                               std::int64_t now) {
   Answer first = Answer::kTaken;
   for (const std::int32_t robot : robots) {
     const Answer answer = refusal(robot, writer, now);
@@ -123,7 +123,7 @@ Answer CommandDesk::release(const std::vector<std::int32_t>& robots, dds::Writer
   return first;
 }
 
-void CommandDesk::giveBack(std::int32_t robot) {
+void CommandArbiter::giveBack(std::int32_t robot) {
   const auto hold = holds_.find(robot);
   if (hold == holds_.end()) return;
   drive_changed_ = drive_changed_ || hold->second.driven;
@@ -131,7 +131,7 @@ void CommandDesk::giveBack(std::int32_t robot) {
   given_back_.insert(robot);
 }
 
-void CommandDesk::take(const robot_command_t& command, std::int64_t now) {
+void CommandArbiter::take(const robot_command_t& command, std::int64_t now) {
   for (const robot_order_t& order : command.orders) {
     for (const std::int32_t robot : order.robot_ids) {
       if (!robots_.contains(robot)) continue;
@@ -142,7 +142,7 @@ void CommandDesk::take(const robot_command_t& command, std::int64_t now) {
   }
 }
 
-void CommandDesk::take(const robot_status_t& status) {
+void CommandArbiter::take(const robot_status_t& status) {
   for (const robot_state_t& state : status.robots) {
     if (!robots_.contains(state.robot_id)) continue;
     if ((state.flags & robot_state_t::FLAG_STOPPED) != 0) {
@@ -154,7 +154,7 @@ void CommandDesk::take(const robot_status_t& status) {
   }
 }
 
-void CommandDesk::take(const robot_stop_t& stop, std::int64_t now) {
+void CommandArbiter::take(const robot_stop_t& stop, std::int64_t now) {
   const std::set<std::int32_t> named(stop.robot_ids.begin(), stop.robot_ids.end());
   for (const std::int32_t robot : robots_) {
     if (!named.empty() && !named.contains(robot)) continue;
@@ -167,7 +167,7 @@ void CommandDesk::take(const robot_stop_t& stop, std::int64_t now) {
   }
 }
 
-void CommandDesk::tick(std::int64_t now) {
+void CommandArbiter::tick(std::int64_t now) {
   std::vector<std::int32_t> over;
   for (auto& [robot, hold] : holds_) {
     if (!hold.driven) continue;
@@ -184,7 +184,7 @@ void CommandDesk::tick(std::int64_t now) {
   for (const std::int32_t robot : over) giveBack(robot);
 }
 
-std::vector<robot_command_t> CommandDesk::due(std::int64_t now) {
+std::vector<robot_command_t> CommandArbiter::due(std::int64_t now) {
   std::vector<robot_command_t> out;
   if (!given_back_.empty()) {
     robot_command_t last{};
@@ -202,7 +202,7 @@ std::vector<robot_command_t> CommandDesk::due(std::int64_t now) {
   return out;
 }
 
-void CommandDesk::driveMessage(std::int64_t now, std::vector<robot_command_t>& out) {
+void CommandArbiter::driveMessage(std::int64_t now, std::vector<robot_command_t>& out) {
   const std::int64_t since = now - drive_sent_utime_;
   const bool due = since >= kDriveRepeat_us || (drive_changed_ && since >= kDriveSpacing_us);
   if (!due) return;
@@ -228,7 +228,7 @@ void CommandDesk::driveMessage(std::int64_t now, std::vector<robot_command_t>& o
   out.push_back(std::move(command));
 }
 
-void CommandDesk::orderMessages(std::int64_t now, std::vector<robot_command_t>& out) {
+void CommandArbiter::orderMessages(std::int64_t now, std::vector<robot_command_t>& out) {
   std::map<std::int64_t, robot_command_t> by_seq;
   for (auto& [robot, hold] : holds_) {
     if (hold.driven) continue;

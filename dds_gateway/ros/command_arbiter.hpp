@@ -46,12 +46,12 @@ inline constexpr int kAnswers = 10;
 /// A robot that is driven stands when its publisher has been silent for `timeout`, and is given
 /// back to the lab when the silence has lasted for kGiveBack_us. A robot that was given a program,
 /// or told to stand, keeps it until somebody gives it back or drives it.
-class CommandDesk {
+class CommandArbiter {
  public:
   static constexpr std::int64_t kGiveBack_us = 5'000'000;
 
   /// @param robots that may be driven
-  CommandDesk(std::set<std::int32_t> robots, const WheelLimits& wheels, std::int64_t timeout_us)
+  CommandArbiter(std::set<std::int32_t> robots, const WheelLimits& wheels, std::int64_t timeout_us)
       : robots_(std::move(robots)), wheels_(wheels), timeout_us_(timeout_us) {}
 
   Answer drive(std::int32_t robot, dds::WriterId writer, const ros::Twist& twist, std::int64_t now);

@@ -11,12 +11,12 @@ constexpr std::size_t kLongestLabel = 100;  // [byte] it goes onto the bus twice
 
 }  // namespace
 
-bool LightDesk::isOwned(dds::WriterId writer, std::int64_t now) const {
+bool LightArbiter::isOwned(dds::WriterId writer, std::int64_t now) const {
   return owner_ != 0 && owner_ != writer && now - heard_utime_ <= timeout_us_;
 }
 
-Answer LightDesk::show(dds::WriterId writer, double intensity, double hold,
-                       const std::string& words, std::int64_t now) {
+Answer LightArbiter::show(dds::WriterId writer, double intensity, double hold,
+                          const std::string& words, std::int64_t now) {
   if (!std::isfinite(intensity) || !std::isfinite(hold)) return Answer::kNotFinite;
   if (intensity < 0 || intensity > 1 || hold < 0 || hold > kLongestHold) return Answer::kOutOfRange;
   if (isOwned(writer, now)) return Answer::kOwned;
@@ -28,14 +28,14 @@ Answer LightDesk::show(dds::WriterId writer, double intensity, double hold,
   return Answer::kTaken;
 }
 
-Answer LightDesk::release(dds::WriterId writer, std::int64_t now) {
+Answer LightArbiter::release(dds::WriterId writer, std::int64_t now) {
   if (isOwned(writer, now)) return Answer::kOwned;
   owner_ = 0;
-  light_.giveBack();
+  light_.release();
   return Answer::kTaken;
 }
 
-std::optional<light_command_t> LightDesk::due(std::int64_t now) {
+std::optional<light_command_t> LightArbiter::due(std::int64_t now) {
   const bool was_shown = light_.isShown();
   std::optional<light_command_t> command = light_.due(now);
   if (was_shown && !light_.isShown()) owner_ = 0;  // its time is up

@@ -13,9 +13,9 @@ namespace lab::gateway {
 
 /// One light for the whole arena, as `lab light 0.5` sets it: it outranks the experiment's script
 /// until it is given back. One publisher holds it until it has been silent for `timeout`.
-class LightDesk {
+class LightArbiter {
  public:
-  explicit LightDesk(std::int64_t timeout_us) : timeout_us_(timeout_us) {}
+  explicit LightArbiter(std::int64_t timeout_us) : timeout_us_(timeout_us) {}
 
   /// @param intensity [1] 0..1
   /// @param hold [s] after which it is given back, 0: until somebody gives it back
@@ -34,7 +34,7 @@ class LightDesk {
   std::int64_t timeout_us_;
   dds::WriterId owner_ = 0;
   std::int64_t heard_utime_ = 0;
-  UniformLight light_;
+  ManualLight light_;
 };
 
 }  // namespace lab::gateway

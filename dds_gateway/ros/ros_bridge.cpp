@@ -9,8 +9,8 @@
 #include "common/experiment/experiment_file.hpp"
 #include "common/experiment/experiment_messages.hpp"
 #include "common/math/units.hpp"
-#include "dds_gateway/gateway_domain.hpp"
 #include "dds_gateway/dds/error.hpp"
+#include "dds_gateway/gateway_domain.hpp"
 
 namespace lab::gateway {
 namespace fs = std::filesystem;
@@ -21,8 +21,9 @@ constexpr const char* kTf = "/tf";
 constexpr const char* kDiagnostics = "/diagnostics";
 constexpr const char* kClock = "/clock";
 
-Mapping mappingOf(const Gateway& gateway, const fs::path& directory) {
-  return gateway.mapping.empty() ? Mapping() : readMappingFile(directory / gateway.mapping);
+TopicMapping mappingOf(const Gateway& gateway, const fs::path& directory) {
+  return gateway.mapping.empty() ? TopicMapping()
+                                 : readTopicMappingFile(directory / gateway.mapping);
 }
 
 bool sameLight(const light::Field& a, const light::Field& b) {
@@ -51,7 +52,7 @@ RosBridge::RosBridge(const ServiceContext& context)
       names_(experiment_.gateway.name),
       mapping_(mappingOf(experiment_.gateway, context.directory)),
       domain_(joinDomain(experiment_.gateway, context.directory)),
-      outlets_(domain_, mapping_),
+      publishers_(domain_, mapping_),
       foreign_(domain_),
       images_(loadImages(experiment_, context.directory)),
       arena_(names_.arenaFrame()),
@@ -70,12 +71,12 @@ RosBridge::RosBridge(const ServiceContext& context)
 }
 
 void RosBridge::openTopics() {
-  tf_ = outlets_.open<ros::TFMessage>(kTf, ros::tfQos(ros::rosType<ros::TFMessage>()));
-  diagnostics_ = outlets_.open<ros::DiagnosticArray>(kDiagnostics);
-  poses_ = outlets_.openLatched<ros::PoseArray>(names_.topic("poses"));
-  light_field_ = outlets_.openLatched<ros::OccupancyGrid>(names_.topic("light_field"));
-  robot_list_ = outlets_.openLatched<ros::String>(names_.topic("robots"));
-  if (!outlets_.trouble().empty()) throw std::runtime_error(outlets_.trouble());
+  tf_ = publishers_.open<ros::TFMessage>(kTf, ros::tfQos(ros::rosType<ros::TFMessage>()));
+  diagnostics_ = publishers_.open<ros::DiagnosticArray>(kDiagnostics);
+  poses_ = publishers_.openLatched<ros::PoseArray>(names_.topic("poses"));
+  light_field_ = publishers_.openLatched<ros::OccupancyGrid>(names_.topic("light_field"));
+  robot_list_ = publishers_.openLatched<ros::String>(names_.topic("robots"));
+  if (!publishers_.trouble().empty()) throw std::runtime_error(publishers_.trouble());
   // A rule of the mapping that makes a bad name is found now, not when the robot comes.
   std::vector<std::string> later{"pose", "odom", "light"};
   for (const auto& [name, program] : experiment_.programs) {
@@ -120,9 +121,9 @@ RosBridge::Robot* RosBridge::robot(std::int32_t id) {
     return nullptr;
   }
   Robot robot{.messages = RobotMessages(arena_, names_.robotFrame(id)),
-              .pose = outlets_.openLatched<ros::PoseStamped>(names_.topic(id, "pose")),
-              .odometry = outlets_.open<ros::Odometry>(names_.topic(id, "odom")),
-              .light = outlets_.open<ros::Illuminance>(names_.topic(id, "light")),
+              .pose = publishers_.openLatched<ros::PoseStamped>(names_.topic(id, "pose")),
+              .odometry = publishers_.open<ros::Odometry>(names_.topic(id, "odom")),
+              .light = publishers_.open<ros::Illuminance>(names_.topic(id, "light")),
               .analysis = {},
               .tracked = {},
               .motion = {},
@@ -210,7 +211,7 @@ void RosBridge::take(const light_status_t& status) {
 
 void RosBridge::take(const analysis_t& analysis) {
   const std::string part = namePart(analysis.program_name);
-  Outlets::Handle* outlet = nullptr;
+  RosPublishers::Handle* outlet = nullptr;
   std::string topic;
   if (analysis.robot_id == analysis_t::POOL) {
     outlet = &pool_analysis_.try_emplace(part).first->second;
@@ -220,14 +221,14 @@ void RosBridge::take(const analysis_t& analysis) {
     topic = names_.topic(analysis.robot_id, "analysis/" + part);
   }
   if (outlet == nullptr) return;
-  if (!*outlet) *outlet = outlets_.openLatched<ros::Analysis>(topic);
+  if (!*outlet) *outlet = publishers_.openLatched<ros::Analysis>(topic);
   if (!*outlet || !(*outlet)->admit(analysis.utime)) return;
   (*outlet)->write(&analysis_.make(analysis));
 }
 
 /// Only where the lab's time is not the clock's: with /clock there, use_sim_time has a meaning.
 void RosBridge::take(const clock_t& clock) {
-  if (!clock_) clock_ = outlets_.open<ros::Clock>(kClock);
+  if (!clock_) clock_ = publishers_.open<ros::Clock>(kClock);
   if (!clock_ || !clock_->admit(clock.utime)) return;
   const ros::Clock message{stampOf(clock.utime)};
   clock_->write(&message);
@@ -239,20 +240,20 @@ void RosBridge::everySecond() {
   if (commands_) commands_->everySecond();
   std::multimap<std::string, std::string> types;
   if (commands_) {
-    for (const auto& inlet : commands_->inlets()) {
+    for (const auto& inlet : commands_->rosSubscriptions()) {
       types.emplace(ros::topicName(inlet->topic()), inlet->typeName());
     }
   }
-  for (const Outlets::Handle& outlet : outlets_.all()) {
+  for (const RosPublishers::Handle& outlet : publishers_.all()) {
     types.emplace(ros::topicName(outlet->topic()), outlet->typeName());
   }
   foreign_.look(types);
   if (foreign_.count() > 0) {
     node_.noteError("somebody uses a topic of the lab with another type: " + foreign_.last());
   }
-  if (!outlets_.trouble().empty()) node_.noteError(outlets_.trouble());
-  const std::string said = dds::takeComplaints();
-  if (!said.empty()) complaints_ = said;
+  if (!publishers_.trouble().empty()) node_.noteError(publishers_.trouble());
+  const std::string said = dds::takeWarnings();
+  if (!said.empty()) warnings_ = said;
   sendDiagnostics();
   // Last, and only when there are more: the other complaints come again each second.
   const std::int64_t malformed = dds::malformedReceived();

@@ -16,11 +16,11 @@
 #include "common/service/service_main.hpp"
 #include "dds_gateway/dds/domain.hpp"
 #include "dds_gateway/ros/foreign_endpoints.hpp"
-#include "dds_gateway/ros/topic_mapping.hpp"
+#include "dds_gateway/ros/ros_commands.hpp"
 #include "dds_gateway/ros/ros_names.hpp"
 #include "dds_gateway/ros/ros_publisher.hpp"
-#include "dds_gateway/ros/ros_commands.hpp"
 #include "dds_gateway/ros/to_ros.hpp"
+#include "dds_gateway/ros/topic_mapping.hpp"
 
 namespace lab::gateway {
 
@@ -38,10 +38,10 @@ class RosBridge {
  private:
   struct Robot {
     RobotMessages messages;
-    Outlets::Handle pose;
-    Outlets::Handle odometry;
-    Outlets::Handle light;
-    std::map<std::string, Outlets::Handle> analysis;  ///< by program
+    RosPublishers::Handle pose;
+    RosPublishers::Handle odometry;
+    RosPublishers::Handle light;
+    std::map<std::string, RosPublishers::Handle> analysis;  ///< by program
     std::optional<tracked_pose_t> tracked;
     std::int64_t tracked_utime = 0;  ///< of its frame
     Motion motion;
@@ -70,17 +70,17 @@ class RosBridge {
   Node& node_;
   Loop& loop_;
   const Experiment& experiment_;
-  Names names_;
-  Mapping mapping_;
+  RosNames names_;
+  TopicMapping mapping_;
   dds::Domain domain_;
-  Outlets outlets_;
+  RosPublishers publishers_;
   ForeignEndpoints foreign_;
   ExperimentImages images_;
 
   std::map<std::int32_t, Robot> robots_;
   std::int64_t refused_robots_ = 0;
-  std::map<std::string, Outlets::Handle> pool_analysis_;
-  Outlets::Handle tf_, poses_, light_field_, robot_list_, diagnostics_, clock_;
+  std::map<std::string, RosPublishers::Handle> pool_analysis_;
+  RosPublishers::Handle tf_, poses_, light_field_, robot_list_, diagnostics_, clock_;
   std::vector<ros::TransformStamped> transforms_;
   std::vector<ros::Pose> pose_array_;
   std::string arena_;
@@ -93,7 +93,7 @@ class RosBridge {
     std::int64_t utime = 0;  ///< when it came
   };
   std::map<std::string, Heard> services_;
-  std::string complaints_;      ///< of Cyclone, the last
+  std::string warnings_;        ///< of Cyclone, the last
   std::int64_t malformed_ = 0;  ///< dds::malformedReceived() a second ago
   std::unique_ptr<RosCommands> commands_;
 };

@@ -65,45 +65,45 @@ Message itself(const Message& message) {
 }  // namespace
 
 RosCommands::RosCommands(const ServiceContext& context, const dds::Domain& domain,
-                         Mapping& mapping, const Names& names)
+                         TopicMapping& mapping, const RosNames& names)
     : node_(context.node),
       loop_(context.loop),
       descriptors_(context.descriptors),
       experiment_(context.experiment),
       domain_(domain),
       names_(names),
-      desk_(drivable(experiment_),
-            {experiment_.hardware.max_wheel_speed, experiment_.hardware.diameter},
-            units::microseconds(experiment_.gateway.command_timeout)),
+      arbiter_(drivable(experiment_),
+               {experiment_.hardware.max_wheel_speed, experiment_.hardware.diameter},
+               units::microseconds(experiment_.gateway.command_timeout)),
       light_(units::microseconds(experiment_.gateway.command_timeout)),
       table_(tableOf(experiment_)) {
-  for (const std::int32_t id : desk_.robots()) openRobot(mapping, id);
+  for (const std::int32_t id : arbiter_.robots()) openRobot(mapping, id);
   openLab(mapping);
   node_.subscribe<robot_command_t>(channels::kRobotCommand, [this](const robot_command_t& command) {
-    if (command.sender != node_.identity().name) desk_.take(command, loop_.now());
+    if (command.sender != node_.identity().name) arbiter_.take(command, loop_.now());
   });
   node_.subscribe<robot_stop_t>(
-      channels::kRobotStop, [this](const robot_stop_t& stop) { desk_.take(stop, loop_.now()); });
+      channels::kRobotStop, [this](const robot_stop_t& stop) { arbiter_.take(stop, loop_.now()); });
   node_.subscribe<robot_status_t>(channels::kRobotStatus,
-                                  [this](const robot_status_t& status) { desk_.take(status); });
+                                  [this](const robot_status_t& status) { arbiter_.take(status); });
   loop_.every(kTick_us, loop_.now(), [this] { send(); });
   watch();
 }
 
 template <class Message, class Value>
-void RosCommands::open(Mapping& mapping, const std::string& topic, const dds::Qos& qos,
+void RosCommands::open(TopicMapping& mapping, const std::string& topic, const dds::Qos& qos,
                        std::function<Value(const Message&)> keep,
                        std::function<Answer(dds::WriterId, const Value&)> act) {
   const std::optional<Route> route = mapping.route(topic);
   if (!route) return;
-  inlets_.push_back(std::make_unique<InletOf<Message, Value>>(domain_, route->topic, qos, waker_,
-                                                              std::move(keep), std::move(act)));
+  ros_subscriptions_.push_back(std::make_unique<TypedRosSubscription<Message, Value>>(
+      domain_, route->topic, qos, waker_, std::move(keep), std::move(act)));
 }
 
-void RosCommands::openRobot(Mapping& mapping, std::int32_t robot) {
+void RosCommands::openRobot(TopicMapping& mapping, std::int32_t robot) {
   const std::string drive = names_.topic(robot, "cmd_vel");
   const auto act = [this, robot](dds::WriterId writer, const ros::Twist& twist) {
-    return desk_.drive(robot, writer, twist, loop_.now());
+    return arbiter_.drive(robot, writer, twist, loop_.now());
   };
   open<ros::Twist, ros::Twist>(mapping, drive, anyPublisher<ros::Twist>(), itself<ros::Twist>, act);
   // The stamp is a clock of somebody else: how old a command is, is counted from its arrival.
@@ -118,7 +118,7 @@ void RosCommands::openRobot(Mapping& mapping, std::int32_t robot) {
       });
 }
 
-void RosCommands::openLab(Mapping& mapping) {
+void RosCommands::openLab(TopicMapping& mapping) {
   struct Group {
     std::uint8_t mode = 0;
     std::vector<std::int32_t> robots;
@@ -131,12 +131,12 @@ void RosCommands::openLab(Mapping& mapping) {
       },
       [this](dds::WriterId writer, const Group& group) {
         std::vector<std::int32_t> ids = group.robots;
-        if (ids.empty()) ids.assign(desk_.robots().begin(), desk_.robots().end());
+        if (ids.empty()) ids.assign(arbiter_.robots().begin(), arbiter_.robots().end());
         switch (group.mode) {
           case robot_order_t::STAND:
-            return desk_.command(ids, writer, standing(), loop_.now());
+            return arbiter_.command(ids, writer, standing(), loop_.now());
           case robot_order_t::TABLE:
-            return desk_.release(ids, writer, loop_.now());
+            return arbiter_.release(ids, writer, loop_.now());
           default:
             return Answer::kOutOfRange;
         }
@@ -166,10 +166,10 @@ void RosCommands::openLab(Mapping& mapping) {
 }
 
 Answer RosCommands::program(std::int32_t robot, dds::WriterId writer, const std::string& name) {
-  if (name.empty() || name == kRelease) return desk_.release({robot}, writer, loop_.now());
+  if (name.empty() || name == kRelease) return arbiter_.release({robot}, writer, loop_.now());
   const auto known = experiment_.programs.find(name);
   if (known == experiment_.programs.end() && name == kStand) {
-    return desk_.command({robot}, writer, standing(), loop_.now());
+    return arbiter_.command({robot}, writer, standing(), loop_.now());
   }
   if (known == experiment_.programs.end()) return Answer::kNoProgram;
   robot_order_t order = table_;
@@ -178,7 +178,7 @@ Answer RosCommands::program(std::int32_t robot, dds::WriterId writer, const std:
   everywhere.program = toMessage(known->second);
   order.bands = {everywhere};
   order.num_bands = 1;
-  return desk_.command({robot}, writer, order, loop_.now());
+  return arbiter_.command({robot}, writer, order, loop_.now());
 }
 
 void RosCommands::watch() {
@@ -189,7 +189,7 @@ void RosCommands::look() {
   watch_.reset();
   loop_.at(loop_.now() + kPause_us, [this] { watch(); });
   waker_.quiet();
-  for (const auto& inlet : inlets_) {
+  for (const auto& inlet : ros_subscriptions_) {
     if (inlet->read()) waker_.ring();
   }
   send();
@@ -197,8 +197,8 @@ void RosCommands::look() {
 
 void RosCommands::send() {
   const std::int64_t now = loop_.now();
-  desk_.tick(now);
-  for (robot_command_t& command : desk_.due(now)) {
+  arbiter_.tick(now);
+  for (robot_command_t& command : arbiter_.due(now)) {
     node_.publishCommand(channels::kRobotCommand, command);
   }
   if (auto light = light_.due(now)) node_.publishCommand(channels::kLightCommand, *light);
@@ -206,7 +206,7 @@ void RosCommands::send() {
 
 /// Texts without numbers: the lab's record takes each once.
 void RosCommands::everySecond() {
-  for (const auto& inlet : inlets_) {
+  for (const auto& inlet : ros_subscriptions_) {
     inlet->newSecond();
     for (int i = 0; i < kAnswers; ++i) {
       const auto answer = static_cast<Answer>(i);
@@ -224,7 +224,7 @@ void RosCommands::addTo(Diagnostics& diagnostics) {
   Diagnostics::Status status;
   status.name = names_.lab() + ": commands from ROS 2";
   std::int64_t refused = 0;
-  for (const auto& inlet : inlets_) {
+  for (const auto& inlet : ros_subscriptions_) {
     const dds::Matching matching = inlet->reader().matching();
     if (inlet->reader().received() == 0 && matching.peers == 0 && matching.refused == 0) continue;
     std::string text =
@@ -245,8 +245,8 @@ void RosCommands::addTo(Diagnostics& diagnostics) {
     }
     status.values.emplace_back(inlet->topic() + " " + inlet->typeName(), std::move(text));
   }
-  status.values.emplace_back("robots held", std::to_string(desk_.held()));
-  status.values.emplace_back("made to stand by silence", std::to_string(desk_.silences()));
+  status.values.emplace_back("robots held", std::to_string(arbiter_.held()));
+  status.values.emplace_back("made to stand by silence", std::to_string(arbiter_.silences()));
   status.level = refused > 0 ? Diagnostics::kWarn : Diagnostics::kOk;
   status.message = refused > 0 ? fmt::format("{} refused", refused) : "";
   diagnostics.add(std::move(status));

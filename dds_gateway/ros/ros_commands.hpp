@@ -12,11 +12,11 @@
 #include "dds_gateway/dds/domain.hpp"
 #include "dds_gateway/dds/waker.hpp"
 #include "dds_gateway/ros/command_arbiter.hpp"
-#include "dds_gateway/ros/ros_subscription.hpp"
 #include "dds_gateway/ros/light_arbiter.hpp"
-#include "dds_gateway/ros/topic_mapping.hpp"
 #include "dds_gateway/ros/ros_names.hpp"
+#include "dds_gateway/ros/ros_subscription.hpp"
 #include "dds_gateway/ros/to_ros.hpp"
+#include "dds_gateway/ros/topic_mapping.hpp"
 
 namespace lab::gateway {
 
@@ -24,21 +24,23 @@ namespace lab::gateway {
 class RosCommands {
  public:
   /// @throws DdsError
-  RosCommands(const ServiceContext& context, const dds::Domain& domain, Mapping& mapping,
-              const Names& names);
+  RosCommands(const ServiceContext& context, const dds::Domain& domain, TopicMapping& mapping,
+              const RosNames& names);
 
   /// To be called once a second, whoever listens: floods are counted by it, refusals reported.
   void everySecond();
 
   void addTo(Diagnostics& diagnostics);
 
-  [[nodiscard]] const std::list<std::unique_ptr<Inlet>>& inlets() const { return inlets_; }
+  [[nodiscard]] const std::list<std::unique_ptr<RosSubscription>>& rosSubscriptions() const {
+    return ros_subscriptions_;
+  }
 
  private:
-  void openRobot(Mapping& mapping, std::int32_t robot);
-  void openLab(Mapping& mapping);
+  void openRobot(TopicMapping& mapping, std::int32_t robot);
+  void openLab(TopicMapping& mapping);
   template <class Message, class Value>
-  void open(Mapping& mapping, const std::string& topic, const dds::Qos& qos,
+  void open(TopicMapping& mapping, const std::string& topic, const dds::Qos& qos,
             std::function<Value(const Message&)> keep,
             std::function<Answer(dds::WriterId, const Value&)> act);
   void watch();
@@ -48,16 +50,16 @@ class RosCommands {
 
   Node& node_;
   Loop& loop_;
-  Descriptors& descriptors_;
+  DescriptorWatcher& descriptors_;
   const Experiment& experiment_;
   const dds::Domain& domain_;
-  Names names_;
-  CommandDesk desk_;
-  LightDesk light_;
+  RosNames names_;
+  CommandArbiter arbiter_;
+  LightArbiter light_;
   robot_order_t table_;  ///< the experiment's, without its bands
   dds::Waker waker_;
-  std::list<std::unique_ptr<Inlet>> inlets_;
-  std::unique_ptr<Descriptors::Watch> watch_;
+  std::list<std::unique_ptr<RosSubscription>> ros_subscriptions_;
+  std::unique_ptr<DescriptorWatcher::Watch> watch_;
 };
 
 }  // namespace lab::gateway

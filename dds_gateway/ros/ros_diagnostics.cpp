@@ -59,8 +59,8 @@ void RosBridge::addTopics(Diagnostics& diagnostics) {
   std::int64_t timeouts = 0;
   std::int64_t refused = 0;
   std::string why;
-  const auto outlets = outlets_.all();
-  for (const Outlets::Handle& outlet : outlets) {
+  const auto outlets = publishers_.all();
+  for (const RosPublishers::Handle& outlet : outlets) {
     const dds::Matching matching = outlet->writer().matching();
     timeouts += outlet->writer().timeouts();
     refused += matching.refused;
@@ -89,7 +89,7 @@ void RosBridge::addTopics(Diagnostics& diagnostics) {
     status.values.emplace_back("malformed, dropped", std::to_string(malformed));
     status.message = "somebody sends what is no message of its topic";
   }
-  if (!complaints_.empty()) status.values.emplace_back("Cyclone DDS", complaints_);
+  if (!warnings_.empty()) status.values.emplace_back("Cyclone DDS", warnings_);
   if (foreign_.count() > 0) {
     status.values.emplace_back("endpoints of another type", std::to_string(foreign_.count()));
     status.message = foreign_.last();

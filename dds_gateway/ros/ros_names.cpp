@@ -37,11 +37,11 @@ std::string namePart(std::string_view text) {
 
 std::string robotName(std::int32_t id) { return "robot" + std::to_string(id); }
 
-std::string Names::topic(std::string_view what) const {
+std::string RosNames::topic(std::string_view what) const {
   return "/" + lab_ + "/" + std::string(what);
 }
 
-std::string Names::topic(std::int32_t robot, std::string_view what) const {
+std::string RosNames::topic(std::int32_t robot, std::string_view what) const {
   return "/" + lab_ + "/" + robotName(robot) + "/" + std::string(what);
 }
 

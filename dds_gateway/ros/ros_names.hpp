@@ -20,9 +20,9 @@ namespace lab::gateway {
 [[nodiscard]] std::string robotName(std::int32_t id);
 
 /// The names of one lab; `lab` is Gateway::name.
-class Names {
+class RosNames {
  public:
-  explicit Names(std::string_view lab) : lab_(namePart(lab)) {}
+  explicit RosNames(std::string_view lab) : lab_(namePart(lab)) {}
 
   /// "/lab/light_field"
   [[nodiscard]] std::string topic(std::string_view what) const;

@@ -9,17 +9,17 @@
 #include <vector>
 
 #include "dds_gateway/dds/endpoint.hpp"
-#include "dds_gateway/ros/topic_mapping.hpp"
 #include "dds_gateway/ros/rate_limit.hpp"
 #include "dds_gateway/ros/ros_type.hpp"
+#include "dds_gateway/ros/topic_mapping.hpp"
 
 namespace lab::gateway {
 
 /// One topic with its writer and its counts.
-class Outlet {
+class RosPublisher {
  public:
-  Outlet(const dds::Domain& domain, const ros::RosType& type, const Route& route,
-         const dds::Qos& qos)
+  RosPublisher(const dds::Domain& domain, const ros::RosType& type, const Route& route,
+               const dds::Qos& qos)
       : topic_(route.topic),
         type_name_(type.descriptor->m_typename),
         limit_(route.rate),
@@ -54,11 +54,12 @@ class Outlet {
 
 /// Makes outlets as the mapping says. A topic that it denies, or that cannot be made, has none:
 /// null.
-class Outlets {
+class RosPublishers {
  public:
-  Outlets(const dds::Domain& domain, Mapping& mapping) : domain_(domain), mapping_(mapping) {}
+  RosPublishers(const dds::Domain& domain, TopicMapping& mapping)
+      : domain_(domain), mapping_(mapping) {}
 
-  using Handle = std::shared_ptr<Outlet>;  ///< ends with its last owner
+  using Handle = std::shared_ptr<RosPublisher>;  ///< ends with its last owner
 
   template <class Message>
   [[nodiscard]] Handle open(const std::string& topic, const dds::Qos& qos) {
@@ -85,7 +86,7 @@ class Outlets {
     try {
       const std::optional<Route> route = mapping_.route(topic);
       if (!route) return nullptr;
-      auto outlet = std::make_shared<Outlet>(domain_, type, *route, qos);
+      auto outlet = std::make_shared<RosPublisher>(domain_, type, *route, qos);
       made_.push_back(outlet);
       return outlet;
     } catch (const std::runtime_error& error) {  // of one topic: the others go on
@@ -95,12 +96,12 @@ class Outlets {
   }
 
   const dds::Domain& domain_;
-  Mapping& mapping_;
+  TopicMapping& mapping_;
   std::string trouble_;
-  std::vector<std::weak_ptr<Outlet>> made_;
+  std::vector<std::weak_ptr<RosPublisher>> made_;
 };
 
-inline std::vector<Outlets::Handle> Outlets::all() {
+inline std::vector<RosPublishers::Handle> RosPublishers::all() {
   std::erase_if(made_, [](const auto& outlet) { return outlet.expired(); });
   std::vector<Handle> open;
   open.reserve(made_.size());

@@ -16,20 +16,20 @@
 namespace lab::gateway {
 
 /// One topic of commands with its counts.
-class Inlet {
+class RosSubscription {
  public:
   /// More a second than this are a flood: what is beyond is counted as refused.
   static constexpr std::int64_t kMostASecond = 1000;
   static constexpr int kDepth = 256;  ///< samples that wait between two looks
 
-  Inlet(const dds::Domain& domain, const ros::RosType& type, std::string topic, dds::Qos qos,
-        const dds::Waker& waker)
+  RosSubscription(const dds::Domain& domain, const ros::RosType& type, std::string topic,
+                  dds::Qos qos, const dds::Waker& waker)
       : topic_(std::move(topic)),
         type_name_(type.descriptor->m_typename),
         reader_(domain, *type.descriptor, ros::topicName(topic_), deep(std::move(qos)), waker) {}
-  Inlet(const Inlet&) = delete;
-  Inlet& operator=(const Inlet&) = delete;
-  virtual ~Inlet() = default;
+  RosSubscription(const RosSubscription&) = delete;
+  RosSubscription& operator=(const RosSubscription&) = delete;
+  virtual ~RosSubscription() = default;
 
   /// Acts on what has come: of each publisher the newest. @return whether more may wait
   virtual bool read() = 0;
@@ -70,14 +70,14 @@ class Inlet {
 
 /// Of one type of message. `Value` is what is kept of it: the message itself dies with the look.
 template <class Message, class Value>
-class InletOf final : public Inlet {
+class TypedRosSubscription final : public RosSubscription {
  public:
   using Keep = std::function<Value(const Message&)>;
   using Act = std::function<Answer(dds::WriterId, const Value&)>;
 
-  InletOf(const dds::Domain& domain, const std::string& topic, const dds::Qos& qos,
-          const dds::Waker& waker, Keep keep, Act act)
-      : Inlet(domain, ros::rosType<Message>(), topic, qos, waker),
+  TypedRosSubscription(const dds::Domain& domain, const std::string& topic, const dds::Qos& qos,
+                       const dds::Waker& waker, Keep keep, Act act)
+      : RosSubscription(domain, ros::rosType<Message>(), topic, qos, waker),
         keep_(std::move(keep)),
         act_(std::move(act)) {}
 

@@ -51,7 +51,7 @@ ros::Time stampOf(std::int64_t utime) {
 // Cyclone's structs have no const, and it does not write into what it sends.
 char* cText(const std::string& text) { return const_cast<char*>(text.c_str()); }
 
-char* heardText(std::string& text) {
+char* sanitizedText(std::string& text) {
   repairUtf8(text);
   return cText(text);
 }
@@ -149,8 +149,8 @@ const ros::Analysis& AnalysisMessage::make(const analysis_t& analysis) {
   for (curve_t& curve : source_.curves) {
     auto& biased = biased_.emplace_back(curve.biased.begin(), curve.biased.end());
     ros::Curve out{};
-    out.name = heardText(curve.name);
-    out.unit = heardText(curve.unit);
+    out.name = sanitizedText(curve.name);
+    out.unit = sanitizedText(curve.unit);
     out.lag = sequenceOf<decltype(out.lag)>(curve.lag);
     out.value = sequenceOf<decltype(out.value)>(curve.value);
     out.sigma = sequenceOf<decltype(out.sigma)>(curve.sigma);
@@ -164,15 +164,15 @@ const ros::Analysis& AnalysisMessage::make(const analysis_t& analysis) {
     curves_.push_back(out);
   }
   for (estimate_t& estimate : source_.estimates) {
-    estimates_.push_back({heardText(estimate.name), heardText(estimate.unit), estimate.value,
-                          estimate.sigma, estimate.low, estimate.high, estimate.theory,
-                          heardText(estimate.note)});
+    estimates_.push_back({sanitizedText(estimate.name), sanitizedText(estimate.unit),
+                          estimate.value, estimate.sigma, estimate.low, estimate.high,
+                          estimate.theory, sanitizedText(estimate.note)});
   }
   const program_t& program = source_.program;
   message_ = {};
   message_.header = headerOf(source_.utime, frame_);
   message_.robot_id = source_.robot_id;
-  message_.program_name = heardText(source_.program_name);
+  message_.program_name = sanitizedText(source_.program_name);
   message_.program = {static_cast<std::uint8_t>(program.kind),
                       program.v,
                       program.va,
@@ -202,13 +202,13 @@ const ros::DiagnosticArray& Diagnostics::make(std::int64_t utime) {
   for (Status& entry : entries_) {
     auto& values = values_.emplace_back();
     for (auto& [key, value] : entry.values) {
-      values.push_back({heardText(key), heardText(value)});
+      values.push_back({sanitizedText(key), sanitizedText(value)});
     }
     ros::DiagnosticStatus status{};
     status.level = entry.level;
-    status.name = heardText(entry.name);
-    status.message = heardText(entry.message);
-    status.hardware_id = heardText(entry.hardware);
+    status.name = sanitizedText(entry.name);
+    status.message = sanitizedText(entry.message);
+    status.hardware_id = sanitizedText(entry.hardware);
     status.values = sequenceOf<decltype(status.values)>(values);
     statuses_.push_back(status);
   }

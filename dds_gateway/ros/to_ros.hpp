@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "common/experiment/experiment.hpp"
-#include "light/field/field.hpp"
 #include "dds_gateway/ros/ros_type.hpp"
+#include "light/field/field.hpp"
 
 namespace lab::gateway {
 
@@ -25,7 +25,7 @@ namespace lab::gateway {
 
 /// The same of a text that somebody else wrote: what is no UTF-8 in it is replaced first, as Fast
 /// DDS ends a process that reads such a string.
-[[nodiscard]] char* heardText(std::string& text);
+[[nodiscard]] char* sanitizedText(std::string& text);
 
 /// The turn by theta [rad] about z; w >= 0 for theta in [-pi, pi].
 [[nodiscard]] ros::Quaternion yaw(double theta);

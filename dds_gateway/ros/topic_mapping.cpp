@@ -31,20 +31,20 @@ rate_hz = 5
 }  // namespace
 
 /// Reads the rules of a file, and says all that is wrong with it.
-class MappingReader {
+class TopicMappingReader {
  public:
-  MappingReader(std::string_view text, const std::string& name)
+  TopicMappingReader(std::string_view text, const std::string& name)
       : document_(text, name, {}),
         problems_([this](const std::string& path) { return document_.place(path); }) {}
 
-  std::vector<Mapping::Rule> read() {
+  std::vector<TopicMapping::Rule> read() {
     checkKeys(document_.root(), "", {"fileversion", "rules"});
     const auto version = document_.root()["fileversion"].value<std::int64_t>();
     if (version != kFileVersion) {
       problems_.add("fileversion", "found " + foundAt(document_.root(), "fileversion") +
                                        ", expected 1: write fileversion = 1");
     }
-    std::vector<Mapping::Rule> rules;
+    std::vector<TopicMapping::Rule> rules;
     if (const toml::node* node = document_.root().get("rules")) {
       const toml::array* array = node->as_array();
       if (array == nullptr || !array->is_homogeneous(toml::node_type::table)) {
@@ -77,9 +77,9 @@ class MappingReader {
     }
   }
 
-  Mapping::Rule readRule(const toml::table& table, const std::string& path) {
+  TopicMapping::Rule readRule(const toml::table& table, const std::string& path) {
     checkKeys(table, path, {"topic", "allow", "rename", "rate_hz"});
-    Mapping::Rule rule;
+    TopicMapping::Rule rule;
     readPattern(table, path + ".topic", rule);
     if (const toml::node* node = table.get("allow")) {
       const auto allow = node->value<bool>();
@@ -113,7 +113,7 @@ class MappingReader {
     return rule;
   }
 
-  void readPattern(const toml::table& table, const std::string& path, Mapping::Rule& rule) {
+  void readPattern(const toml::table& table, const std::string& path, TopicMapping::Rule& rule) {
     const auto text = table["topic"].value<std::string>();
     if (!text || text->empty()) {
       problems_.add(path, "found " + foundAt(table, "topic") +
@@ -134,14 +134,14 @@ class MappingReader {
   keys::Problems problems_;
 };
 
-Mapping::Mapping() : rules_(MappingReader(kBuiltIn, "built-in mapping").read()) {}
+TopicMapping::TopicMapping() : rules_(TopicMappingReader(kBuiltIn, "built-in mapping").read()) {}
 
-Mapping::Mapping(std::string_view text, const std::string& name)
-    : rules_(MappingReader(text, name).read()) {
-  for (Rule& rule : Mapping().rules_) rules_.push_back(std::move(rule));
+TopicMapping::TopicMapping(std::string_view text, const std::string& name)
+    : rules_(TopicMappingReader(text, name).read()) {
+  for (Rule& rule : TopicMapping().rules_) rules_.push_back(std::move(rule));
 }
 
-std::optional<Route> Mapping::route(const std::string& topic) {
+std::optional<Route> TopicMapping::route(const std::string& topic) {
   Route route{topic, 0};
   std::string place;
   bool decided = false;
@@ -170,7 +170,7 @@ std::optional<Route> Mapping::route(const std::string& topic) {
   return route;
 }
 
-void Mapping::take(const std::string& name, const Taken& wanted) {
+void TopicMapping::take(const std::string& name, const Taken& wanted) {
   const Taken& owner = taken_.try_emplace(name, wanted).first->second;
   if (owner.by == wanted.by) return;
   throw std::runtime_error(fmt::format(
@@ -179,7 +179,7 @@ void Mapping::take(const std::string& name, const Taken& wanted) {
       wanted.place.empty() ? owner.place : wanted.place, owner.by, wanted.by, name));
 }
 
-Mapping readMappingFile(const std::filesystem::path& file) {
+TopicMapping readTopicMappingFile(const std::filesystem::path& file) {
   std::ifstream stream(file);
   if (!stream) {
     throw ExperimentError({file.string() + ": gateway.mapping cannot be read: is it there?"});

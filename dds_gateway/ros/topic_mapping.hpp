@@ -20,14 +20,14 @@ struct Route {
 /// Rules in order; the first whose pattern is the whole name of a topic decides. A topic that none
 /// names passes as it is. What the rule leaves open comes from the built-in rules: the light field
 /// at 5 Hz. No two topics get one name.
-class Mapping {
+class TopicMapping {
  public:
   /// The built-in rules alone.
-  Mapping();
+  TopicMapping();
 
   /// @param name of the text, for messages
   /// @throws ExperimentError with a line for each problem: file:line: key: found, expected
-  Mapping(std::string_view text, const std::string& name);
+  TopicMapping(std::string_view text, const std::string& name);
 
   /// @param topic the gateway's own name, "/lab/robot1/pose"
   /// @return nothing when the topic is denied
@@ -44,7 +44,7 @@ class Mapping {
     std::string place;   ///< of rename: "m.toml:4: rules[0].rename"
     std::optional<double> rate;
   };
-  friend class MappingReader;
+  friend class TopicMappingReader;
 
   struct Taken {
     std::string by;     ///< the gateway's own name
@@ -57,6 +57,6 @@ class Mapping {
 };
 
 /// @throws ExperimentError also when the file cannot be read.
-[[nodiscard]] Mapping readMappingFile(const std::filesystem::path& file);
+[[nodiscard]] TopicMapping readTopicMappingFile(const std::filesystem::path& file);
 
 }  // namespace lab::gateway

@@ -28,8 +28,7 @@ Share both(Share a, Share b) {
 }  // namespace
 
 struct CompiledLayers::Culling {
-  explicit Culling(const Disc& the_disc)
-      : disc(the_disc), radius(the_disc.radius + kGuard) {}
+  explicit Culling(const Disc& the_disc) : disc(the_disc), radius(the_disc.radius + kGuard) {}
 
   const Disc& disc;
   double radius;
@@ -60,7 +59,8 @@ struct CompiledLayers::Culling {
   /// Of a layer of cover 1 that is value2 where `second` says.
   static std::optional<Entry> oneOf(const Entry& entry, Share second) {
     if (second == Share::kNone) return uniform(entry, entry.value);
-    if (second == Share::kAll) return uniform(entry, entry.value + 1 * (entry.value2 - entry.value));
+    if (second == Share::kAll)
+      return uniform(entry, entry.value + 1 * (entry.value2 - entry.value));
     return entry;
   }
 
@@ -69,7 +69,8 @@ struct CompiledLayers::Culling {
     return cover == Share::kAll ? uniform(entry, entry.value) : entry;
   }
 
-  /// Whether a square of side `half_period` around a multiple of the period is there, along one axis.
+  /// Whether a square of side `half_period` around a multiple of the period is there, along one
+  /// axis.
   [[nodiscard]] Share inStripe(const Entry& entry, double place, double period, double half) const {
     const double off = std::abs(place - period * std::floor(place / period + 0.5));
     return edge(entry, around(half - off));
@@ -103,8 +104,7 @@ struct CompiledLayers::Culling {
   }
 
   [[nodiscard]] std::optional<Entry> picture(const Entry& entry, double u, double w) const {
-    const Span inside =
-        around(std::min(entry.outer - std::abs(u), entry.inner - std::abs(w)));
+    const Span inside = around(std::min(entry.outer - std::abs(u), entry.inner - std::abs(w)));
     const Share cover = edge(entry, inside);
     if (cover == Share::kNone) return {};
     if (cover == Share::kAll && entry.pixels) {

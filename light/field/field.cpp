@@ -7,8 +7,8 @@
 #include <numbers>
 #include <type_traits>
 
-#include "light/field/target_clones.hpp"
 #include "light/field/image.hpp"
+#include "light/field/target_clones.hpp"
 
 namespace lab::light {
 
@@ -147,8 +147,8 @@ CompiledLayers::Entry CompiledLayers::compile(const Layer& layer) {
 
 template <LayerKind kKind>
 inline CompiledLayers::Paint CompiledLayers::paint(const Entry& entry,
-                                                   [[maybe_unused]] Reader<kKind>& reader,
-                                                   double x, double y) {
+                                                   [[maybe_unused]] Reader<kKind>& reader, double x,
+                                                   double y) {
   const double from_x = x - entry.x;
   const double from_y = y - entry.y;
   const auto u = [&] { return entry.cosine * from_x + entry.sine * from_y; };
@@ -276,9 +276,8 @@ void CompiledLayers::evaluateRow(double first_x, double step, double y, std::siz
 
 /// One block of places at most kBlock long: values and covers first, then what they do to the
 /// intensity below, so that each loop is free of the choice of kind and of blend.
-LAB_CLONES __attribute__((flatten)) void CompiledLayers::paintAt(const Entry& entry,
-                                                                 const double* x, const double* y,
-                                                                 std::size_t count, double* row) {
+LAB_TARGET_CLONES __attribute__((flatten)) void CompiledLayers::paintAt(
+    const Entry& entry, const double* x, const double* y, std::size_t count, double* row) {
   std::array<double, kBlock> value;
   std::array<double, kBlock> cover;
   withKind(entry.kind, [&]<LayerKind kKind>() {

@@ -57,7 +57,8 @@ class CompiledLayers {
   /// evaluate(), several times faster.
   void evaluateRow(double first_x, double step, double y, std::size_t count, double* out) const;
 
-  /// Intensity at `count` places (x[i], y[i]): the same numbers as evaluate(), several times faster.
+  /// Intensity at `count` places (x[i], y[i]): the same numbers as evaluate(), several times
+  /// faster.
   void evaluateAt(const double* x, const double* y, std::size_t count, double* out) const;
 
   /// What shows the same inside the disc with as few layers as possible (culling.cpp): none that

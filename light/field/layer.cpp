@@ -97,8 +97,8 @@ Problem gridProblem(const Layer& layer) {
   const std::size_t wanted =
       static_cast<std::size_t>(grid.columns) * static_cast<std::size_t>(grid.rows);
   if (grid.grey.size() == wanted) return {};
-  return "grid = " + std::to_string(grid.grey.size()) + " pixels, allowed: columns x rows = " +
-         std::to_string(wanted);
+  return "grid = " + std::to_string(grid.grey.size()) +
+         " pixels, allowed: columns x rows = " + std::to_string(wanted);
 }
 
 }  // namespace

@@ -48,7 +48,8 @@ enum class LayerKind : std::int8_t {
   /// shares (1 - intensity) and intensity. A list P, fade, Q is the frozen cross-fade from P to Q.
   kFade = 10,
   /// c = 1, v = intensity2 + (intensity - intensity2) n(u / size, w / size), n the smooth noise of
-  /// light/field/noise.hpp for `seed` and `phase`: uniform over 0..1 at every place, correlated over
+  /// light/field/noise.hpp for `seed` and `phase`: uniform over 0..1 at every place, correlated
+  /// over
   /// `size`, and while phase grows by 1 the pattern turns smoothly into another one.
   kNoise = 11,
   /// c = 1, v = intensity2 + (intensity - intensity2) (1 + cos(2 pi u / size - phase)) / 2: a crest
@@ -73,28 +74,28 @@ enum class Blend : std::int8_t {
 struct Layer {
   LayerKind kind = LayerKind::kUniform;
   Blend blend = Blend::kOver;
-  double x = 0;           ///< [m] centre, or a point on the edge
-  double y = 0;           ///< [m]
-  double angle = 0;       ///< [rad] counter-clockwise from x
-  double size = 0;        ///< [m] radius, length of a gradient, period, side, width of an image
-  double inner = 0;       ///< [m] inner radius, height of an image; [1] share of a stripe's period
-  double softness = 0;    ///< [m] width of the edge
-  double intensity = 0;   ///< [1] 0 dark .. 1 projector white, at sensor height
-  double intensity2 = 0;  ///< [1] the other end or the other half
+  double x = 0;            ///< [m] centre, or a point on the edge
+  double y = 0;            ///< [m]
+  double angle = 0;        ///< [rad] counter-clockwise from x
+  double size = 0;         ///< [m] radius, length of a gradient, period, side, width of an image
+  double inner = 0;        ///< [m] inner radius, height of an image; [1] share of a stripe's period
+  double softness = 0;     ///< [m] width of the edge
+  double intensity = 0;    ///< [1] 0 dark .. 1 projector white, at sensor height
+  double intensity2 = 0;   ///< [1] the other end or the other half
   std::uint64_t seed = 0;  ///< of the pattern (kNoise)
-  double phase = 0;       ///< [rad] of a wave; [1] time of noise, in units of its memory
-  std::string image{};    ///< SHA-256 of the image file, 64 lower-case hexadecimal digits (kImage)
+  double phase = 0;        ///< [rad] of a wave; [1] time of noise, in units of its memory
+  std::string image{};     ///< SHA-256 of the image file, 64 lower-case hexadecimal digits (kImage)
   std::shared_ptr<const Image> pixels = nullptr;  ///< its grey values, null while not at hand
 
   bool operator==(const Layer&) const = default;
 };
 
 /// Limits that validate() keeps.
-inline constexpr double kLargestPlace = 10;     ///< [m] of every length
-inline constexpr double kFurthestPlace = 1e6;   ///< [m] of x and y: layers move, for days
-inline constexpr double kLargestPhase = 1e9;    ///< [rad] or [1]
-inline constexpr double kSmallestSize = 0.001;  ///< [m] of size, where the kind reads it
-inline constexpr double kLargestAngle = 100;    ///< [rad]
+inline constexpr double kLargestPlace = 10;      ///< [m] of every length
+inline constexpr double kFurthestPlace = 1e6;    ///< [m] of x and y: layers move, for days
+inline constexpr double kLargestPhase = 1e9;     ///< [rad] or [1]
+inline constexpr double kSmallestSize = 0.001;   ///< [m] of size, where the kind reads it
+inline constexpr double kLargestAngle = 100;     ///< [rad]
 inline constexpr std::size_t kMostLayers = 160;  ///< in one picture
 
 /// Why the layer cannot be painted, as "field = found, allowed: range", or nothing.

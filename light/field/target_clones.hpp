@@ -5,7 +5,7 @@
 // contracted or summed in another order. Sanitizers do not bear the dispatcher.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
     !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-#define LAB_CLONES __attribute__((target_clones("avx2", "default")))
+#define LAB_TARGET_CLONES __attribute__((target_clones("avx2", "default")))
 #else
-#define LAB_CLONES
+#define LAB_TARGET_CLONES
 #endif

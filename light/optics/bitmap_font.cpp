@@ -70,7 +70,7 @@ constexpr std::array<std::uint8_t, 7> kBox = {0x1F, 0x11, 0x11, 0x11, 0x11, 0x11
 
 }  // namespace
 
-const std::array<std::uint8_t, 7>& letterRows(char sign) {
+const std::array<std::uint8_t, 7>& glyphRows(char sign) {
   const char capital = static_cast<char>(std::toupper(static_cast<unsigned char>(sign)));
   const auto* const found =
       std::find_if(kLetters.begin(), kLetters.end(),

@@ -8,20 +8,20 @@
 namespace lab::optics {
 
 /// Size of a letter with its space to the next one and to the line below [px].
-inline constexpr int kLetterWidth = 6;
-inline constexpr int kLetterHeight = 9;
+inline constexpr int kGlyphWidth = 6;
+inline constexpr int kGlyphHeight = 9;
 
 /// Seven rows from the top, five bits each, the highest bit on the left. Capitals, digits and the
 /// signs that numbers need; small letters are capitals, anything else is a box.
-[[nodiscard]] const std::array<std::uint8_t, 7>& letterRows(char sign);
+[[nodiscard]] const std::array<std::uint8_t, 7>& glyphRows(char sign);
 
 /// Calls `paint(x, y)` for every pixel of a text with its top left corner at (left, top), letters
 /// `size` times as large.
 template <class Paint>
-void forLetters(std::string_view text, int left, int top, int size, Paint&& paint) {
+void forEachGlyphPixel(std::string_view text, int left, int top, int size, Paint&& paint) {
   constexpr int kColumns = 5;
   for (const char sign : text) {
-    const auto& rows = letterRows(sign);
+    const auto& rows = glyphRows(sign);
     for (int row = 0; row < static_cast<int>(rows.size()) * size; ++row) {
       const unsigned bits = rows[static_cast<std::size_t>(row / size)];
       for (int column = 0; column < kColumns * size; ++column) {
@@ -29,7 +29,7 @@ void forLetters(std::string_view text, int left, int top, int size, Paint&& pain
         paint(left + column, top + row);
       }
     }
-    left += kLetterWidth * size;
+    left += kGlyphWidth * size;
   }
 }
 

@@ -47,7 +47,7 @@ Equations equationsAt(const std::vector<ResidualBlock>& blocks, const CameraStat
   const int unknowns = state.unknowns();
   Equations equations{MatrixXd::Zero(unknowns, unknowns), VectorXd::Zero(unknowns)};
   for (const ResidualBlock& block : blocks) {
-    const MatrixXd slopes = slopesOf(block, state);
+    const MatrixXd slopes = jacobianOf(block, state);
     const VectorXd residuals = block.residuals(state);
     VectorXd weights = VectorXd::Ones(residuals.size());
     if (block.robust) weights = kHuber / residuals.cwiseAbs().cwiseMax(kHuber).array();
@@ -100,11 +100,9 @@ CameraState CameraState::moved(int unknown, double by) const {
   return moved(all);
 }
 
-double CameraState::step(int unknown) {
-  return unknown <= kCy ? 1e-2 : 1e-5;
-}
+double CameraState::step(int unknown) { return unknown <= kCy ? 1e-2 : 1e-5; }
 
-MatrixXd slopesOf(const ResidualBlock& block, const CameraState& state) {
+MatrixXd jacobianOf(const ResidualBlock& block, const CameraState& state) {
   MatrixXd slopes;
   for (std::size_t i = 0; i < block.unknowns.size(); ++i) {
     const double step = CameraState::step(block.unknowns[i]);

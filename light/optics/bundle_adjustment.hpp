@@ -17,11 +17,19 @@ struct BoardPose {
 };
 
 enum CameraUnknown : int {
-  kFx, kFy, kCx, kCy, kK1, kK2, kP1, kP2, kK3,
-  kTurn,                   ///< three: rotation vector, of the camera
-  kShift = kTurn + 3,      ///< three: of the arena's middle in camera coordinates
-  kSpacing = kShift + 3,   ///< share by which the caps are made too wide
-  kCameraUnknowns,         ///< then six for each board: turn, shift
+  kFx,
+  kFy,
+  kCx,
+  kCy,
+  kK1,
+  kK2,
+  kP1,
+  kP2,
+  kK3,
+  kTurn,                  ///< three: rotation vector, of the camera
+  kShift = kTurn + 3,     ///< three: of the arena's middle in camera coordinates
+  kSpacing = kShift + 3,  ///< share by which the caps are made too wide
+  kCameraUnknowns,        ///< then six for each board: turn, shift
 };
 
 struct CameraState {
@@ -55,7 +63,7 @@ struct CameraSolution {
 };
 
 /// d residuals / d unknowns, by central differences.
-[[nodiscard]] Eigen::MatrixXd slopesOf(const ResidualBlock& block, const CameraState& state);
+[[nodiscard]] Eigen::MatrixXd jacobianOf(const ResidualBlock& block, const CameraState& state);
 
 /// Levenberg and Marquardt.
 [[nodiscard]] CameraSolution solveCamera(const std::vector<ResidualBlock>& blocks,

@@ -1,5 +1,5 @@
-/// From the arena to the picture and back: a pinhole camera with lens distortion, anywhere above the
-/// arena. Points are undistorted, pictures never.
+/// From the arena to the picture and back: a pinhole camera with lens distortion, anywhere above
+/// the arena. Points are undistorted, pictures never.
 #pragma once
 
 #include <array>

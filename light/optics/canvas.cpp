@@ -49,7 +49,8 @@ void Canvas::line(optics::Pixel from, optics::Pixel to, Colour colour, double th
 }
 
 void Canvas::text(int x, int y, std::string_view text, Colour colour, int size) {
-  optics::forLetters(text, x, y, size, [&](int column, int row) { blend(column, row, colour, 1); });
+  optics::forEachGlyphPixel(text, x, y, size,
+                            [&](int column, int row) { blend(column, row, colour, 1); });
 }
 
 void Canvas::shade(int x, int y, int width, int height) {

@@ -3,14 +3,14 @@
 
 #include <string_view>
 
-#include "light/optics/grey_image.hpp"
 #include "light/optics/bitmap_font.hpp"
+#include "light/optics/grey_image.hpp"
 #include "light/optics/rgb_image.hpp"
 
 namespace lab::tracker {
 
-using optics::kLetterHeight;
-using optics::kLetterWidth;
+using optics::kGlyphHeight;
+using optics::kGlyphWidth;
 
 /// Draws on a picture; what lies outside is left out.
 class Canvas {

@@ -14,8 +14,8 @@ struct CapGeometry {
   double height = 0.05;  ///< of the cap above the floor
   double big_radius = 0.009;
   double small_radius = 0.0055;
-  double big_offset = 0.018;      ///< x of the big circle's centre
-  double small_offset = -0.018;   ///< x of the small circle's centre
+  double big_offset = 0.018;     ///< x of the big circle's centre
+  double small_offset = -0.018;  ///< x of the small circle's centre
 
   /// Between the centres of the two circles.
   [[nodiscard]] double spacing() const { return big_offset - small_offset; }
@@ -31,7 +31,8 @@ struct CapFault {
 
 [[nodiscard]] constexpr std::optional<CapFault> capFault(const CapGeometry& cap) {
   if (cap.big_offset < cap.small_offset) {
-    return {{"big_offset", "the big circle is in front: its offset is more than that of the small one"}};
+    return {{"big_offset",
+             "the big circle is in front: its offset is more than that of the small one"}};
   }
   if (cap.spacing() < cap.big_radius + cap.small_radius) {
     return {{"big_offset", "the circles overlap: move them apart"}};

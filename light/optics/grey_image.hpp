@@ -1,5 +1,5 @@
-/// Pictures in memory: 8 bits a pixel, the top row first; linear in light, unless Imaging::gamma says
-/// otherwise.
+/// Pictures in memory: 8 bits a pixel, the top row first; linear in light, unless Imaging::gamma
+/// says otherwise.
 #pragma once
 
 #include <cstddef>

@@ -6,14 +6,14 @@
 namespace lab::optics {
 namespace {
 
-constexpr double kHeight = 1.72;        // [m] for the paper's arena, more for a larger one
-constexpr double kArenaWidth = 1.20;    // [m]
-constexpr double kArenaHeight = 0.90;   // [m]
-constexpr double kFilled = 0.90;        // of the picture, across the tighter side
-constexpr double kTiltX = 0.05;         // [rad] away from straight down
-constexpr double kTiltY = -0.035;       // [rad]
-constexpr double kTurn = 0.02;          // [rad] of the picture against the arena
-constexpr double kCapHeight = 0.05;     // [m]
+constexpr double kHeight = 1.72;       // [m] for the paper's arena, more for a larger one
+constexpr double kArenaWidth = 1.20;   // [m]
+constexpr double kArenaHeight = 0.90;  // [m]
+constexpr double kFilled = 0.90;       // of the picture, across the tighter side
+constexpr double kTiltX = 0.05;        // [rad] away from straight down
+constexpr double kTiltY = -0.035;      // [rad]
+constexpr double kTurn = 0.02;         // [rad] of the picture against the arena
+constexpr double kCapHeight = 0.05;    // [m]
 
 }  // namespace
 
@@ -26,22 +26,21 @@ CameraParameters simulatedCamera(int columns, int rows, double width, double hei
   p.p1 = 0.0004;
   p.p2 = -0.0003;
   const double distance = kHeight * std::max({1.0, width / kArenaWidth, height / kArenaHeight});
-  const double focal = kFilled * (distance - kCapHeight) *
-                       std::min(columns / width, rows / height);
+  const double focal = kFilled * (distance - kCapHeight) * std::min(columns / width, rows / height);
   p.fx = focal;
   p.fy = focal * 1.0007;
   p.cx = (columns - 1) / 2.0 + 0.006 * columns;
   p.cy = (rows - 1) / 2.0 - 0.008 * rows;
 
-  // Looking down: x right in the picture, y of the arena up in it, z of the arena towards the camera.
+  // Looking down: x right in the picture, y of the arena up in it, z of the arena towards the
+  // camera.
   Eigen::Matrix3d down;
   down << 1, 0, 0, 0, -1, 0, 0, 0, -1;
-  const Eigen::Matrix3d rotation =
-      (Eigen::AngleAxisd(kTiltX, Eigen::Vector3d::UnitX()) *
-       Eigen::AngleAxisd(kTiltY, Eigen::Vector3d::UnitY()) *
-       Eigen::AngleAxisd(kTurn, Eigen::Vector3d::UnitZ()))
-          .toRotationMatrix() *
-      down;
+  const Eigen::Matrix3d rotation = (Eigen::AngleAxisd(kTiltX, Eigen::Vector3d::UnitX()) *
+                                    Eigen::AngleAxisd(kTiltY, Eigen::Vector3d::UnitY()) *
+                                    Eigen::AngleAxisd(kTurn, Eigen::Vector3d::UnitZ()))
+                                       .toRotationMatrix() *
+                                   down;
   // The middle of the arena at cap height appears in the middle of the picture.
   const Eigen::Vector3d middle(width / 2, height / 2, kCapHeight);
   const Eigen::Vector3d seen((columns / 2.0 - p.cx) / p.fx * distance,

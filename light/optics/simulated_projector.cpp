@@ -68,24 +68,24 @@ ProjectorModel simulatedProjector(double width, double height, int columns, int 
   return {p, kSensorHeight};
 }
 
-Bending::Bending(const ProjectorModel& believed, const ProjectorModel& real) {
+ProjectorWarp::ProjectorWarp(const ProjectorModel& believed, const ProjectorModel& real) {
   if (believed.isNominal() && real.isNominal()) return;
   believed_ = believed;
   real_ = real;
 }
 
-std::optional<Place> Bending::source(Place place) const {
-  if (isStraight()) return place;
-  if (!(insideBy(place) >= 0)) return std::nullopt;
-  return sourceBeyond(place);
+std::optional<Place> ProjectorWarp::source(Place place) const {
+  if (isIdentity()) return place;
+  if (!(marginInside(place) >= 0)) return std::nullopt;
+  return sourceUnclipped(place);
 }
 
-std::optional<Place> Bending::sourceBeyond(Place place) const {
-  if (isStraight()) return place;
+std::optional<Place> ProjectorWarp::sourceUnclipped(Place place) const {
+  if (isIdentity()) return place;
   return believed_->placeOf(real_->pixelOf(place));
 }
 
-double Bending::insideBy(Place place) const {
+double ProjectorWarp::marginInside(Place place) const {
   const Pixel pixel = real_->pixelOf(place);
   return std::min(std::min(pixel.x + 0.5, real_->columns() - 0.5 - pixel.x),
                   std::min(pixel.y + 0.5, real_->rows() - 0.5 - pixel.y));

@@ -34,26 +34,26 @@ struct ProjectorFaults {
                                                 const ProjectorFaults& faults);
 
 /// Where light lands when a projector is not what it is believed to be.
-class Bending {
+class ProjectorWarp {
  public:
   /// Light is where it is wanted.
-  Bending() = default;
+  ProjectorWarp() = default;
 
   /// @param believed by who paints the picture, @param real what the projector is
-  Bending(const ProjectorModel& believed, const ProjectorModel& real);
+  ProjectorWarp(const ProjectorModel& believed, const ProjectorModel& real);
 
   /// Whether all light is where it is wanted, whatever the picture's edge.
-  [[nodiscard]] bool isStraight() const { return !believed_; }
+  [[nodiscard]] bool isIdentity() const { return !believed_; }
 
   /// The place whose wanted light falls on `place`, both at sensor height; empty where the picture
   /// does not reach.
   [[nodiscard]] std::optional<Place> source(Place place) const;
 
   /// The same without looking whether the picture reaches.
-  [[nodiscard]] std::optional<Place> sourceBeyond(Place place) const;
+  [[nodiscard]] std::optional<Place> sourceUnclipped(Place place) const;
 
   /// How far [px] a place lies inside the picture; negative outside.
-  [[nodiscard]] double insideBy(Place place) const;
+  [[nodiscard]] double marginInside(Place place) const;
 
  private:
   std::optional<ProjectorModel> believed_;

@@ -10,23 +10,23 @@ constexpr double kFullScale = 255;  // [DN]
 
 }  // namespace
 
-Response::Response(double gamma, double black) : gamma_(gamma), black_(black) {
+CameraResponse::CameraResponse(double gamma, double black) : gamma_(gamma), black_(black) {
   for (std::size_t step = 0; step < steps_.size(); ++step) {
     steps_[step] = static_cast<std::uint8_t>(std::lround(light(static_cast<double>(step))));
   }
 }
 
-double Response::raised(double value, double power) const {
+double CameraResponse::raised(double value, double power) const {
   if (value <= black_) return value;
   const double range = kFullScale - black_;
   return black_ + range * std::pow((value - black_) / range, power);
 }
 
-double Response::light(double grey) const { return raised(grey, gamma_); }
+double CameraResponse::light(double grey) const { return raised(grey, gamma_); }
 
-double Response::grey(double light) const { return raised(light, 1 / gamma_); }
+double CameraResponse::grey(double light) const { return raised(light, 1 / gamma_); }
 
-GreyView Response::linear(const GreyView& picture) {
+GreyView CameraResponse::linear(const GreyView& picture) {
   if (isLinear()) return picture;
   if (image_.width != picture.width || image_.height != picture.height) {
     image_ = GreyImage(picture.width, picture.height);

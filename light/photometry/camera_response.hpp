@@ -15,16 +15,16 @@ inline constexpr double kVideoGamma = 2.2;
 
 /// Of the part of a grey step's way from black to full scale, light is the power `gamma`; steps up
 /// to black stay what they are, and so does full scale.
-class Response {
+class CameraResponse {
  public:
   /// Grey steps are amounts of light.
-  Response() = default;
+  CameraResponse() = default;
 
   /// @param gamma above 0, 1: linear
   /// @param black [DN] of no light, 0 to 254
-  explicit Response(double gamma, double black = 0);
-  explicit Response(const Imaging& imaging)
-      : Response(imaging.gamma.value_or(1), imaging.black) {}
+  explicit CameraResponse(double gamma, double black = 0);
+  explicit CameraResponse(const Imaging& imaging)
+      : CameraResponse(imaging.gamma.value_or(1), imaging.black) {}
 
   [[nodiscard]] bool isLinear() const { return gamma_ == 1; }
 
@@ -34,8 +34,8 @@ class Response {
   /// The grey step [DN] of a light, both from 0 to 255.
   [[nodiscard]] double grey(double light) const;
 
-  /// The picture in amounts of light, rounded to whole steps: the picture itself where it is linear,
-  /// else one of one's own, which lives until the next call.
+  /// The picture in amounts of light, rounded to whole steps: the picture itself where it is
+  /// linear, else one of one's own, which lives until the next call.
   [[nodiscard]] GreyView linear(const GreyView& picture);
 
  private:

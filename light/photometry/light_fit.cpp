@@ -13,8 +13,8 @@
 namespace lab::calibration {
 namespace {
 
-// Unknowns: log scale, log gamma, ambient, v0 .. v4, then the log gain of every sensor but the last,
-// whose gain makes their mean logarithm 0.
+// Unknowns: log scale, log gamma, ambient, v0 .. v4, then the log gain of every sensor but the
+// last, whose gain makes their mean logarithm 0.
 constexpr int kScale = 0;
 constexpr int kGamma = 1;
 constexpr int kAmbient = 2;
@@ -193,8 +193,8 @@ LightFit fitLight(const std::vector<LightSample>& samples, double width, double 
   }
   double sum = 0;
   for (const LightSample& sample : problem.samples) {
-    const double off = std::abs(residualOf(problem, sample, at, nullptr)) *
-                       std::max(sample.sigma, kLeastSigma);
+    const double off =
+        std::abs(residualOf(problem, sample, at, nullptr)) * std::max(sample.sigma, kLeastSigma);
     sum += off * off;
     fit.worst = std::max(fit.worst, off);
   }
@@ -203,27 +203,29 @@ LightFit fitLight(const std::vector<LightSample>& samples, double width, double 
   Eigen::VectorXd gradient;
   normalAt(problem, at, normal, gradient);
   // The model's own misfit, where it is more than the readings' noise, widens every error.
-  const double spread =
-      std::max(1.0, costOf(problem, at) / (fit.samples - problem.unknowns()));
+  const double spread = std::max(1.0, costOf(problem, at) / (fit.samples - problem.unknowns()));
   const Eigen::MatrixXd covariance =
       normal.ldlt().solve(Eigen::MatrixXd::Identity(normal.rows(), normal.cols()));
   fit.gamma_sigma = fit.gamma * std::sqrt(spread * std::max(0.0, covariance(kGamma, kGamma)));
   for (const auto& [name, gain] : fit.gains) {
     if (gain <= limits.gain && gain >= 1 / limits.gain) continue;
     fit.refusal = fmt::format(
-        "the {} sensor of robot {} reads {:.3g} times what the others read, allowed {:.2g} to {:.2g}: "
+        "the {} sensor of robot {} reads {:.3g} times what the others read, allowed {:.2g} to "
+        "{:.2g}: "
         "is it covered, or broken?",
         name.front ? "front" : "back", name.robot, gain, 1 / limits.gain, limits.gain);
     return fit;
   }
   if (!(fit.gamma <= limits.gamma && fit.gamma >= 1 / limits.gamma)) {
-    fit.refusal = fmt::format("gamma {:.3g}, allowed {:.2g} to {:.2g}: did the light change at all?",
-                              fit.gamma, 1 / limits.gamma, limits.gamma);
+    fit.refusal =
+        fmt::format("gamma {:.3g}, allowed {:.2g} to {:.2g}: did the light change at all?",
+                    fit.gamma, 1 / limits.gamma, limits.gamma);
     return fit;
   }
   if (!(fit.residual <= limits.residual)) {
     fit.refusal = fmt::format(
-        "readings miss the model by {:.2f} % of full scale, allowed {:.2f} %: is there other light, "
+        "readings miss the model by {:.2f} % of full scale, allowed {:.2f} %: is there other "
+        "light, "
         "does something shade the robots, is the geometric calibration in force?",
         100 * fit.residual, 100 * limits.residual);
   }

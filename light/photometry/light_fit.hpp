@@ -1,5 +1,5 @@
-/// A projector's gamma and vignetting and the robots' light sensors from a staircase of even lights.
-/// Numbers in, numbers out.
+/// A projector's gamma and vignetting and the robots' light sensors from a staircase of even
+/// lights. Numbers in, numbers out.
 #pragma once
 
 #include <array>
@@ -44,8 +44,8 @@ struct LightLimits {
 struct LightFit {
   double gamma = 1;
   double gamma_sigma = 0;
-  double scale = 1;     ///< [1] reading of a middling sensor in the projector's white, V = 1
-  double ambient = 0;   ///< [1] reading of a middling sensor without the projector
+  double scale = 1;    ///< [1] reading of a middling sensor in the projector's white, V = 1
+  double ambient = 0;  ///< [1] reading of a middling sensor without the projector
   std::array<double, 5> vignetting{};  ///< of optics::ProjectorTone
   std::map<SensorName, double> gains;
   double residual = 0;  ///< [1] rms, of full scale

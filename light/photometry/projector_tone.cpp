@@ -41,7 +41,7 @@ double ProjectorTone::light(double value, Place place) const {
 
 namespace {
 
-constexpr int kSteps = 4096;       // the error of a line between two of them is below 1e-6 from
+constexpr int kSteps = 4096;          // the error of a line between two of them is below 1e-6 from
 constexpr double kCurved = 1.0 / 64;  // this share on, whatever the exponent
 
 }  // namespace

@@ -10,8 +10,8 @@ namespace lab::optics {
 
 /// A pixel of value p in 0..1 gives the light V(x, y) p^gamma at the place that it lights, with
 ///   V = 1 + v0 a + v1 b + v2 a^2 + v3 a b + v4 b^2,
-/// a and b from -1 to 1 across the arena, and V cut off below kDarkest. An intensity of 1 is what the
-/// projector's white gives where it is weakest, so that an even light can be even everywhere.
+/// a and b from -1 to 1 across the arena, and V cut off below kDarkest. An intensity of 1 is what
+/// the projector's white gives where it is weakest, so that an even light can be even everywhere.
 class ProjectorTone {
  public:
   static constexpr double kDarkest = 0.05;
@@ -23,7 +23,7 @@ class ProjectorTone {
   /// @param width,height of the arena [m]
   ProjectorTone(double gamma, const std::array<double, 5>& vignetting, double width, double height);
 
-  [[nodiscard]] bool isPlain() const { return plain_; }
+  [[nodiscard]] bool isIdentity() const { return plain_; }
   [[nodiscard]] double gamma() const { return gamma_; }
   [[nodiscard]] const std::array<double, 5>& vignetting() const { return vignetting_; }
 
@@ -54,11 +54,11 @@ struct ProjectorTones {
   ProjectorTone real;
 
   /// Whether what is wanted is what falls on the arena.
-  [[nodiscard]] bool arePlain() const { return believed.isPlain() && real.isPlain(); }
+  [[nodiscard]] bool areIdentity() const { return believed.isIdentity() && real.isIdentity(); }
 
   /// What falls on `place` where `intensity` was wanted at `source`.
   [[nodiscard]] double light(double intensity, Place source, Place place) const {
-    if (arePlain()) return intensity;
+    if (areIdentity()) return intensity;
     return real.light(believed.value(intensity, source), place);
   }
 };

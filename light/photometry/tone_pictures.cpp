@@ -59,15 +59,16 @@ std::vector<double> raised(const std::vector<double>& values, double gamma) {
 }
 
 double squaresAt(double gamma, const std::vector<double>& values,
-                 const std::vector<const ToneSight*>& sights) {
+                 const std::vector<const ToneObservation*>& sights) {
   const std::vector<double> light = raised(values, gamma);
   double sum = 0;
-  for (const ToneSight* sight : sights) sum += lineThrough(light, sight->grey).squares;
+  for (const ToneObservation* sight : sights) sum += lineThrough(light, sight->grey).squares;
   return sum;
 }
 
 /// Smallest squares, by golden section in log gamma: they have one valley.
-double bestGamma(const std::vector<double>& values, const std::vector<const ToneSight*>& sights) {
+double bestGamma(const std::vector<double>& values,
+                 const std::vector<const ToneObservation*>& sights) {
   constexpr int kSteps = 60;
   const double ratio = (std::sqrt(5.0) - 1) / 2;
   double low = std::log(kLowest);
@@ -96,7 +97,8 @@ double bestGamma(const std::vector<double>& values, const std::vector<const Tone
 }
 
 /// Compares the white of the places with the known one.
-void compareWhite(const std::vector<double>& values, const std::vector<const ToneSight*>& sights,
+void compareWhite(const std::vector<double>& values,
+                  const std::vector<const ToneObservation*>& sights,
                   const optics::ProjectorTone& known, double width, double height,
                   ToneFromPictures& fit) {
   const std::vector<double> light = raised(values, fit.gamma);
@@ -104,7 +106,7 @@ void compareWhite(const std::vector<double>& values, const std::vector<const Ton
   Eigen::MatrixXd falloff(count, 6);
   Eigen::VectorXd excess(count);
   for (Eigen::Index i = 0; i < count; ++i) {
-    const ToneSight& sight = *sights[static_cast<std::size_t>(i)];
+    const ToneObservation& sight = *sights[static_cast<std::size_t>(i)];
     const double a = 2 * sight.place.x / width - 1;
     const double b = 2 * sight.place.y / height - 1;
     falloff.row(i) << 1, a, b, a * a, a * b, b * b;
@@ -137,8 +139,8 @@ TonePictures::TonePictures(const optics::CameraParameters& camera, double width,
                   static_cast<int>(std::lround(middle.y + half)) + 1,
                   std::vector<double>(lights),
                   false};
-      const bool inside = patch.x0 >= 0 && patch.y0 >= 0 && patch.x1 <= camera.width &&
-                          patch.y1 <= camera.height;
+      const bool inside =
+          patch.x0 >= 0 && patch.y0 >= 0 && patch.x1 <= camera.width && patch.y1 <= camera.height;
       const int pixels = (patch.x1 - patch.x0) * (patch.y1 - patch.y0);
       if (inside && pixels >= kFewestPixels) patches_.push_back(std::move(patch));
     }
@@ -152,23 +154,24 @@ void TonePictures::take(std::size_t light, const optics::GreyView& grey) {
   }
 }
 
-std::vector<ToneSight> TonePictures::sights() const {
-  std::vector<ToneSight> out;
+std::vector<ToneObservation> TonePictures::sights() const {
+  std::vector<ToneObservation> out;
   for (const Patch& patch : patches_) {
-    ToneSight sight{patch.place, patch.sum, patch.saturated};
+    ToneObservation sight{patch.place, patch.sum, patch.saturated};
     for (std::size_t i = 0; i < sight.grey.size(); ++i) sight.grey[i] /= std::max(1, pictures_[i]);
     out.push_back(std::move(sight));
   }
   return out;
 }
 
-ToneFromPictures fitTone(const std::vector<double>& values, const std::vector<ToneSight>& sights,
+ToneFromPictures fitTone(const std::vector<double>& values,
+                         const std::vector<ToneObservation>& sights,
                          const optics::ProjectorTone& known, double width, double height) {
   ToneFromPictures fit;
-  std::vector<const ToneSight*> good;
+  std::vector<const ToneObservation*> good;
   double brightest = 0;
   double signal = 0;
-  for (const ToneSight& sight : sights) {
+  for (const ToneObservation& sight : sights) {
     if (sight.saturated) {
       ++fit.saturated;
       continue;

@@ -11,7 +11,7 @@
 namespace lab::calibration {
 
 /// How bright one place of the arena looks in each of the lights.
-struct ToneSight {
+struct ToneObservation {
   optics::Place place;       ///< [m]
   std::vector<double> grey;  ///< [DN] mean of the patch, one a light; 255 is full scale
   bool saturated = false;    ///< some pixel reached full scale in some light
@@ -29,7 +29,7 @@ class TonePictures {
   void take(std::size_t light, const optics::GreyView& grey);
 
   /// Patches of which a whole box of pixels is in the picture.
-  [[nodiscard]] std::vector<ToneSight> sights() const;
+  [[nodiscard]] std::vector<ToneObservation> sights() const;
 
  private:
   struct Patch {
@@ -49,13 +49,13 @@ struct ToneFromPictures {
   double gamma_sigma = 0;
   double residual = 0;  ///< [1] rms, of the brightest grey
   int places = 0;
-  int saturated = 0;    ///< places left out
+  int saturated = 0;  ///< places left out
   // The white of all places beside a given vignetting, once the camera's own falloff, a parabola
   // across the arena, is taken out:
-  double white_rms = 0;        ///< [1]
-  double white_worst = 0;      ///< [1] signed
-  optics::Place worst_place;   ///< [m]
-  std::string refusal;         ///< not empty: why this says nothing
+  double white_rms = 0;       ///< [1]
+  double white_worst = 0;     ///< [1] signed
+  optics::Place worst_place;  ///< [m]
+  std::string refusal;        ///< not empty: why this says nothing
 };
 
 /// Least squares: in white and dark of each place directly, in gamma by golden section; its error
@@ -63,7 +63,7 @@ struct ToneFromPictures {
 /// @param values of the pixels in each light, 0..1
 /// @param known the projector's vignetting as the robots' sensors found it
 [[nodiscard]] ToneFromPictures fitTone(const std::vector<double>& values,
-                                       const std::vector<ToneSight>& sights,
+                                       const std::vector<ToneObservation>& sights,
                                        const optics::ProjectorTone& known, double width,
                                        double height);
 

@@ -30,7 +30,7 @@ class AdjustService final : public Service {
   std::filesystem::path file_;
   calibration::ProjectorPlane plane_;
   std::unique_ptr<Display> display_;
-  Corners corners_;
+  CornerAdjustment corners_;
   std::int64_t escape_utime_ = 0;
 };
 

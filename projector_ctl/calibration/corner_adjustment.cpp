@@ -11,8 +11,8 @@ namespace lab::projector {
 
 namespace {
 
-constexpr double kGrid = 0.10;       // [m]
-constexpr std::uint8_t kDim = 110;   // of a grid line
+constexpr double kGrid = 0.10;      // [m]
+constexpr std::uint8_t kDim = 110;  // of a grid line
 constexpr std::uint8_t kWhite = 255;
 constexpr int kLetterSize = 2;
 
@@ -40,7 +40,7 @@ void line(optics::GreyImage& picture, optics::Pixel from, optics::Pixel to, std:
 
 }  // namespace
 
-Corners::Corners(const calibration::ProjectorPlane& plane) : plane_(plane) {
+CornerAdjustment::CornerAdjustment(const calibration::ProjectorPlane& plane) : plane_(plane) {
   const double left = 0.05 * plane.columns;
   const double top = 0.05 * plane.rows;
   const double right = plane.columns - 1 - left;
@@ -48,7 +48,7 @@ Corners::Corners(const calibration::ProjectorPlane& plane) : plane_(plane) {
   pixels_ = {optics::Pixel{left, bottom}, {right, bottom}, {right, top}, {left, top}};
 }
 
-void Corners::take(DisplayEvent event) {
+void CornerAdjustment::take(DisplayEvent event) {
   optics::Pixel& corner = pixels_[selected_];
   switch (event) {
     case DisplayEvent::kTab:
@@ -75,11 +75,11 @@ void Corners::take(DisplayEvent event) {
   }
 }
 
-std::optional<optics::CameraParameters> Corners::lens() const {
+std::optional<optics::CameraParameters> CornerAdjustment::lens() const {
   return calibration::lensFromCorners(pixels_, plane_);
 }
 
-optics::GreyImage Corners::picture() const {
+optics::GreyImage CornerAdjustment::picture() const {
   optics::GreyImage picture(plane_.columns, plane_.rows);
   const auto found = lens();
   if (found) {
@@ -101,10 +101,11 @@ optics::GreyImage Corners::picture() const {
   constexpr double kArm = 25;  // [px] of the selected corner's cross
   line(picture, {corner.x - kArm, corner.y}, {corner.x + kArm, corner.y}, kWhite, 5);
   line(picture, {corner.x, corner.y - kArm}, {corner.x, corner.y + kArm}, kWhite, 5);
-  const char* const text = found ? "arrows move, shift: fast, tab: next corner, enter saves, escape twice leaves"
-                                 : "the corners cross";
-  const int left = std::max(0, plane_.columns / 2 - 36 * optics::kLetterWidth * kLetterSize);
-  optics::forLetters(text, left, plane_.rows / 2, kLetterSize, [&](int x, int y) {
+  const char* const text =
+      found ? "arrows move, shift: fast, tab: next corner, enter saves, escape twice leaves"
+            : "the corners cross";
+  const int left = std::max(0, plane_.columns / 2 - 36 * optics::kGlyphWidth * kLetterSize);
+  optics::forEachGlyphPixel(text, left, plane_.rows / 2, kLetterSize, [&](int x, int y) {
     if (x >= 0 && y >= 0 && x < picture.width && y < picture.height) picture.row(y)[x] = kWhite;
   });
   return picture;

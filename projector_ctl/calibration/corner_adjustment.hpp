@@ -5,19 +5,19 @@
 #include <optional>
 #include <string>
 
-#include "projector_ctl/calibration/projector_lens.hpp"
 #include "light/optics/grey_image.hpp"
+#include "projector_ctl/calibration/projector_lens.hpp"
 #include "projector_ctl/display/display.hpp"
 
 namespace lab::projector {
 
-class Corners {
+class CornerAdjustment {
  public:
   static constexpr double kStep = 0.5;  ///< [px] a key press
   static constexpr double kFast = 20;   ///< [px] with shift
 
   /// Begins with the arena's corners at those of the picture, a twentieth inside.
-  explicit Corners(const calibration::ProjectorPlane& plane);
+  explicit CornerAdjustment(const calibration::ProjectorPlane& plane);
 
   /// An arrow moves the selected corner, Tab selects the next; others change nothing.
   void take(DisplayEvent event);

@@ -40,11 +40,11 @@ double robustSigma(const VectorXd& residuals) {
   return std::max(*middle / kRayleighMedian, 1e-3);
 }
 
-std::vector<Miss> missesOf(const std::vector<ProjectorSight>& sights, const ProjectorPlane& plane,
-                           const optics::CameraParameters& lens) {
+std::vector<Miss> missesOf(const std::vector<ProjectorObservation>& sights,
+                           const ProjectorPlane& plane, const optics::CameraParameters& lens) {
   const optics::CameraModel model(lens);
   std::vector<Miss> misses;
-  for (const ProjectorSight& sight : sights) {
+  for (const ProjectorObservation& sight : sights) {
     const auto fitted = model.toPlane(sight.pixel, plane.height);
     if (!fitted) continue;
     misses.push_back({sight.place, sight.place.x - fitted->x, sight.place.y - fitted->y});
@@ -54,19 +54,19 @@ std::vector<Miss> missesOf(const std::vector<ProjectorSight>& sights, const Proj
 
 struct Fitted {
   CameraSolution solution;
-  std::vector<ProjectorSight> used;
+  std::vector<ProjectorObservation> used;
   double noise = 1;  ///< in units of the sights' sigmas
 };
 
 /// Sights that fit are kept; where the lens is not found yet, all are.
-std::vector<ProjectorSight> fitting(const std::vector<ProjectorSight>& sights,
-                                    const ProjectorPlane& plane, const Fitted& fitted) {
+std::vector<ProjectorObservation> fitting(const std::vector<ProjectorObservation>& sights,
+                                          const ProjectorPlane& plane, const Fitted& fitted) {
   const optics::CameraParameters& lens = fitted.solution.state.camera;
-  const VectorXd misses = pixelMisses(sights, plane, lens);
+  const VectorXd misses = pixelResiduals(sights, plane, lens);
   const optics::PlaneScale scale = optics::CameraModel(lens).scaleAt(
       {plane.arena_width / 2, plane.arena_height / 2}, plane.height);
   const double pixels_a_metre = std::sqrt(std::abs(scale.ux * scale.vy - scale.uy * scale.vx));
-  std::vector<ProjectorSight> kept;
+  std::vector<ProjectorObservation> kept;
   for (std::size_t i = 0; i < sights.size(); ++i) {
     const double miss = misses.segment<2>(2 * static_cast<Eigen::Index>(i)).norm();
     const double most =
@@ -76,7 +76,7 @@ std::vector<ProjectorSight> fitting(const std::vector<ProjectorSight>& sights,
   return kept;
 }
 
-Fitted fitAll(const std::vector<ProjectorSight>& sights, const ProjectorPlane& plane,
+Fitted fitAll(const std::vector<ProjectorObservation>& sights, const ProjectorPlane& plane,
               const optics::CameraParameters& start) {
   Fitted fitted;
   fitted.used = sights;
@@ -84,9 +84,9 @@ Fitted fitAll(const std::vector<ProjectorSight>& sights, const ProjectorPlane& p
   fitted.solution.state.pivot = {plane.arena_width / 2, plane.arena_height / 2, plane.height};
   const ResidualBlock prior = projectorPrior(start, plane, true);
   for (int round = 0; round < kRounds; ++round) {
-    const ResidualBlock plain = sightBlock(fitted.used, plane, 1, false);
+    const ResidualBlock plain = observationBlock(fitted.used, plane, 1, false);
     fitted.noise = robustSigma(plain.residuals(fitted.solution.state));
-    fitted.solution = solveCamera({sightBlock(fitted.used, plane, fitted.noise, true), prior},
+    fitted.solution = solveCamera({observationBlock(fitted.used, plane, fitted.noise, true), prior},
                                   fitted.solution.state);
     if (round + 2 != kRounds) continue;
     fitted.noise = robustSigma(plain.residuals(fitted.solution.state));
@@ -117,7 +117,7 @@ double statisticalError(const Fitted& fitted, const ProjectorPlane& plane) {
     }
     return out;
   };
-  const Eigen::MatrixXd slopes = slopesOf(block, fitted.solution.state);
+  const Eigen::MatrixXd slopes = jacobianOf(block, fitted.solution.state);
   const Eigen::MatrixXd errors =
       slopes * fitted.solution.covariance.topLeftCorner(kSpacing, kSpacing) * slopes.transpose();
   return errors.trace() / ((kErrorSteps + 1) * (kErrorSteps + 1));
@@ -135,10 +135,10 @@ void addSquares(ProjectorFit& fit, const std::vector<Miss>& misses, const Projec
     const int i = part(miss.place.x, plane.arena_width, fit.columns);
     const int j = part(miss.place.y, plane.arena_height, rows);
     const auto at = static_cast<std::size_t>(j * fit.columns + i);
-    SquareMiss& square = fit.squares[at];
+    SquareResidual& square = fit.squares[at];
     ++square.sights;
-    square.miss_x += miss.x;
-    square.miss_y += miss.y;
+    square.residual_x += miss.x;
+    square.residual_y += miss.y;
     squares[at] += miss.x * miss.x + miss.y * miss.y;
   }
   double scatter = 0;  // of the sights about their squares' means
@@ -148,7 +148,7 @@ void addSquares(ProjectorFit& fit, const std::vector<Miss>& misses, const Projec
   int seen = 0;
   int judged = 0;
   for (std::size_t at = 0; at < squares.size(); ++at) {
-    SquareMiss& square = fit.squares[at];
+    SquareResidual& square = fit.squares[at];
     square.x = (static_cast<double>(at % static_cast<std::size_t>(fit.columns)) + 0.5) *
                plane.arena_width / fit.columns;
     square.y = (static_cast<double>(at / static_cast<std::size_t>(fit.columns)) + 0.5) *
@@ -156,10 +156,11 @@ void addSquares(ProjectorFit& fit, const std::vector<Miss>& misses, const Projec
     if (square.sights == 0) continue;
     ++seen;
     const double count = square.sights;
-    square.miss_x /= count;
-    square.miss_y /= count;
+    square.residual_x /= count;
+    square.residual_y /= count;
     if (square.sights < kFewestInSquare) continue;
-    const double mean2 = square.miss_x * square.miss_x + square.miss_y * square.miss_y;
+    const double mean2 =
+        square.residual_x * square.residual_x + square.residual_y * square.residual_y;
     const double inside = std::max(0.0, squares[at] - count * mean2);
     square.sigma = std::sqrt(inside / (2 * (count - 1) * count));
     scatter += inside;
@@ -167,7 +168,7 @@ void addSquares(ProjectorFit& fit, const std::vector<Miss>& misses, const Projec
     common += mean2;
     chance += 2 * square.sigma * square.sigma;
     ++judged;
-    if (std::sqrt(mean2) > fit.worstMiss()) fit.worst = at;
+    if (std::sqrt(mean2) > fit.worstResidual()) fit.worst = at;
   }
   fit.covered = static_cast<double>(seen) / static_cast<double>(squares.size());
   if (judged == 0) return;
@@ -226,12 +227,13 @@ std::string refusalOf(const ProjectorFit& fit, const ProjectorPlane& plane,
 
 }  // namespace
 
-double ProjectorFit::worstMiss() const {
-  return squares.empty() ? 0 : std::hypot(squares[worst].miss_x, squares[worst].miss_y);
+double ProjectorFit::worstResidual() const {
+  return squares.empty() ? 0 : std::hypot(squares[worst].residual_x, squares[worst].residual_y);
 }
 
-ProjectorFit fitProjector(const std::vector<ProjectorSight>& sights, const ProjectorPlane& plane,
-                          double camera_error, const ProjectorFitLimits& limits) {
+ProjectorFit fitProjector(const std::vector<ProjectorObservation>& sights,
+                          const ProjectorPlane& plane, double camera_error,
+                          const ProjectorFitLimits& limits) {
   ProjectorFit fit;
   fit.sights = static_cast<int>(sights.size());
   fit.camera = camera_error;

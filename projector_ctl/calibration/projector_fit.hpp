@@ -20,12 +20,12 @@ struct ProjectorFitLimits {
 };
 
 /// One square of the arena.
-struct SquareMiss {
-  double x = 0;       ///< [m] its middle
-  double y = 0;       ///< [m]
-  double miss_x = 0;  ///< [m] light found less light wanted, mean of the sights in it
-  double miss_y = 0;  ///< [m]
-  double sigma = 0;   ///< [m] standard error of the mean along each axis
+struct SquareResidual {
+  double x = 0;           ///< [m] its middle
+  double y = 0;           ///< [m]
+  double residual_x = 0;  ///< [m] light found less light wanted, mean of the sights in it
+  double residual_y = 0;  ///< [m]
+  double sigma = 0;       ///< [m] standard error of the mean along each axis
   int sights = 0;
 };
 
@@ -41,20 +41,20 @@ struct ProjectorFit {
   double camera = 0;       ///< [m] rms error of the camera's own calibration, 0: not known
   double accuracy = 0;  ///< [m] rms of where light falls: misfit, statistical and camera together
   double covered = 0;   ///< [1] share of the squares with sights
-  std::vector<SquareMiss> squares;  ///< row by row from (0, 0)
-  int columns = 0;                  ///< of squares
-  std::size_t worst = 0;            ///< index of the square that misses most
-  std::string refusal;              ///< not empty: why this is no calibration
+  std::vector<SquareResidual> squares;  ///< row by row from (0, 0)
+  int columns = 0;                      ///< of squares
+  std::size_t worst = 0;                ///< index of the square that misses most
+  std::string refusal;                  ///< not empty: why this is no calibration
 
   /// [m] by which the worst square misses.
-  [[nodiscard]] double worstMiss() const;
+  [[nodiscard]] double worstResidual() const;
 };
 
 /// Bundle of all sights: pinhole with k1, k2, p1, p2, Huber's weights; the noise is estimated from
 /// the residuals, and sights that miss by more than five standard deviations and 0.3 mm are left
 /// out.
 /// @param camera_error [m] rms, of the camera's own calibration; 0: not known, and not contained
-[[nodiscard]] ProjectorFit fitProjector(const std::vector<ProjectorSight>& sights,
+[[nodiscard]] ProjectorFit fitProjector(const std::vector<ProjectorObservation>& sights,
                                         const ProjectorPlane& plane, double camera_error = 0,
                                         const ProjectorFitLimits& limits = {});
 

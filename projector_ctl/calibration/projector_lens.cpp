@@ -52,14 +52,14 @@ bool isConvex(const std::array<optics::Pixel, 4>& corners) {
 
 }  // namespace
 
-std::optional<optics::CameraParameters> straightLens(const std::vector<ProjectorSight>& sights,
-                                                     const ProjectorPlane& plane) {
+std::optional<optics::CameraParameters> straightLens(
+    const std::vector<ProjectorObservation>& sights, const ProjectorPlane& plane) {
   if (sights.size() < 3) return std::nullopt;
   const double middle_x = plane.arena_width / 2;
   const double middle_y = plane.arena_height / 2;
   Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
   Eigen::Matrix<double, 3, 2> right = Eigen::Matrix<double, 3, 2>::Zero();
-  for (const ProjectorSight& sight : sights) {
+  for (const ProjectorObservation& sight : sights) {
     const Eigen::Vector3d row(1, sight.place.x - middle_x, sight.place.y - middle_y);
     normal += row * row.transpose();
     right += row * Eigen::RowVector2d(sight.pixel.x, sight.pixel.y);
@@ -91,8 +91,8 @@ std::optional<optics::CameraParameters> straightLens(const std::vector<Projector
   return lens;
 }
 
-VectorXd pixelMisses(const std::vector<ProjectorSight>& sights, const ProjectorPlane& plane,
-                     const optics::CameraParameters& lens) {
+VectorXd pixelResiduals(const std::vector<ProjectorObservation>& sights,
+                        const ProjectorPlane& plane, const optics::CameraParameters& lens) {
   const optics::CameraModel model(lens);
   VectorXd out(2 * static_cast<Eigen::Index>(sights.size()));
   for (std::size_t i = 0; i < sights.size(); ++i) {
@@ -125,13 +125,13 @@ ResidualBlock projectorPrior(const optics::CameraParameters& start, const Projec
   return {lensUnknowns(), with_spacing, false};
 }
 
-ResidualBlock sightBlock(const std::vector<ProjectorSight>& sights, const ProjectorPlane& plane,
-                         double noise, bool robust) {
+ResidualBlock observationBlock(const std::vector<ProjectorObservation>& sights,
+                               const ProjectorPlane& plane, double noise, bool robust) {
   std::vector<int> unknowns = lensUnknowns();
   unknowns.resize(kSpacing);
   return {unknowns,
           [&sights, plane, noise](const CameraState& at) -> VectorXd {
-            VectorXd out = pixelMisses(sights, plane, at.camera);
+            VectorXd out = pixelResiduals(sights, plane, at.camera);
             for (std::size_t i = 0; i < sights.size(); ++i) {
               out.segment<2>(2 * static_cast<Eigen::Index>(i)) /= noise * sights[i].sigma;
             }
@@ -145,10 +145,10 @@ std::optional<optics::CameraParameters> lensFromCorners(const std::array<optics:
   if (!isConvex(corners)) return std::nullopt;
   const double w = plane.arena_width;
   const double h = plane.arena_height;
-  const std::vector<ProjectorSight> sights = {{{0, 0}, corners[0], kCornerSigma},
-                                              {{w, 0}, corners[1], kCornerSigma},
-                                              {{w, h}, corners[2], kCornerSigma},
-                                              {{0, h}, corners[3], kCornerSigma}};
+  const std::vector<ProjectorObservation> sights = {{{0, 0}, corners[0], kCornerSigma},
+                                                    {{w, 0}, corners[1], kCornerSigma},
+                                                    {{w, h}, corners[2], kCornerSigma},
+                                                    {{0, h}, corners[3], kCornerSigma}};
   const auto start = straightLens(sights, plane);
   if (!start) return std::nullopt;
   CameraState state;
@@ -159,12 +159,12 @@ std::optional<optics::CameraParameters> lensFromCorners(const std::array<optics:
   // From straight down the search may end beside a strong keystone: then from the sides.
   for (const auto& [x, y] :
        {std::pair{0, 0}, {1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {1, -1}, {-1, 1}, {-1, -1}}) {
-    const CameraSolution solution =
-        solveCamera({sightBlock(sights, plane, 1, false), projectorPrior(*start, plane, false)},
-                    state.moved(kTurn, kTilt * x).moved(kTurn + 1, kTilt * y));
+    const CameraSolution solution = solveCamera(
+        {observationBlock(sights, plane, 1, false), projectorPrior(*start, plane, false)},
+        state.moved(kTurn, kTilt * x).moved(kTurn + 1, kTilt * y));
     optics::CameraParameters lens = solution.state.camera;
     lens.k1 = lens.k2 = lens.p1 = lens.p2 = lens.k3 = 0;
-    const double miss = pixelMisses(sights, plane, lens).cwiseAbs().maxCoeff();
+    const double miss = pixelResiduals(sights, plane, lens).cwiseAbs().maxCoeff();
     if (miss < least) {
       least = miss;
       best = lens;

@@ -11,7 +11,7 @@
 namespace lab::calibration {
 
 /// One pixel of the projector's picture and where its light was found.
-struct ProjectorSight {
+struct ProjectorObservation {
   optics::Place place;  ///< [m] at `height` of ProjectorPlane
   optics::Pixel pixel;
   double sigma = 0.05;  ///< [px] along each axis; only ratios matter
@@ -30,12 +30,12 @@ struct ProjectorPlane {
 /// begins. A negative fx where the picture is seen in a mirror. Empty for fewer than three sights,
 /// or for sights in one line.
 [[nodiscard]] std::optional<optics::CameraParameters> straightLens(
-    const std::vector<ProjectorSight>& sights, const ProjectorPlane& plane);
+    const std::vector<ProjectorObservation>& sights, const ProjectorPlane& plane);
 
 /// Seen less fitted [px]: x and y of each sight in turn.
-[[nodiscard]] Eigen::VectorXd pixelMisses(const std::vector<ProjectorSight>& sights,
-                                          const ProjectorPlane& plane,
-                                          const optics::CameraParameters& lens);
+[[nodiscard]] Eigen::VectorXd pixelResiduals(const std::vector<ProjectorObservation>& sights,
+                                             const ProjectorPlane& plane,
+                                             const optics::CameraParameters& lens);
 
 /// One plane does not tell a whole lens. These are held near what projectors are, only so far that
 /// the search has an end: f to half of it, fy / fx to 30 %, the principal point to the picture's
@@ -46,8 +46,9 @@ struct ProjectorPlane {
                                            const ProjectorPlane& plane, bool with_distortion);
 
 /// The sights in units of `noise` times their sigma.
-[[nodiscard]] ResidualBlock sightBlock(const std::vector<ProjectorSight>& sights,
-                                       const ProjectorPlane& plane, double noise, bool robust);
+[[nodiscard]] ResidualBlock observationBlock(const std::vector<ProjectorObservation>& sights,
+                                             const ProjectorPlane& plane, double noise,
+                                             bool robust);
 
 /// The lens that lights the arena's corners (0, 0), (width, 0), (width, height), (0, height) with
 /// these pixels, without distortion: a calibration by hand. To 0.01 px, and to 0.5 px where the

@@ -192,7 +192,7 @@ std::vector<bool> PatternReader::clearPixels() const {
   return clear;
 }
 
-std::vector<ProjectorSight> PatternReader::sights() const {
+std::vector<ProjectorObservation> PatternReader::sights() const {
   const int width = view_.camera.width;
   const int height = view_.camera.height;
   const std::vector<bool> clear = clearPixels();
@@ -208,7 +208,7 @@ std::vector<ProjectorSight> PatternReader::sights() const {
     }
     return true;
   };
-  std::vector<ProjectorSight> sights;
+  std::vector<ProjectorObservation> sights;
   for (int y0 = kRing; y0 + kBlock + kRing <= height; y0 += kBlock) {
     for (int x0 = kRing; x0 + kBlock + kRing <= width; x0 += kBlock) {
       if (!all_clear(x0, y0)) continue;
@@ -223,7 +223,7 @@ std::vector<ProjectorSight> PatternReader::sights() const {
       }
       const auto place = placeOf({x0 + (kBlock - 1) / 2.0, y0 + (kBlock - 1) / 2.0});
       if (!place) continue;
-      ProjectorSight sight;
+      ProjectorObservation sight;
       sight.place = *place;
       sight.pixel = {across.middle(), down.middle()};
       sight.sigma = std::max(kLeastSigma, std::sqrt((across.variance() + down.variance()) / 2));

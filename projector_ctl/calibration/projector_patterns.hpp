@@ -11,10 +11,10 @@
 #include <string>
 #include <vector>
 
-#include "projector_ctl/calibration/projector_lens.hpp"
 #include "light/field/layer.hpp"
 #include "light/optics/camera_model.hpp"
 #include "light/optics/projector_model.hpp"
+#include "projector_ctl/calibration/projector_lens.hpp"
 
 namespace lab::calibration {
 
@@ -68,7 +68,7 @@ class PatternReader {
 
   /// The middles of squares of kBlock pixels of the camera, all of whose pixels and neighbours are
   /// clear: from paraboloids through the squares, whose scatter gives the sigmas.
-  [[nodiscard]] std::vector<ProjectorSight> sights() const;
+  [[nodiscard]] std::vector<ProjectorObservation> sights() const;
 
   [[nodiscard]] PatternCount count() const;
 

@@ -73,11 +73,11 @@ std::string mapText(const ProjectorFit& fit) {
   for (std::size_t row = rows; row-- > 0;) {
     fmt::format_to(out, "{:6.0f} ", kCenti * fit.squares[row * columns].y);
     for (std::size_t i = row * columns; i < (row + 1) * columns; ++i) {
-      const SquareMiss& square = fit.squares[i];
+      const SquareResidual& square = fit.squares[i];
       if (square.sights == 0) {
         text += "     -";
       } else {
-        fmt::format_to(out, "{:6.3f}", kMilli * std::hypot(square.miss_x, square.miss_y));
+        fmt::format_to(out, "{:6.3f}", kMilli * std::hypot(square.residual_x, square.residual_y));
       }
     }
     text += "\n";
@@ -102,12 +102,12 @@ std::string projectorReport(const ProjectorFit& fit, const ProjectorPlane& plane
                  fit.outlying, 100 * fit.covered);
   if (fit.squares.empty()) return text;
   text += mapText(fit);
-  const SquareMiss& worst = fit.squares[fit.worst];
+  const SquareResidual& worst = fit.squares[fit.worst];
   fmt::format_to(
       out,
       "\nresidual  {:.3f} mm (rms), of which {:.3f} mm differ from sight to sight; worst "
       "square {:.3f} mm, about ({:.0f}, {:.0f}) cm\n",
-      kMilli * fit.residual, kMilli * fit.noise, kMilli * fit.worstMiss(), kCenti * worst.x,
+      kMilli * fit.residual, kMilli * fit.noise, kMilli * fit.worstResidual(), kCenti * worst.x,
       kCenti * worst.y);
   fmt::format_to(
       out,
@@ -123,9 +123,9 @@ ResidualPicture residualPicture(const ProjectorFit& fit, const ProjectorPlane& p
   Drawing drawing(plane);
   const double w = plane.arena_width;
   const double h = plane.arena_height;
-  const double longest = fit.worstMiss();
+  const double longest = fit.worstResidual();
   const double scale = longest > 0 ? kLongest / longest : 1;
-  for (const SquareMiss& square : fit.squares) {
+  for (const SquareResidual& square : fit.squares) {
     const double half_x = w / fit.columns / 2;
     const double half_y = h * fit.columns / static_cast<double>(fit.squares.size()) / 2;
     drawing.line(square.x - half_x, square.y - half_y, square.x + half_x, square.y - half_y, 0.5,
@@ -137,10 +137,10 @@ ResidualPicture residualPicture(const ProjectorFit& fit, const ProjectorPlane& p
   drawing.line(w, 0, w, h, 1, kInk);
   drawing.line(w, h, 0, h, 1, kInk);
   drawing.line(0, h, 0, 0, 1, kInk);
-  for (const SquareMiss& square : fit.squares) {
+  for (const SquareResidual& square : fit.squares) {
     if (square.sights == 0) continue;
-    const double dx = scale * square.miss_x;
-    const double dy = scale * square.miss_y;
+    const double dx = scale * square.residual_x;
+    const double dy = scale * square.residual_y;
     const double x = square.x + dx;
     const double y = square.y + dy;
     const double length = std::hypot(dx, dy);

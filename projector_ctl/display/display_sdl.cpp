@@ -31,9 +31,10 @@ class Video {
     const bool seen = works && found != "dummy" && found != "offscreen" && found != "evdev";
     if (seen || (works && SDL_getenv("SDL_VIDEODRIVER") != nullptr)) return;
     if (works) SDL_QuitSubSystem(SDL_INIT_VIDEO);
-    throw DisplayError(fmt::format("no desktop to open a window on (SDL: {}); set DISPLAY, as in "
-                                   "DISPLAY=:0, or projector.display = \"headless\"",
-                                   found));
+    throw DisplayError(
+        fmt::format("no desktop to open a window on (SDL: {}); set DISPLAY, as in "
+                    "DISPLAY=:0, or projector.display = \"headless\"",
+                    found));
   }
   Video(const Video&) = delete;
   Video& operator=(const Video&) = delete;
@@ -61,9 +62,10 @@ DisplayInfo choose(const std::string& wanted) {
   };
   const auto matches = std::count_if(found.begin(), found.end(), is_wanted);
   if (matches == 1) return *std::find_if(found.begin(), found.end(), is_wanted);
-  throw DisplayError(fmt::format("projector.display = \"{}\": {} displays of that name or number, "
-                                 "expected one of\n{}",
-                                 wanted, matches, describe(found)));
+  throw DisplayError(
+      fmt::format("projector.display = \"{}\": {} displays of that name or number, "
+                  "expected one of\n{}",
+                  wanted, matches, describe(found)));
 }
 
 std::optional<DisplayEvent> arrow(SDL_Keycode key, bool fast) {
@@ -97,7 +99,7 @@ std::optional<DisplayEvent> keyEvent(const SDL_KeyboardEvent& key) {
   }
 }
 
-LAB_CLONES
+LAB_TARGET_CLONES
 void toPixels(const std::uint8_t* grey, std::size_t count, std::uint32_t* out) {
   for (std::size_t i = 0; i < count; ++i) out[i] = kOpaque | (grey[i] * 0x010101U);
 }
@@ -123,21 +125,23 @@ bool isCard(SDL_Renderer* renderer) {
   std::memcpy(&get, &symbol, sizeof get);
   const unsigned char* text = get != nullptr ? get(kRenderer) : nullptr;
   const std::string_view name = text != nullptr ? reinterpret_cast<const char*>(text) : "";
-  return !name.empty() && name.find("llvmpipe") == name.npos && name.find("softpipe") == name.npos &&
-         name.find("Software") == name.npos;
+  return !name.empty() && name.find("llvmpipe") == name.npos &&
+         name.find("softpipe") == name.npos && name.find("Software") == name.npos;
 }
 
 class SdlDisplay final : public Display {
  public:
   explicit SdlDisplay(const std::string& wanted) : info_(choose(wanted)) {
     openWindow();
-    renderer_ = SDL_CreateRenderer(window_, -1, SDL_RENDERER_ACCELERATED | SDL_RENDERER_PRESENTVSYNC);
+    renderer_ =
+        SDL_CreateRenderer(window_, -1, SDL_RENDERER_ACCELERATED | SDL_RENDERER_PRESENTVSYNC);
     if (renderer_ != nullptr && isCard(renderer_)) {
       texture_ = SDL_CreateTexture(renderer_, SDL_PIXELFORMAT_ARGB8888, SDL_TEXTUREACCESS_STREAMING,
                                    info_.width, info_.height);
       void* const symbol = SDL_GL_GetProcAddress("glFinish");
       std::memcpy(&finish_, &symbol, sizeof finish_);
-      pixels_.resize(static_cast<std::size_t>(info_.width) * static_cast<std::size_t>(info_.height));
+      pixels_.resize(static_cast<std::size_t>(info_.width) *
+                     static_cast<std::size_t>(info_.height));
     }
     if (texture_ == nullptr) {
       close();
@@ -190,8 +194,8 @@ class SdlDisplay final : public Display {
     while (SDL_PollEvent(&event) != 0) {
       if (const auto meaning = meaningOf(event)) happened.push_back(*meaning);
       // What another window covered is to be shown again.
-      exposed_ = exposed_ || (event.type == SDL_WINDOWEVENT &&
-                              event.window.event == SDL_WINDOWEVENT_EXPOSED);
+      exposed_ = exposed_ ||
+                 (event.type == SDL_WINDOWEVENT && event.window.event == SDL_WINDOWEVENT_EXPOSED);
     }
     return happened;
   }
@@ -223,9 +227,9 @@ class SdlDisplay final : public Display {
     const int pitch = info_.width * static_cast<int>(sizeof(std::uint32_t));
     for (std::size_t i = 0; i < boxes.size(); ++i) {
       copyBox(picture, changed[i], pixels_.data(), pitch);
-      const std::size_t at = static_cast<std::size_t>(boxes[i].y) *
-                                 static_cast<std::size_t>(info_.width) +
-                             static_cast<std::size_t>(boxes[i].x);
+      const std::size_t at =
+          static_cast<std::size_t>(boxes[i].y) * static_cast<std::size_t>(info_.width) +
+          static_cast<std::size_t>(boxes[i].x);
       if (SDL_UpdateTexture(texture_, &boxes[i], &pixels_[at], pitch) != 0) fail("no texture");
     }
     if (SDL_RenderCopy(renderer_, texture_, nullptr, nullptr) != 0) fail("no picture");

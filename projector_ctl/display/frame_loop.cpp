@@ -9,11 +9,11 @@
 
 namespace lab::projector {
 
-FrameLoop::FrameLoop(Loop& loop, FrameClock clock, Owner owner,
+FrameLoop::FrameLoop(Loop& loop, FrameClock clock, Callbacks owner,
                      std::unique_ptr<Presenter> presenter)
     : loop_(loop),
       clock_(clock),
-      owner_(std::move(owner)),
+      callbacks_(std::move(owner)),
       presenter_(std::move(presenter)),
       frame_(clock_.numberAtOrAfter(loop_.now()) - 1) {
   if (presenter_) state_ = presenter_->opened();
@@ -35,8 +35,8 @@ void FrameLoop::schedule() {
   const std::int64_t swap = nextSwap();
   // The frames of a display are not the clock's: counted, those of a fast one would run ahead of
   // it, and without the display the loop would wait for that boundary.
-  frame_ = paced() ? clock_.numberAtOrAfter(swap)
-                   : std::max(frame_ + 1, clock_.numberAtOrAfter(swap));
+  frame_ =
+      paced() ? clock_.numberAtOrAfter(swap) : std::max(frame_ + 1, clock_.numberAtOrAfter(swap));
   const bool shows = presenter_ && state_.open && answers_;
   const double lead = shows && work_ > 0 ? std::min(1.25 * work_ + kMargin, clock_.period()) : 0;
   loop_.at(swap - std::llround(1e6 * lead), [this, swap] { begin(swap); });
@@ -47,10 +47,10 @@ void FrameLoop::begin(std::int64_t swap_utime) {
   if (presenter_ && waiting_) {
     if (const auto result = presenter_->poll()) take(*result);
   }
-  const light::Field& field = owner_.decide(swap_utime);
+  const light::Field& field = callbacks_.decide(swap_utime);
   if (!presenter_ || waiting_) return finish(swap_utime);
   ScreenJob job{field, swap_utime, {}};
-  if (state_.overlay && owner_.overlay) job.overlay = owner_.overlay();
+  if (state_.overlay && callbacks_.overlay) job.overlay = callbacks_.overlay();
   presenter_->submit(std::move(job));
   waiting_ = true;
   poll();
@@ -62,7 +62,7 @@ void FrameLoop::poll() {
     return finish(result->swap_utime != 0 ? result->swap_utime : target_);
   }
   const std::int64_t now = loop_.now();
-  if (now - target_ > kPatience) {
+  if (now - target_ > kSwapTimeout) {
     answers_ = false;
     return finish(target_);
   }
@@ -73,7 +73,7 @@ void FrameLoop::take(const ScreenResult& result) {
   waiting_ = false;
   answers_ = true;
   state_ = result.state;
-  work_ = std::max(result.work, kForget * work_);
+  work_ = std::max(result.work, kWorkDecay * work_);
 }
 
 void FrameLoop::finish(std::int64_t swap_utime) {
@@ -84,7 +84,7 @@ void FrameLoop::finish(std::int64_t swap_utime) {
     interval_ = interval_ > 0 ? interval_ + (interval - interval_) / 60 : interval;
   }
   last_swap_ = swap_utime;
-  Swapped swapped{swap_utime, clock_.period(), kHeadless, "clock", state_.trouble, {}};
+  SwappedFrame swapped{swap_utime, clock_.period(), kHeadless, "clock", state_.trouble, {}};
   if (presenter_) {
     if (paced()) swapped.period = state_.period;
     swapped.display = state_.open ? state_.name : state_.name + " (gone)";
@@ -92,7 +92,7 @@ void FrameLoop::finish(std::int64_t swap_utime) {
     swapped.calibration_id = state_.calibration_id;
     if (!answers_) swapped.trouble = "display " + state_.name + ": does not answer";
   }
-  owner_.shown(swapped);
+  callbacks_.shown(swapped);
   schedule();
 }
 

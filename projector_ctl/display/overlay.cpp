@@ -4,8 +4,8 @@
 
 namespace lab::projector {
 
-std::vector<std::string> overlayLines(const Shown& shown, const FrameLoop::Swapped& swapped,
-                                      double rate) {
+std::vector<std::string> overlayLines(const ShownFrame& shown,
+                                      const FrameLoop::SwappedFrame& swapped, double rate) {
   constexpr std::size_t kLongest = 60;  // letters of a label
   char frames[32];
   std::snprintf(frames, sizeof frames, "%.1f fps", rate);

@@ -11,7 +11,8 @@ namespace lab::projector {
 
 /// Frame rate, vsync, command and calibration, a line each.
 /// @param rate [Hz] measured
-[[nodiscard]] std::vector<std::string> overlayLines(const Shown& shown,
-                                                    const FrameLoop::Swapped& swapped, double rate);
+[[nodiscard]] std::vector<std::string> overlayLines(const ShownFrame& shown,
+                                                    const FrameLoop::SwappedFrame& swapped,
+                                                    double rate);
 
 }  // namespace lab::projector

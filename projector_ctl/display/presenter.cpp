@@ -14,12 +14,11 @@ ThreadPresenter::ThreadPresenter(Screen::Setup setup) {
   // The clock is the caller's, who is gone when an abandoned thread asks for the time.
   setup.now = [&shared = *shared_, now = std::move(setup.now)] {
     std::unique_lock lock(shared.mutex);
-    shared.standStill(lock);
+    shared.parkThread(lock);
     return now();
   };
-  thread_ = std::thread([shared = shared_, setup = std::move(setup)]() mutable {
-    work(*shared, std::move(setup));
-  });
+  thread_ = std::thread(
+      [shared = shared_, setup = std::move(setup)]() mutable { work(*shared, std::move(setup)); });
   std::unique_lock lock(shared_->mutex);
   shared_->changed.wait(lock, [this] { return shared_->opened || shared_->failure; });
   if (shared_->opened) {
@@ -35,7 +34,7 @@ ThreadPresenter::~ThreadPresenter() {
   std::unique_lock lock(shared_->mutex);
   shared_->ends = true;
   shared_->changed.notify_all();
-  if (shared_->changed.wait_for(lock, kLastPatience, [this] { return shared_->ended; })) {
+  if (shared_->changed.wait_for(lock, kShutdownTimeout, [this] { return shared_->ended; })) {
     lock.unlock();
     thread_.join();
     return;
@@ -68,7 +67,7 @@ std::optional<ScreenResult> ThreadPresenter::poll() {
   return std::exchange(shared_->result, std::nullopt);
 }
 
-void ThreadPresenter::Shared::standStill(std::unique_lock<std::mutex>& lock) {
+void ThreadPresenter::Shared::parkThread(std::unique_lock<std::mutex>& lock) {
   while (abandoned) changed.wait(lock);
 }
 
@@ -91,7 +90,7 @@ void ThreadPresenter::work(Shared& shared, Screen::Setup setup) {
     shared.changed.notify_all();
     while (true) {
       shared.changed.wait(lock, [&] { return shared.ends || shared.job; });
-      shared.standStill(lock);
+      shared.parkThread(lock);
       if (shared.ends) break;
       const ScreenJob job = *std::exchange(shared.job, std::nullopt);
       lock.unlock();

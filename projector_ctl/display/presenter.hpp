@@ -35,14 +35,15 @@ class Presenter {
 /// large picture, must not keep the bus waiting.
 class ThreadPresenter final : public Presenter {
  public:
-  static constexpr std::chrono::seconds kLastPatience{2};  ///< for a swap, at the end
+  static constexpr std::chrono::seconds kShutdownTimeout{2};  ///< for a swap, at the end
 
   /// Opens the screen. @throws what Screen::open() throws.
   explicit ThreadPresenter(Screen::Setup setup);
 
-  /// Shows the safe field and closes. A display that does not let go within kLastPatience is left:
-  /// it is said on stderr, the thread stands still as soon as it comes back, and the process, once
-  /// it exits, leaves without the handlers and static destructors that could wait for the thread.
+  /// Shows the safe field and closes. A display that does not let go within kShutdownTimeout is
+  /// left: it is said on stderr, the thread stands still as soon as it comes back, and the process,
+  /// once it exits, leaves without the handlers and static destructors that could wait for the
+  /// thread.
   ~ThreadPresenter() override;
 
   [[nodiscard]] const ScreenState& opened() const override { return opened_; }
@@ -64,7 +65,7 @@ class ThreadPresenter final : public Presenter {
     bool abandoned = false;  ///< nobody waits for the thread, and nothing of the caller's is left
 
     /// The calling thread goes no further once it is abandoned. @param lock on `mutex`
-    void standStill(std::unique_lock<std::mutex>& lock);
+    void parkThread(std::unique_lock<std::mutex>& lock);
   };
 
   static void work(Shared& shared, Screen::Setup setup);

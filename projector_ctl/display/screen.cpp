@@ -10,7 +10,7 @@ namespace lab::projector {
 
 namespace {
 
-constexpr int kLetterSize = 2;  // screen pixels a letter's pixel
+constexpr int kLetterSize = 2;     // screen pixels a letter's pixel
 constexpr int kOverlayMargin = 8;  // [px]
 
 }  // namespace
@@ -73,7 +73,7 @@ void Screen::drop() {
   display_.reset();
   painter_.reset();
   state_.open = false;
-  state_.pace = Pace::kNobody;
+  state_.pace = Pace::kUnpaced;
 }
 
 void Screen::close(const std::string& why, bool reopen) {
@@ -90,16 +90,20 @@ void Screen::takeEvents() {
       case DisplayEvent::kEscape: {
         const std::int64_t now = setup_.now();
         if (escaped_ && now - escape_utime_ <= kTwice) {
-          return close("display " + state_.name + ": closed by hand (Escape twice); start the "
-                       "projector again to open it", false);
+          return close("display " + state_.name +
+                           ": closed by hand (Escape twice); start the "
+                           "projector again to open it",
+                       false);
         }
         escaped_ = true;
         escape_utime_ = now;
         break;
       }
       case DisplayEvent::kClosed:
-        return close("display " + state_.name + ": its window was closed by hand; start the "
-                     "projector again to open it", false);
+        return close("display " + state_.name +
+                         ": its window was closed by hand; start the "
+                         "projector again to open it",
+                     false);
       case DisplayEvent::kGone:
         return close("display " + state_.name + ": gone; it is opened again when it is back", true);
       case DisplayEvent::kResized:
@@ -120,7 +124,7 @@ void Screen::takeEvents() {
 
 /// A display that waits takes a refresh for each picture. The first ones may fill a queue.
 void Screen::measurePace() {
-  state_.pace = Pace::kNobody;
+  state_.pace = Pace::kUnpaced;
   state_.period = 0;
   if (!display_->mayWait()) return;
   constexpr std::size_t kWarm = 3;
@@ -162,13 +166,15 @@ ScreenResult Screen::run(const ScreenJob& job) {
       overlaid_ = {};
       if (state_.overlay) drawOverlay(job.overlay);
       const std::int64_t ready = setup_.now();
-      if (state_.pace == Pace::kNobody && setup_.sleep_until) setup_.sleep_until(job.present_utime);
+      if (state_.pace == Pace::kUnpaced && setup_.sleep_until)
+        setup_.sleep_until(job.present_utime);
       const std::int64_t handed = setup_.now();
       display_->present(painter_->picture(), changed_);
       result.swap_utime = setup_.now();
       // What a display that waits takes is waiting.
       const bool waits = state_.pace == Pace::kDisplay;
-      result.work = 1e-6 * static_cast<double>(ready - start + (waits ? 0 : result.swap_utime - handed));
+      result.work =
+          1e-6 * static_cast<double>(ready - start + (waits ? 0 : result.swap_utime - handed));
     } catch (const DisplayError& error) {
       close(std::string(error.what()) + "; it is opened again when it is back", true);
     }
@@ -181,17 +187,19 @@ void Screen::drawOverlay(const std::vector<std::string>& lines) {
   std::size_t longest = 0;
   for (const std::string& line : lines) longest = std::max(longest, line.size());
   optics::GreyImage& picture = painter_->canvas();
-  const int width = static_cast<int>(longest) * optics::kLetterWidth * kLetterSize;
-  const int height = static_cast<int>(lines.size()) * optics::kLetterHeight * kLetterSize;
+  const int width = static_cast<int>(longest) * optics::kGlyphWidth * kLetterSize;
+  const int height = static_cast<int>(lines.size()) * optics::kGlyphHeight * kLetterSize;
   overlaid_ = {0, 0, std::min(width + 2 * kOverlayMargin, picture.width),
                std::min(height + 2 * kOverlayMargin, picture.height)};
-  for (int y = 0; y < overlaid_.height; ++y) std::fill_n(picture.row(y), overlaid_.width, std::uint8_t{0});
+  for (int y = 0; y < overlaid_.height; ++y)
+    std::fill_n(picture.row(y), overlaid_.width, std::uint8_t{0});
   for (std::size_t i = 0; i < lines.size(); ++i) {
-    optics::forLetters(lines[i], kOverlayMargin,
-                       kOverlayMargin + static_cast<int>(i) * optics::kLetterHeight * kLetterSize,
-                       kLetterSize, [&](int x, int y) {
-                         if (x < picture.width && y < picture.height) picture.row(y)[x] = 255;
-                       });
+    optics::forEachGlyphPixel(
+        lines[i], kOverlayMargin,
+        kOverlayMargin + static_cast<int>(i) * optics::kGlyphHeight * kLetterSize, kLetterSize,
+        [&](int x, int y) {
+          if (x < picture.width && y < picture.height) picture.row(y)[x] = 255;
+        });
   }
   changed_.push_back(overlaid_);
 }

@@ -20,22 +20,22 @@ namespace lab::projector {
 /// A picture to show.
 struct ScreenJob {
   light::Field field{};
-  std::int64_t present_utime = 0;        ///< not before, where the display itself does not wait
-  std::vector<std::string> overlay{};    ///< lines of text
+  std::int64_t present_utime = 0;      ///< not before, where the display itself does not wait
+  std::vector<std::string> overlay{};  ///< lines of text
 };
 
 /// Who decides when pictures change.
 enum class Pace : std::int8_t {
   kDisplay,  ///< its vertical blank
-  kNobody,   ///< the display takes them at any time
+  kUnpaced,  ///< the display takes them at any time
 };
 
 /// What a display is doing.
 struct ScreenState {
   bool open = false;
-  std::string name{};    ///< of the display
-  Pace pace = Pace::kNobody;
-  double period = 0;     ///< [s] between swaps, measured (Pace::kDisplay)
+  std::string name{};  ///< of the display
+  Pace pace = Pace::kUnpaced;
+  double period = 0;      ///< [s] between swaps, measured (Pace::kDisplay)
   std::string trouble{};  ///< why something else than the job's field is shown, empty: it is
   bool overlay = false;
   std::string calibration_id{};  ///< empty: the arena fills the picture
@@ -62,13 +62,13 @@ class Screen {
     /// For a display of columns x rows. What it throws is a trouble: the safe field is shown.
     std::function<Placement(int columns, int rows)> place;
     light::Field safe_field{};
-    std::function<std::int64_t()> now;            ///< [us]
+    std::function<std::int64_t()> now;                ///< [us]
     std::function<void(std::int64_t)> sleep_until{};  ///< [us] null: pictures are not held back
     bool overlay = false;
   };
 
-  static constexpr std::int64_t kReopen = 1'000'000;     ///< [us] between attempts
-  static constexpr std::int64_t kTwice = 1'000'000;      ///< [us] within which Escape counts as two
+  static constexpr std::int64_t kReopen = 1'000'000;  ///< [us] between attempts
+  static constexpr std::int64_t kTwice = 1'000'000;   ///< [us] within which Escape counts as two
   static constexpr double kLeastWait = 0.7;  ///< [1] of a refresh, below: the display does not wait
 
   explicit Screen(Setup setup) : setup_(std::move(setup)) {}
@@ -103,8 +103,8 @@ class Screen {
   ScreenState state_;
   std::vector<Box> changed_;
   Box overlaid_{};
-  bool misplaced_ = false;        ///< the calibration does not fit the display
-  bool reopens_ = true;           ///< when it is closed
+  bool misplaced_ = false;         ///< the calibration does not fit the display
+  bool reopens_ = true;            ///< when it is closed
   std::int64_t closed_utime_ = 0;  ///< or of the last attempt
   std::int64_t escape_utime_ = 0;
   bool escaped_ = false;

@@ -4,11 +4,11 @@
 #include <thread>
 #include <utility>
 
-#include "common/experiment/experiment_file.hpp"
 #include "common/calibration/light_file.hpp"
 #include "common/calibration/projector_file.hpp"
-#include "projector_ctl/painter/calibrated_tone.hpp"
+#include "common/experiment/experiment_file.hpp"
 #include "projector_ctl/display/display_sdl.hpp"
+#include "projector_ctl/painter/calibrated_tone.hpp"
 
 namespace lab::projector {
 
@@ -21,8 +21,9 @@ Screen::Setup screenSetup(const Experiment& experiment, const std::filesystem::p
   Screen::Setup setup;
   setup.open = std::move(open);
   setup.place = [experiment, directory](int columns, int rows) {
-    const ProjectorInForce found = projectorInForce(experiment, directory, columns, rows);
-    const auto light = lightInForce(experiment, directory);
+    const ActiveProjectorCalibration found =
+        activeProjectorCalibration(experiment, directory, columns, rows);
+    const auto light = activeLightCalibration(experiment, directory);
     if (!light) return Screen::Placement{found.model, found.id};
     return Screen::Placement{found.model, found.id.empty() ? light->id : found.id + " " + light->id,
                              std::make_shared<CalibratedTone>(light->tone(), found.model)};
@@ -37,8 +38,7 @@ Screen::Setup screenSetup(const Experiment& experiment, const std::filesystem::p
 }
 
 std::unique_ptr<Presenter> makePresenter(const Experiment& experiment,
-                                         const std::filesystem::path& directory,
-                                         const Loop& loop) {
+                                         const std::filesystem::path& directory, const Loop& loop) {
   const std::string& display = experiment.projector.display;
   if (display == kHeadless) return nullptr;
   try {

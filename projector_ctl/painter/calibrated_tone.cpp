@@ -6,7 +6,8 @@
 namespace lab::projector {
 namespace {
 
-constexpr int kSteps = 1 << 16;  // near the dark, where the curve is steep, still under half a level
+constexpr int kSteps =
+    1 << 16;  // near the dark, where the curve is steep, still under half a level
 
 }  // namespace
 

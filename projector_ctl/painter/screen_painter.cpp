@@ -15,7 +15,7 @@ constexpr int kBlockTiles = 4;  // a side
 constexpr double kNoPlace = std::numeric_limits<double>::quiet_NaN();
 
 /// As lround(255 * float(value)), which no processor has for many numbers at once.
-LAB_CLONES
+LAB_TARGET_CLONES
 void toBytes(const double* intensity, std::size_t count, std::uint8_t* out) {
   for (std::size_t i = 0; i < count; ++i) {
     const float level = 255 * static_cast<float>(intensity[i]);
@@ -44,8 +44,8 @@ ScreenPainter::ScreenPainter(const optics::ProjectorModel& model, std::shared_pt
       Block& block = blocks_.emplace_back();
       for (int y = top; y < std::min(top + kSide, picture_.height); y += kTile) {
         for (int x = left; x < std::min(left + kSide, picture_.width); x += kTile) {
-          block.tiles.push_back(tileAt({x, y, std::min(kTile, picture_.width - x),
-                                        std::min(kTile, picture_.height - y)}));
+          block.tiles.push_back(tileAt(
+              {x, y, std::min(kTile, picture_.width - x), std::min(kTile, picture_.height - y)}));
         }
       }
       block.disc = around(block.tiles);

@@ -40,8 +40,8 @@ class ScreenPainter {
  private:
   struct Tile {
     Box box;
-    light::Disc disc;  ///< holds the places of all its pixels
-    bool lit = false;  ///< any of them
+    light::Disc disc;      ///< holds the places of all its pixels
+    bool lit = false;      ///< any of them
     bool gaps = false;     ///< but not all of them
     bool painted = false;  ///< with `shown`
     light::CompiledField shown;
@@ -62,7 +62,8 @@ class ScreenPainter {
   std::shared_ptr<const Tone> tone_;
   optics::GreyImage picture_;
   bool straight_;  ///< x depends on the column alone and y on the row alone
-  std::vector<double> x_, y_;  ///< [m] of the columns and rows, or else of all pixels; NaN: no place
+  std::vector<double> x_,
+      y_;  ///< [m] of the columns and rows, or else of all pixels; NaN: no place
   std::vector<Block> blocks_;
   std::vector<Box> changed_;
   std::vector<double> tile_x_, tile_y_, tile_light_;

@@ -45,7 +45,7 @@ bool Track::reaches(const Pose& from, const Pose& to) {
   return way <= kFastest * time + noise && turn <= kFastestTurn * time + turn_noise;
 }
 
-void Track::see(const SeenRobot& robot, std::int64_t utime) {
+void Track::see(const ObservedRobot& robot, std::int64_t utime) {
   const auto usable = [](double variance) { return std::isfinite(variance) && variance >= 0; };
   if (!usable(robot.variance) || !usable(robot.turn_variance)) return;
   Pose pose{utime,
@@ -143,8 +143,8 @@ RobotPose Track::predicted(std::int64_t utime) const {
   return {fitted_.x + speed_ * step.x, fitted_.y + speed_ * step.y, fitted_.theta + turn_ * time};
 }
 
-void Robots::take(const SeenFrame& frame) {
-  for (const SeenRobot& robot : frame.robots) {
+void RobotTracks::take(const ObservedFrame& frame) {
+  for (const ObservedRobot& robot : frame.robots) {
     // Written so that a confidence that is no number is too small.
     if (!(robot.confidence >= kLeastConfidence)) continue;
     if (!std::isfinite(robot.x) || !std::isfinite(robot.y) || !std::isfinite(robot.theta)) continue;
@@ -152,20 +152,20 @@ void Robots::take(const SeenFrame& frame) {
   }
 }
 
-void Robots::report(std::int32_t id, const std::string& program, std::int64_t utime) {
+void RobotTracks::report(std::int32_t id, const std::string& program, std::int64_t utime) {
   Report& report = reports_[id];
   if (utime < report.utime) return;
   report.program = program;
   report.utime = utime;
 }
 
-const Track* Robots::track(std::int32_t id) const {
+const Track* RobotTracks::track(std::int32_t id) const {
   const auto found = tracks_.find(id);
   return found != tracks_.end() && found->second.seen() ? &found->second : nullptr;
 }
 
-bool Robots::runs(std::int32_t id, const std::string& program, std::int64_t utime,
-                  double stale) const {
+bool RobotTracks::runs(std::int32_t id, const std::string& program, std::int64_t utime,
+                       double stale) const {
   const auto found = reports_.find(id);
   return found != reports_.end() && found->second.program == program &&
          seconds(utime - found->second.utime) <= stale;

@@ -9,7 +9,7 @@
 namespace lab::projector {
 
 /// One robot in one camera frame, in the arena frame.
-struct SeenRobot {
+struct ObservedRobot {
   std::int32_t id = 0;
   double x = 0;              ///< [m]
   double y = 0;              ///< [m]
@@ -20,11 +20,11 @@ struct SeenRobot {
 };
 
 /// All robots of one camera frame.
-struct SeenFrame {
+struct ObservedFrame {
   std::int64_t instance = 0;  ///< of the tracker
   std::int64_t number = 0;    ///< of the frame
   std::int64_t utime = 0;     ///< [us since 1970] middle of the exposure
-  std::vector<SeenRobot> robots{};
+  std::vector<ObservedRobot> robots{};
 };
 
 /// A robot's place and heading.
@@ -51,7 +51,7 @@ class Track {
 
   /// Takes a pose later than the last one; an earlier one is ignored. A pose that the robot cannot
   /// have come to is believed only when the next one agrees with it: then the track begins there.
-  void see(const SeenRobot& robot, std::int64_t utime);
+  void see(const ObservedRobot& robot, std::int64_t utime);
 
   /// Whether there is a pose.
   [[nodiscard]] bool seen() const { return !poses_.empty(); }
@@ -94,11 +94,11 @@ class Track {
 };
 
 /// What is known of all robots.
-class Robots {
+class RobotTracks {
  public:
   static constexpr double kLeastConfidence = 0.5;  ///< of poses that are used
 
-  void take(const SeenFrame& frame);
+  void take(const ObservedFrame& frame);
 
   /// As if no frame had been taken.
   void forgetPoses() { tracks_.clear(); }

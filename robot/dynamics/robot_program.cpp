@@ -56,7 +56,7 @@ std::string checkWheel(const char* what, double needed, double v_max) {
                                   needed * 100, v_max * 100);
 }
 
-std::string checkAbp(const ProgramPhysics& p, const WheelLimits& limits) {
+std::string checkAbp(const RobotProgram& p, const WheelLimits& limits) {
   std::string reason = checkFinite("v (speed)", p.v);
   if (reason.empty()) reason = checkNotNegative("eta (rad/s)", p.eta);
   if (reason.empty()) reason = checkTime("epsilon (time between draws)", p.epsilon);
@@ -67,7 +67,7 @@ std::string checkAbp(const ProgramPhysics& p, const WheelLimits& limits) {
   return reason;
 }
 
-std::string checkWheelNoise(const ProgramPhysics& p, const WheelLimits& limits) {
+std::string checkWheelNoise(const RobotProgram& p, const WheelLimits& limits) {
   std::string reason = checkFinite("va (mean speed)", p.va);
   if (reason.empty()) reason = checkNotNegative("V (half width of the wheel speeds)", p.V);
   if (reason.empty()) reason = checkTime("epsilon (time between draws)", p.epsilon);
@@ -78,7 +78,7 @@ std::string checkWheelNoise(const ProgramPhysics& p, const WheelLimits& limits) 
   return reason;
 }
 
-std::string checkRtp(const ProgramPhysics& p, const WheelLimits& limits) {
+std::string checkRtp(const RobotProgram& p, const WheelLimits& limits) {
   std::string reason = checkFinite("v (speed)", p.v);
   if (reason.empty()) reason = checkNotNegative("gamma (tumbling rate, 1/s)", p.gamma);
   const double slowest = 1e6 / kLongestMeanUs;
@@ -98,7 +98,7 @@ std::string checkRtp(const ProgramPhysics& p, const WheelLimits& limits) {
   return reason;
 }
 
-std::string checkWheels(const ProgramPhysics& p, const WheelLimits& limits) {
+std::string checkWheels(const RobotProgram& p, const WheelLimits& limits) {
   std::string reason = checkFinite("left wheel", p.wheel_left);
   if (reason.empty()) reason = checkFinite("right wheel", p.wheel_right);
   if (reason.empty()) reason = checkWheel("left wheel", std::fabs(p.wheel_left), limits.v_max);
@@ -106,7 +106,7 @@ std::string checkWheels(const ProgramPhysics& p, const WheelLimits& limits) {
   return reason;
 }
 
-std::string check(const ProgramPhysics& physics, const WheelLimits& limits) {
+std::string check(const RobotProgram& physics, const WheelLimits& limits) {
   switch (physics.kind) {
     case kNone:
       return std::string();
@@ -125,7 +125,7 @@ std::string check(const ProgramPhysics& physics, const WheelLimits& limits) {
 
 }  // namespace
 
-ParamsResult paramsFromPhysics(const ProgramPhysics& physics, const WheelLimits& limits) {
+ParamsResult toProgramParams(const RobotProgram& physics, const WheelLimits& limits) {
   ParamsResult result;
   result.reason = check(physics, limits);
   result.ok = result.reason.empty();
@@ -163,8 +163,8 @@ ParamsResult paramsFromPhysics(const ProgramPhysics& physics, const WheelLimits&
   return result;
 }
 
-ProgramPhysics physicsFromParams(const ProgramParams& params, const WheelLimits& limits) {
-  ProgramPhysics physics;
+RobotProgram toRobotProgram(const ProgramParams& params, const WheelLimits& limits) {
+  RobotProgram physics;
   physics.kind = params.kind;
   const bool wheel_noise = params.kind == kNoisyAbp || params.kind == kBp;
   (wheel_noise ? physics.va : physics.v) = params.speed_um_s * 1e-6;

@@ -8,7 +8,7 @@ namespace lab {
 namespace dynamics {
 
 /// A program in physical parameters (SI). What a kind does not name it ignores. Host only.
-struct ProgramPhysics {
+struct RobotProgram {
   ProgramKind kind = kNone;
   double v = 0;            ///< Speed, m/s (ABP, RTP); negative drives backward.
   double va = 0;           ///< Mean speed, m/s (noisy ABP; must be 0 for BP).
@@ -35,13 +35,13 @@ struct ParamsResult {
 };
 
 /// Converts and validates. Times are rounded to the nearest millisecond and speeds to the nearest
-/// micrometre/s; see physicsFromParams for what is then executed.
-[[nodiscard]] ParamsResult paramsFromPhysics(const ProgramPhysics& physics,
-                                             const WheelLimits& limits = WheelLimits());
+/// micrometre/s; see toRobotProgram for what is then executed.
+[[nodiscard]] ParamsResult toProgramParams(const RobotProgram& physics,
+                                           const WheelLimits& limits = WheelLimits());
 
 /// The physical parameters the robot really executes, after rounding.
-[[nodiscard]] ProgramPhysics physicsFromParams(const ProgramParams& params,
-                                               const WheelLimits& limits = WheelLimits());
+[[nodiscard]] RobotProgram toRobotProgram(const ProgramParams& params,
+                                          const WheelLimits& limits = WheelLimits());
 
 }  // namespace dynamics
 }  // namespace lab

@@ -81,7 +81,7 @@ void Device::sense(uint32_t now_ms, const dynamics::Sensors& sensors) {
 
 void Device::tick(uint32_t now_ms) {
   advance(now_ms);
-  goOnStoring(now_ms);
+  continueCommit(now_ms);
   report(now_ms);
 }
 

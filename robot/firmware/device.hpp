@@ -12,7 +12,7 @@
 
 /// A function with large locals, which must not become part of its caller's frame: the chip's stack
 /// has 300 bytes.
-#define LAB_APART __attribute__((noinline))
+#define LAB_NOINLINE __attribute__((noinline))
 
 namespace lab {
 namespace firmware {
@@ -86,48 +86,49 @@ class Device {
 
   // device.cpp
   void advance(uint32_t now_ms);
-  LAB_APART void settle(uint32_t now_ms);
-  LAB_APART void recordDraw();
+  LAB_NOINLINE void settle(uint32_t now_ms);
+  LAB_NOINLINE void recordDraw();
   void driveMotors();
   void note(uint32_t now_ms, wire::EventCode code, uint32_t data);
   void startBootCounter();
 
   // device_commands.cpp
-  LAB_APART void obey(const wire::Frame& frame, uint32_t now_ms, uint32_t came_ms,
-                      uint16_t came_us);
+  LAB_NOINLINE void obey(const wire::Frame& frame, uint32_t now_ms, uint32_t came_ms,
+                         uint16_t came_us);
   Answer execute(const wire::Frame& frame, uint32_t now_ms);
-  LAB_APART Answer executeSetProgram(const wire::Frame& frame);
-  LAB_APART Answer executeSetLight(const wire::Frame& frame);
-  LAB_APART Answer executeSetMotion(const wire::Frame& frame);
-  LAB_APART Answer executeApply(const wire::Frame& frame, uint32_t now_ms);
-  LAB_APART Answer executeOrder(const wire::Frame& frame, uint32_t now_ms);
-  LAB_APART Answer executeStop(const wire::Frame& frame, uint32_t now_ms);
-  LAB_APART Answer executeSetSeed(const wire::Frame& frame);
-  LAB_APART Answer executeSetParam(const wire::Frame& frame, uint32_t now_ms);
-  LAB_APART Answer executeCommit(const wire::Frame& frame);
-  LAB_APART void goOnStoring(uint32_t now_ms);
+  LAB_NOINLINE Answer executeSetProgram(const wire::Frame& frame);
+  LAB_NOINLINE Answer executeSetLight(const wire::Frame& frame);
+  LAB_NOINLINE Answer executeSetMotion(const wire::Frame& frame);
+  LAB_NOINLINE Answer executeApply(const wire::Frame& frame, uint32_t now_ms);
+  LAB_NOINLINE Answer executeOrder(const wire::Frame& frame, uint32_t now_ms);
+  LAB_NOINLINE Answer executeStop(const wire::Frame& frame, uint32_t now_ms);
+  LAB_NOINLINE Answer executeSetSeed(const wire::Frame& frame);
+  LAB_NOINLINE Answer executeSetParam(const wire::Frame& frame, uint32_t now_ms);
+  LAB_NOINLINE Answer executeCommit(const wire::Frame& frame);
+  LAB_NOINLINE void continueCommit(uint32_t now_ms);
   bool readParam(uint8_t id, int32_t& value) const;
   bool writeParam(uint8_t id, int32_t value, uint32_t now_ms);
   void seed(uint32_t high, uint32_t low);
 
   // device_reports.cpp
-  LAB_APART void report(uint32_t now_ms);
+  LAB_NOINLINE void report(uint32_t now_ms);
   void startReports(uint32_t now_ms);
   bool telemetryDue(uint32_t now_ms) const;
   bool stateDue(uint32_t now_ms) const;
   bool sendInTurn(uint8_t turn, uint32_t now_ms);
-  LAB_APART void sendHello(uint32_t now_ms, uint8_t seq);
-  LAB_APART void sendTelemetry(uint32_t now_ms);
-  LAB_APART void sendState(uint32_t now_ms);
-  LAB_APART void sendCounters(uint32_t now_ms);
-  LAB_APART void sendAck(uint8_t seq, uint8_t type, const Answer& answer);
-  LAB_APART void sendEvent(const wire::Event& event);
-  LAB_APART void sendStep(const wire::Step& step);
-  LAB_APART void sendPong(const wire::Ping& ping, uint8_t seq, uint32_t came_ms, uint16_t came_us);
-  LAB_APART void sendParam(uint8_t seq, uint8_t id, int32_t value);
+  LAB_NOINLINE void sendHello(uint32_t now_ms, uint8_t seq);
+  LAB_NOINLINE void sendTelemetry(uint32_t now_ms);
+  LAB_NOINLINE void sendState(uint32_t now_ms);
+  LAB_NOINLINE void sendCounters(uint32_t now_ms);
+  LAB_NOINLINE void sendAck(uint8_t seq, uint8_t type, const Answer& answer);
+  LAB_NOINLINE void sendEvent(const wire::Event& event);
+  LAB_NOINLINE void sendStep(const wire::Step& step);
+  LAB_NOINLINE void sendPong(const wire::Ping& ping, uint8_t seq, uint32_t came_ms,
+                             uint16_t came_us);
+  LAB_NOINLINE void sendParam(uint8_t seq, uint8_t id, int32_t value);
   template <class Message>
   void send(const Message& message, uint8_t seq);
-  LAB_APART void transmit(const wire::Frame& frame);
+  LAB_NOINLINE void transmit(const wire::Frame& frame);
 
   Board& board_;
   BootFacts facts_;

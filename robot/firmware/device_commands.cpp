@@ -52,8 +52,8 @@ void Device::obey(const wire::Frame& frame, uint32_t now_ms, uint32_t came_ms, u
   }
 
   const uint16_t crc = wire::crc16(frame.payload, frame.size);
-  const bool repeated = executed_.type == frame.type && executed_.seq == frame.seq &&
-                        executed_.crc == crc;
+  const bool repeated =
+      executed_.type == frame.type && executed_.seq == frame.seq && executed_.crc == crc;
   if (repeated) {
     ++commands_repeated_;
     // To stop twice does no harm; not to stop would.
@@ -296,8 +296,7 @@ bool Device::writeParam(uint8_t id, int32_t value, uint32_t now_ms) {
       changed.wheel_base_um = value;
       break;
     case wire::kTelemetryPeriod:
-      if (value != 0 &&
-          (value < kShortestTelemetryPeriodMs || value > kLongestTelemetryPeriodMs)) {
+      if (value != 0 && (value < kShortestTelemetryPeriodMs || value > kLongestTelemetryPeriodMs)) {
         return false;
       }
       telemetry_period_ms_ = static_cast<uint16_t>(value);
@@ -335,7 +334,7 @@ Device::Answer Device::executeCommit(const wire::Frame& frame) {
 }
 
 // One byte a call; the answer to COMMIT once all is written and read back.
-void Device::goOnStoring(uint32_t now_ms) {
+void Device::continueCommit(uint32_t now_ms) {
   if (!storing_) {
     return;
   }
@@ -347,8 +346,8 @@ void Device::goOnStoring(uint32_t now_ms) {
   if (progress == SettingsStore::kWritten) {
     note(now_ms, wire::kSettingsStored, store_.bank());
   }
-  const Answer answer = {
-      progress == SettingsStore::kFailed ? wire::kStoreFailed : wire::kOk, kNoDetail};
+  const Answer answer = {progress == SettingsStore::kFailed ? wire::kStoreFailed : wire::kOk,
+                         kNoDetail};
   if (executed_.type == wire::Commit::kType && executed_.seq == commit_seq_) {
     executed_.answer = answer;
   }

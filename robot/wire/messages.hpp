@@ -11,8 +11,8 @@
 namespace lab {
 namespace wire {
 
-/// Of the fields of all messages, as robot/wire/schema.hpp computes it. A robot says it in HELLO; a host
-/// does not drive a robot of another schema.
+/// Of the fields of all messages, as robot/wire/schema.hpp computes it. A robot says it in HELLO; a
+/// host does not drive a robot of another schema.
 constexpr uint16_t kSchema = 0xD336;  // compared by tests/robot/wire/schema_test.cpp
 
 // ---- host to robot. Every command says what shall be, never a difference, so that it may be

@@ -22,10 +22,10 @@ constexpr int kDirections = 72;                     // that are tried
 constexpr int kMargin = 4;                          // of these directions, to either side
 // More than needed, where one can choose: a robot does not come to rest exactly as told.
 constexpr double kSoughtClearance = kClearance + 0.004;
-constexpr double kLongestWay = 0.20;                // [m] out
-constexpr double kSpare = 0.01;                     // [m] at the end of a way out
-constexpr double kWayStep = 0.02;                   // [m]
-constexpr double kTrackerSlack = 1e-3;              // [m]
+constexpr double kLongestWay = 0.20;    // [m] out
+constexpr double kSpare = 0.01;         // [m] at the end of a way out
+constexpr double kWayStep = 0.02;       // [m]
+constexpr double kTrackerSlack = 1e-3;  // [m]
 // On its way out a robot gains this much of clearance a metre: more than an error of its heading
 // costs.
 constexpr double kWayGain = 0.3;
@@ -61,8 +61,7 @@ double turned(double present, int directions) {
 /// What is left between a robot at (x, y) and what is nearest.
 double clearanceAt(double x, double y, const Surroundings& around) {
   const double radius = around.diameter / 2;
-  double clearance =
-      std::min({x, y, around.width - x, around.height - y}) - radius;
+  double clearance = std::min({x, y, around.width - x, around.height - y}) - radius;
   for (const Place& other : around.others) {
     clearance = std::min(clearance, std::hypot(x - other.x, y - other.y) - around.diameter);
   }
@@ -77,7 +76,8 @@ Pattern calibrationPattern(const Motors& stored, double max) {
     const auto speedAt = [&](const Wheel& wheel) {
       // A robot that believes in a dead band never uses a duty within it.
       const double least = wheel.dead_band * dynamics::kMaxDuty + 8;
-      return wheelSpeed(wheel, std::max<double>(wanted, std::ceil(least)) / dynamics::kMaxDuty, max);
+      return wheelSpeed(wheel, std::max<double>(wanted, std::ceil(least)) / dynamics::kMaxDuty,
+                        max);
     };
     const double left = speedAt(stored.left);
     const double right = speedAt(stored.right);
@@ -99,7 +99,7 @@ Pattern checkPattern(double max) {
   return pattern;
 }
 
-std::optional<double> roomyHeading(const Pattern& pattern, const Place& robot,
+std::optional<double> clearHeading(const Pattern& pattern, const Place& robot,
                                    const Surroundings& surroundings) {
   const std::vector<Pose> path = pathOf(pattern, surroundings.diameter);
   const auto isRoomy = [&](double heading, double clearance) {
@@ -126,8 +126,8 @@ std::optional<double> roomyHeading(const Pattern& pattern, const Place& robot,
   return {};
 }
 
-std::optional<WayOut> wayOut(const Pattern& pattern, const Place& robot,
-                             const Surroundings& surroundings) {
+std::optional<EscapePath> escapePath(const Pattern& pattern, const Place& robot,
+                                     const Surroundings& surroundings) {
   const double now = clearanceAt(robot.x, robot.y, surroundings) - kTrackerSlack;
   const auto isFree = [&](double heading, double distance) {
     for (double gone = 0; gone < distance + kWayStep / 2; gone += kWayStep / 4) {
@@ -150,7 +150,7 @@ std::optional<WayOut> wayOut(const Pattern& pattern, const Place& robot,
       if (!isFree(heading, distance)) continue;
       const Place there{robot.x + distance * std::cos(heading),
                         robot.y + distance * std::sin(heading), heading};
-      if (roomyHeading(pattern, there, tighter)) return WayOut{heading, distance};
+      if (clearHeading(pattern, there, tighter)) return EscapePath{heading, distance};
     }
   }
   return {};

@@ -49,19 +49,19 @@ inline constexpr double kClearance = 0.02;
 
 /// A heading, near to the present one, from which `pattern` leaves at least kClearance to walls and
 /// robots: the present one if that is such, nothing when there is none.
-[[nodiscard]] std::optional<double> roomyHeading(const Pattern& pattern, const Place& robot,
+[[nodiscard]] std::optional<double> clearHeading(const Pattern& pattern, const Place& robot,
                                                  const Surroundings& surroundings);
 
 /// A straight way to a place where `pattern` has room.
-struct WayOut {
+struct EscapePath {
   double heading = 0;   ///< [rad]
   double distance = 0;  ///< [m]
 };
 
 /// The shortest way, up to 20 cm, away from the walls and robots that are too near; nothing when
 /// there is none.
-[[nodiscard]] std::optional<WayOut> wayOut(const Pattern& pattern, const Place& robot,
-                                           const Surroundings& surroundings);
+[[nodiscard]] std::optional<EscapePath> escapePath(const Pattern& pattern, const Place& robot,
+                                                   const Surroundings& surroundings);
 
 /// How far the robot goes from its start in `pattern` [m].
 [[nodiscard]] double reachOf(const Pattern& pattern, double wheel_base);

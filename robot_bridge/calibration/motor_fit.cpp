@@ -18,10 +18,10 @@ using Information = Eigen::Matrix<double, kParameters, kParameters>;
 using Slopes = Eigen::Matrix<double, 2, kParameters>;
 
 constexpr int kIterations = 60;
-constexpr double kConverged = 1e-12;      // of chi^2, relative
-constexpr double kOutlierChi2 = 30;       // of two degrees of freedom: once in 3 million
-constexpr double kMuchMoreThanNoise = 4;  // chi^2 per degree of freedom
-constexpr double kMedianOfTwoDof = 1.386; // of chi^2
+constexpr double kConverged = 1e-12;       // of chi^2, relative
+constexpr double kOutlierChi2 = 30;        // of two degrees of freedom: once in 3 million
+constexpr double kMuchMoreThanNoise = 4;   // chi^2 per degree of freedom
+constexpr double kMedianOfTwoDof = 1.386;  // of chi^2
 
 Parameters parametersOf(const Motors& motors, double lateral) {
   Parameters p;
@@ -60,8 +60,7 @@ Prediction predict(const Parameters& p, const UsableSegment& segment, double max
   prediction.slopes.col(kGainRight) = of_right * (right / motors.right.gain);
   prediction.slopes.col(kBandLeft) = of_left * by_band(motors.left, segment.duty_left, left);
   prediction.slopes.col(kBandRight) = of_right * by_band(motors.right, segment.duty_right, right);
-  prediction.slopes.col(kBase) << p[kLateral] * turn / motors.wheel_base,
-      -turn / motors.wheel_base;
+  prediction.slopes.col(kBase) << p[kLateral] * turn / motors.wheel_base, -turn / motors.wheel_base;
   prediction.slopes(0, kLateral) = -turn;
   return prediction;
 }
@@ -230,8 +229,9 @@ std::string refusalOf(const MotorFit& fit, double nominal_base, const FitLimits&
       !text.empty())
     return text;
   if (std::fabs(motors.wheel_base / nominal_base - 1) > 0.5) {
-    return fmt::format("wheel base: found {:.2f} cm, allowed {:.2f} to {:.2f}; is diameter_cm right?",
-                       100 * motors.wheel_base, 50 * nominal_base, 150 * nominal_base);
+    return fmt::format(
+        "wheel base: found {:.2f} cm, allowed {:.2f} to {:.2f}; is diameter_cm right?",
+        100 * motors.wheel_base, 50 * nominal_base, 150 * nominal_base);
   }
   if (fit.error.wheel_base > limits.base_error * motors.wheel_base) {
     return fmt::format("the wheel base is known to {:.1f} %, allowed {:g}",

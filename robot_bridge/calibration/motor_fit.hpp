@@ -21,18 +21,18 @@ struct Segment {
 struct SegmentCounts {
   int driven = 0;
   int used = 0;
-  int unseen = 0;   ///< the tracker saw the robot in fewer than half of the frames
-  int uneven = 0;   ///< the robot did not move evenly, as in a contact
-  int outlying = 0; ///< moved evenly, but far from what the other segments say
+  int unseen = 0;    ///< the tracker saw the robot in fewer than half of the frames
+  int uneven = 0;    ///< the robot did not move evenly, as in a contact
+  int outlying = 0;  ///< moved evenly, but far from what the other segments say
 };
 
 /// Motors with their standard errors.
 struct MotorFit {
   Motors motors;
-  Motors error;             ///< standard errors of the same
-  double lateral = 0;       ///< [m] the tracked point lies this far to the left of the wheels' middle
-  double lateral_error = 0; ///< [m]
-  TrackNoise noise;         ///< as estimated
+  Motors error;        ///< standard errors of the same
+  double lateral = 0;  ///< [m] the tracked point lies this far to the left of the wheels' middle
+  double lateral_error = 0;  ///< [m]
+  TrackNoise noise;          ///< as estimated
   SegmentCounts segments;
   double chi2_per_dof = 0;  ///< errors are widened by its square root where it is above 1
   double residual = 0;      ///< [1] rms of what the wheels' speeds miss, over the rms of the speeds
@@ -41,11 +41,11 @@ struct MotorFit {
 
 /// What makes a fit a calibration.
 struct FitLimits {
-  double used_share = 0.75;     ///< of the segments, at least
-  double residual = 0.03;       ///< at most
-  double gain_error = 0.01;     ///< [1] largest standard error
-  double base_error = 0.02;     ///< [1] of the wheel base, relative
-  double dead_band_error = 0.02;///< [1] of full duty
+  double used_share = 0.75;       ///< of the segments, at least
+  double residual = 0.03;         ///< at most
+  double gain_error = 0.01;       ///< [1] largest standard error
+  double base_error = 0.02;       ///< [1] of the wheel base, relative
+  double dead_band_error = 0.02;  ///< [1] of full duty
 };
 
 /// Weighted least squares over all segments for the gain and the dead band of each wheel, the wheel

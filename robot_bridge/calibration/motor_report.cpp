@@ -23,7 +23,8 @@ std::string checkOf(const SpeedCheck& check, const char* when) {
   return fmt::format(
       "{0} = {{speed_error_percent = {1:.3f}, turn_error_percent = {2:.3f}, veer_deg_m = {3:.2f}, "
       "motors_speed_percent = {4:.3f}, motors_turn_percent = {5:.3f}, "
-      "tracker_speed_percent = {6:.3f}, tracker_turn_percent = {7:.3f}, parts = {8}, driven = {9}}}\n",
+      "tracker_speed_percent = {6:.3f}, tracker_turn_percent = {7:.3f}, parts = {8}, driven = "
+      "{9}}}\n",
       when, 100 * check.speed, 100 * check.turn, kDegrees * check.veer, 100 * check.motors_speed,
       100 * check.motors_turn, 100 * check.speed_noise, 100 * check.turn_noise, check.used,
       check.driven);
@@ -60,11 +61,12 @@ std::string checkRefusal(const SpeedCheck& after, const CheckLimits& limits) {
 }
 
 std::string tableHead() {
-  return fmt::format("{:>5}  {:>15} {:>15}  {:>12} {:>12}  {:>13}  {:>13} {:>13} {:>13}\n{:>5}  "
-                     "{:>15} {:>15}  {:>12} {:>12}  {:>13}  {:>13} {:>13} {:>13}\n",
-                     "robot", "gain left", "gain right", "dead left", "dead right", "wheel base",
-                     "speed error", "turn error", "veer", "", "", "", "% of duty", "% of duty", "cm",
-                     "before, after", "before, after", "deg/m");
+  return fmt::format(
+      "{:>5}  {:>15} {:>15}  {:>12} {:>12}  {:>13}  {:>13} {:>13} {:>13}\n{:>5}  "
+      "{:>15} {:>15}  {:>12} {:>12}  {:>13}  {:>13} {:>13} {:>13}\n",
+      "robot", "gain left", "gain right", "dead left", "dead right", "wheel base", "speed error",
+      "turn error", "veer", "", "", "", "% of duty", "% of duty", "cm", "before, after",
+      "before, after", "deg/m");
 }
 
 std::string tableLine(const MotorReport& report) {
@@ -76,16 +78,15 @@ std::string tableLine(const MotorReport& report) {
   const auto pair = [](double before, double after, double unit, const char* mark) {
     return fmt::format("{:.1f}, {:.2f}{}", before / unit, after / unit, mark);
   };
-  return fmt::format(
-      "{:>5}  {:>15} {:>15}  {:>12} {:>12}  {:>13}  {:>13} {:>13} {:>13}\n", report.robot,
-      within(motors.left.gain, error.left.gain, 1, 4),
-      within(motors.right.gain, error.right.gain, 1, 4),
-      within(motors.left.dead_band, error.left.dead_band, 0.01, 2),
-      within(motors.right.dead_band, error.right.dead_band, 0.01, 2),
-      within(motors.wheel_base, error.wheel_base, 0.01, 3),
-      pair(report.before.speed, report.after.speed, 0.01, " %"),
-      pair(report.before.turn, report.after.turn, 0.01, " %"),
-      pair(report.before.veer, report.after.veer, 1 / kDegrees, ""));
+  return fmt::format("{:>5}  {:>15} {:>15}  {:>12} {:>12}  {:>13}  {:>13} {:>13} {:>13}\n",
+                     report.robot, within(motors.left.gain, error.left.gain, 1, 4),
+                     within(motors.right.gain, error.right.gain, 1, 4),
+                     within(motors.left.dead_band, error.left.dead_band, 0.01, 2),
+                     within(motors.right.dead_band, error.right.dead_band, 0.01, 2),
+                     within(motors.wheel_base, error.wheel_base, 0.01, 3),
+                     pair(report.before.speed, report.after.speed, 0.01, " %"),
+                     pair(report.before.turn, report.after.turn, 0.01, " %"),
+                     pair(report.before.veer, report.after.veer, 1 / kDegrees, ""));
 }
 
 std::string motorsFile(const std::vector<MotorReport>& reports) {
@@ -111,8 +112,8 @@ std::string motorsFile(const std::vector<MotorReport>& reports) {
   }
   for (const MotorReport& report : reports) {
     if (report.refusal.empty()) continue;
-    text += fmt::format("\n[[refused]]\nid = {}\nreason = {}\n", report.robot,
-                        quoted(report.refusal));
+    text +=
+        fmt::format("\n[[refused]]\nid = {}\nreason = {}\n", report.robot, quoted(report.refusal));
   }
   return text;
 }

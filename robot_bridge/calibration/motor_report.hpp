@@ -12,12 +12,12 @@ namespace lab::calibration {
 
 struct MotorReport {
   std::int32_t robot = 0;
-  Motors held;         ///< before
+  Motors held;  ///< before
   MotorFit fit;
-  Motors stored;       ///< what the robot holds now
+  Motors stored;  ///< what the robot holds now
   SpeedCheck before;
   SpeedCheck after;
-  std::string refusal; ///< not empty: why the robot holds what it held before
+  std::string refusal;  ///< not empty: why the robot holds what it held before
 };
 
 /// What makes a stored calibration stay: the check after it, less what rounding to whole duties

@@ -23,10 +23,10 @@ struct TrackNoise {
 
 /// The motion at constant wheel speeds that fits a track best.
 struct SegmentMotion {
-  Eigen::Vector2d value;       ///< speed [m/s] and turn [rad/s]
-  Eigen::Matrix2d covariance;  ///< of `value`, for the given noise
-  double position_squares = 0; ///< [m^2] sum of squared residuals of positions, both axes
-  double heading_squares = 0;  ///< [rad^2] sum of squared residuals of headings
+  Eigen::Vector2d value;        ///< speed [m/s] and turn [rad/s]
+  Eigen::Matrix2d covariance;   ///< of `value`, for the given noise
+  double position_squares = 0;  ///< [m^2] sum of squared residuals of positions, both axes
+  double heading_squares = 0;   ///< [rad^2] sum of squared residuals of headings
   int points = 0;
 };
 

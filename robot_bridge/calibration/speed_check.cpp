@@ -41,8 +41,7 @@ SpeedCheck checkSpeeds(const std::vector<CheckedSegment>& segments, const Motors
   for (const UsableSegment& segment : usable.segments) {
     const CheckedSegment& checked = segments[segment.index];
     const Motion asked = motionOf(checked.left, checked.right, believed.wheel_base);
-    const Motion rounded =
-        motionOf(believed, segment.duty_left, segment.duty_right, max);
+    const Motion rounded = motionOf(believed, segment.duty_left, segment.duty_right, max);
     const double seen_turn = segment.motion.value[1];
     const double seen_speed = segment.motion.value[0] + lateral * seen_turn;
     if (std::fabs(asked.speed) > kStill) {

@@ -18,21 +18,20 @@ struct CheckedSegment {
 
 /// What the robot misses, as rms over the segments of a check.
 struct SpeedCheck {
-  int used = 0;            ///< segments
+  int used = 0;  ///< segments
   int driven = 0;
-  double speed = 0;        ///< [1] error of the speed, relative, where it was to drive
-  double turn = 0;         ///< [1] error of the turning rate, relative, where it was to turn
-  double veer = 0;         ///< [rad/m] turn where it was to drive straight
-  double motors_speed = 0; ///< [1] as speed, less what rounding to whole duties explains
-  double motors_turn = 0;  ///< [1] as turn, likewise
-  double speed_noise = 0;  ///< [1] what the tracker's noise alone makes of `speed`
-  double turn_noise = 0;   ///< [1] likewise of `turn`
+  double speed = 0;         ///< [1] error of the speed, relative, where it was to drive
+  double turn = 0;          ///< [1] error of the turning rate, relative, where it was to turn
+  double veer = 0;          ///< [rad/m] turn where it was to drive straight
+  double motors_speed = 0;  ///< [1] as speed, less what rounding to whole duties explains
+  double motors_turn = 0;   ///< [1] as turn, likewise
+  double speed_noise = 0;   ///< [1] what the tracker's noise alone makes of `speed`
+  double turn_noise = 0;    ///< [1] likewise of `turn`
 };
 
 /// @param believed what the robot and its host take the motors for
 /// @param lateral [m] as fitted (MotorFit)
 [[nodiscard]] SpeedCheck checkSpeeds(const std::vector<CheckedSegment>& segments,
-                                     const Motors& believed, double max,
-                                     double lateral);
+                                     const Motors& believed, double max, double lateral);
 
 }  // namespace lab::calibration

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "common/loop/asio_loop.hpp"
 #include "common/experiment/experiment.hpp"
+#include "common/loop/asio_loop.hpp"
 #include "common/serial/serial_devices.hpp"
 #include "robot_bridge/lines/line_survey.hpp"
 #include "robot_bridge/lines/uid_writer.hpp"

@@ -18,21 +18,21 @@ constexpr std::int64_t kAbandoned_us = 1'000'000;    // then another line may cl
 
 }  // namespace
 
-PortKeeper::PortKeeper(Loop& loop, SerialPorts& ports, PortSettings settings, Robots robots,
-                       Note note)
+PortManager::PortManager(Loop& loop, SerialPorts& ports, PortSettings settings, Robots robots,
+                         Note note)
     : loop_(loop),
       ports_(ports),
       settings_(std::move(settings)),
       robots_(std::move(robots)),
       note_(std::move(note)) {}
 
-PortKeeper::~PortKeeper() {
+PortManager::~PortManager() {
   for (auto& [path, line] : lines_) {
     if (line.robot != nullptr) line.robot->unplug();
   }
 }
 
-void PortKeeper::tick() {
+void PortManager::tick() {
   const std::int64_t now = loop_.now();
   if (now - scan_utime_ >= kScanPeriod_us) scan(now);
   for (Entry& entry : lines_) {
@@ -51,11 +51,11 @@ void PortKeeper::tick() {
   }
 }
 
-void PortKeeper::flush() {
+void PortManager::flush() {
   for (Entry& entry : lines_) write(entry);
 }
 
-void PortKeeper::scan(std::int64_t now) {
+void PortManager::scan(std::int64_t now) {
   scan_utime_ = now;
   std::set<std::string> found;
   if (settings_.offered) {
@@ -70,7 +70,7 @@ void PortKeeper::scan(std::int64_t now) {
   for (const std::string& path : found) lines_[path].found = true;
 }
 
-void PortKeeper::open(Entry& entry, std::int64_t now) {
+void PortManager::open(Entry& entry, std::int64_t now) {
   Line& line = entry.second;
   line.back_off_us = std::clamp(2 * line.back_off_us, kShortestBackOff_us, kLongestBackOff_us);
   line.retry_utime = now + line.back_off_us;
@@ -85,7 +85,7 @@ void PortKeeper::open(Entry& entry, std::int64_t now) {
   line.port->onReadable([this, &entry] { read(entry); });
 }
 
-void PortKeeper::read(Entry& entry) {
+void PortManager::read(Entry& entry) {
   Line& line = entry.second;
   const std::int64_t now = loop_.now();
   std::array<std::uint8_t, 512> bytes;
@@ -105,7 +105,7 @@ void PortKeeper::read(Entry& entry) {
   write(entry);
 }
 
-void PortKeeper::take(Entry& entry, const wire::Frame& frame, std::int64_t now) {
+void PortManager::take(Entry& entry, const wire::Frame& frame, std::int64_t now) {
   Line& line = entry.second;
   if (!line.refusal.empty()) return;
   wire::Hello hello;
@@ -121,7 +121,7 @@ void PortKeeper::take(Entry& entry, const wire::Frame& frame, std::int64_t now) 
   }
 }
 
-void PortKeeper::adopt(Entry& entry, const wire::Hello& hello, std::int64_t now) {
+void PortManager::adopt(Entry& entry, const wire::Hello& hello, std::int64_t now) {
   Line& line = entry.second;
   const auto found = robots_.find(hello.uid);
   if (found == robots_.end()) {
@@ -151,7 +151,7 @@ void PortKeeper::adopt(Entry& entry, const wire::Hello& hello, std::int64_t now)
 }
 
 /// Closes a line on which there is nobody for this lab.
-void PortKeeper::judge(Entry& entry, std::int64_t now) {
+void PortManager::judge(Entry& entry, std::int64_t now) {
   Line& line = entry.second;
   if (!line.port) return;
   if (!line.refusal.empty()) {
@@ -167,7 +167,7 @@ void PortKeeper::judge(Entry& entry, std::int64_t now) {
   close(entry, now + kLeaveAlone_us);
 }
 
-void PortKeeper::write(Entry& entry) {
+void PortManager::write(Entry& entry) {
   Line& line = entry.second;
   if (!line.port) return;
   const auto pass = [&line](std::vector<std::uint8_t>& bytes) {
@@ -183,7 +183,7 @@ void PortKeeper::write(Entry& entry) {
   }
 }
 
-void PortKeeper::close(Entry& entry, std::int64_t retry_utime) {
+void PortManager::close(Entry& entry, std::int64_t retry_utime) {
   Line& line = entry.second;
   if (line.robot != nullptr) line.robot->unplug();
   line.robot = nullptr;
@@ -193,7 +193,7 @@ void PortKeeper::close(Entry& entry, std::int64_t retry_utime) {
   line.retry_utime = retry_utime;
 }
 
-void PortKeeper::lose(Entry& entry, const std::string& why) {
+void PortManager::lose(Entry& entry, const std::string& why) {
   Line& line = entry.second;
   const std::string who =
       line.robot == nullptr ? "" : fmt::format("; robot {} was on it", line.robot->settings().id);
@@ -205,20 +205,20 @@ void PortKeeper::lose(Entry& entry, const std::string& why) {
   close(entry, retry_utime);
 }
 
-void PortKeeper::complain(Entry& entry, const std::string& kind, const std::string& text) {
+void PortManager::complain(Entry& entry, const std::string& kind, const std::string& text) {
   if (entry.second.complaint == kind) return;
   entry.second.complaint = kind;
   note_(text);
 }
 
-PortKeeper::Entry* PortKeeper::lineWith(const RobotLink& robot) {
+PortManager::Entry* PortManager::lineWith(const RobotLink& robot) {
   const auto found = std::find_if(lines_.begin(), lines_.end(), [&robot](const Entry& entry) {
     return entry.second.robot == &robot;
   });
   return found == lines_.end() ? nullptr : &*found;
 }
 
-std::string PortKeeper::lineOf(const RobotLink& robot) const {
+std::string PortManager::lineOf(const RobotLink& robot) const {
   for (const auto& [path, line] : lines_) {
     if (line.robot == &robot) return path;
   }

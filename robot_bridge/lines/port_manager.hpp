@@ -25,14 +25,14 @@ struct PortSettings {
 /// say, never by the name of a line, so a robot may come back under another name.
 ///
 /// Whatever is wrong with a line is said once, until the line or the fault changes.
-class PortKeeper {
+class PortManager {
  public:
   using Note = std::function<void(const std::string&)>;
   using Robots = std::map<std::uint32_t, RobotLink*>;  ///< by uid
 
   /// @param robots outlive the keeper
-  PortKeeper(Loop& loop, SerialPorts& ports, PortSettings settings, Robots robots, Note note);
-  ~PortKeeper();
+  PortManager(Loop& loop, SerialPorts& ports, PortSettings settings, Robots robots, Note note);
+  ~PortManager();
 
   /// Looks for lines (twice a second), opens what is due, lets sessions and robots repeat what they
   /// wait for. To be called every 20 ms or so.

@@ -7,8 +7,8 @@
 
 #include "common/loop/loop.hpp"
 #include "common/serial/serial.hpp"
-#include "robot_bridge/protocol/command_sender.hpp"
 #include "robot_bridge/lines/line_session.hpp"
+#include "robot_bridge/protocol/command_sender.hpp"
 
 namespace lab::bridge {
 

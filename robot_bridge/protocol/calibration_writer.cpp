@@ -19,7 +19,7 @@ std::int32_t rounded(double value) {
 
 }  // namespace
 
-void CalibrationErrand::ask(std::int64_t seq, std::int64_t instance,
+void CalibrationWriter::ask(std::int64_t seq, std::int64_t instance,
                             const motor_calibration_t& wanted) {
   const bool known = seq == seq_ && instance == instance_;
   if (known && (step_ != kDone || fulfilled_)) return;
@@ -36,11 +36,11 @@ void CalibrationErrand::ask(std::int64_t seq, std::int64_t instance,
   failure_.reset();
 }
 
-void CalibrationErrand::restart() {
+void CalibrationWriter::restart() {
   if (step_ < kDone) step_ = begin_;
 }
 
-std::optional<wire::Frame> CalibrationErrand::next() const {
+std::optional<wire::Frame> CalibrationWriter::next() const {
   wire::Frame frame;
   if (step_ < kCommit) {
     wire::SetParam message;
@@ -59,7 +59,7 @@ std::optional<wire::Frame> CalibrationErrand::next() const {
   return frame;
 }
 
-void CalibrationErrand::finish(const wire::Frame& command, const wire::Ack& ack) {
+void CalibrationWriter::finish(const wire::Frame& command, const wire::Ack& ack) {
   const std::optional<wire::Frame> mine = next();
   if (!mine || mine->type != command.type || mine->payload[0] != command.payload[0]) return;
   if (ack.status == wire::kOk) {
@@ -70,14 +70,14 @@ void CalibrationErrand::finish(const wire::Frame& command, const wire::Ack& ack)
   step_ = kDone;
 }
 
-void CalibrationErrand::finish(const wire::ParamValue& value) {
+void CalibrationWriter::finish(const wire::ParamValue& value) {
   if (step_ < kRead || step_ >= kDone || kIds[step_ - kRead] != value.id) return;
   held_[step_ - kRead] = value.value;
   ++step_;
   fulfilled_ = step_ == kDone;
 }
 
-std::optional<motor_calibration_t> CalibrationErrand::held() const {
+std::optional<motor_calibration_t> CalibrationWriter::held() const {
   if (!fulfilled_) return std::nullopt;
   motor_calibration_t message{};
   message.robot_id = robot_id_;

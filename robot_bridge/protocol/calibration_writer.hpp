@@ -15,7 +15,7 @@ namespace lab::bridge {
 /// request with a gain of 0 only asks: it is the five GET_PARAM alone.
 /// Whoever sends them says how they ended. What fails is tried again from the start with the next
 /// repeat of the request.
-class CalibrationErrand {
+class CalibrationWriter {
  public:
   /// A request, possibly one that is known.
   void ask(std::int64_t seq, std::int64_t instance, const motor_calibration_t& wanted);

@@ -8,8 +8,8 @@
 
 namespace lab::bridge {
 
-/// Keeps a command until its answer comes: has it sent again with the same number, so that the robot
-/// knows it for the same; gives it up after three tries.
+/// Keeps a command until its answer comes: has it sent again with the same number, so that the
+/// robot knows it for the same; gives it up after three tries.
 class CommandSender {
  public:
   /// @param timeout_us for one try

@@ -62,7 +62,7 @@ void RobotLink::restart() {
   seeded_ = false;
   params_set_ = 0;
   wheel_base_ = 0;
-  errand_.restart();
+  calibration_writer_.restart();
   stop_.shown = false;
   stop_.sent_utime = 0;
   order_due_ = true;
@@ -85,8 +85,9 @@ std::int32_t RobotLink::silence_ms(std::int64_t now) const {
 void RobotLink::take(const wire::Hello& hello, std::int64_t now) {
   // A robot that lost its memory may count its boots from the same number again: then its clock
   // tells.
-  const bool began_again = aged_ && msBetween(hello.uptime_ms, *aged_) + silence_ms(now) >
-                                        kLongestJump_ms;
+  const bool began_again =
+      latest_robot_ms_ &&
+      msBetween(hello.uptime_ms, *latest_robot_ms_) + silence_ms(now) > kLongestJump_ms;
   heard_utime_ = now;
   if (!hello_ || hello.boot_id != hello_->boot_id || began_again) {
     restart();
@@ -94,13 +95,13 @@ void RobotLink::take(const wire::Hello& hello, std::int64_t now) {
     forgetState();
   }
   hello_ = hello;
-  aged_ = hello.uptime_ms;
+  latest_robot_ms_ = hello.uptime_ms;
   identity_in_doubt_ = false;
   clock_.hear(now, hello.uptime_ms, wire_us(wire::payloadSize<wire::Hello>()));
 }
 
 /// Something that only a restart explains. Nothing is believed or sent until HELLO has come.
-void RobotLink::doubtIdentity() {
+void RobotLink::verifyIdentity() {
   if (identity_in_doubt_) return;
   identity_in_doubt_ = true;
   asked_utime_ = 0;
@@ -143,14 +144,15 @@ void RobotLink::receive(const wire::Frame& frame, std::int64_t now) {
 }
 
 void RobotLink::take(const wire::Telemetry& telemetry, const wire::Frame& frame, std::int64_t now) {
-  const bool jumped = aged_ && msBetween(telemetry.t_ms, *aged_) > kLongestJump_ms;
+  const bool jumped =
+      latest_robot_ms_ && msBetween(telemetry.t_ms, *latest_robot_ms_) > kLongestJump_ms;
   const bool forgot = config_ != 0 && telemetry.config == 0;
   if (jumped || forgot) {
-    doubtIdentity();
+    verifyIdentity();
     return;
   }
   clock_.hear(now, telemetry.t_ms, wire_us(wire::payloadSize<wire::Telemetry>()));
-  aged_ = telemetry.t_ms;
+  latest_robot_ms_ = telemetry.t_ms;
   view_.take(telemetry, frame.seq);
   config_ = telemetry.config;
   if (stop_.id != 0) {
@@ -186,7 +188,7 @@ void RobotLink::take(const wire::Ack& ack, std::uint8_t seq) {
 void RobotLink::take(const wire::ParamValue& value, std::uint8_t seq) {
   degraded_ = false;
   if (!sender_.answer(wire::GetParam::kType, seq)) return;
-  if (wheel_base_ != 0) return errand_.finish(value);
+  if (wheel_base_ != 0) return calibration_writer_.finish(value);
   const bool calibrated = value.value > 0 && value.value != kUncalibratedWheelBase_um;
   wheel_base_ = calibrated ? value.value * 1e-6 : settings_.wheel_base;
 }
@@ -197,16 +199,16 @@ void RobotLink::finish(const wire::Frame& command, const wire::Ack& ack) {
       seeded_ = true;
       return;
     case wire::SetParam::kType:
-      if (params_set_ == kParamsWanted) return errand_.finish(command, ack);
+      if (params_set_ == kParamsWanted) return calibration_writer_.finish(command, ack);
       ++params_set_;
       if (ack.status != wire::kOk) note("refuses parameter " + std::to_string(command.payload[0]));
       return;
     case wire::GetParam::kType:
-      if (wheel_base_ != 0) return errand_.finish(command, ack);
+      if (wheel_base_ != 0) return calibration_writer_.finish(command, ack);
       wheel_base_ = settings_.wheel_base;  // it does not know its own
       return;
     case wire::Commit::kType:
-      errand_.finish(command, ack);
+      calibration_writer_.finish(command, ack);
       wheel_base_ = 0;  // it may be another now
       return;
     case wire::Apply::kType:
@@ -240,7 +242,7 @@ void RobotLink::finishApply(const wire::Frame& command, const wire::Ack& ack) {
 
 void RobotLink::finishOrder(const wire::Frame& command, const wire::Ack& ack) {
   if (ack.status == wire::kWrongConfig) {
-    doubtIdentity();  // settings do not change by themselves
+    verifyIdentity();  // settings do not change by themselves
   } else if (ack.status == wire::kOk && !standing_ && !rejected_ &&
              command.payload[0] == order_id_) {
     echo_ = ordered_;
@@ -333,12 +335,12 @@ void RobotLink::stop(std::int64_t seq, bool release, std::int64_t now) {
 
 void RobotLink::calibrate(std::int64_t seq, std::int64_t instance,
                           const motor_calibration_t& wanted, std::int64_t now) {
-  const std::optional<wire::Ack>& failure = errand_.failure();
+  const std::optional<wire::Ack>& failure = calibration_writer_.failure();
   if (failure) {
     note("did not take its calibration (message " + std::to_string(failure->type) + ", status " +
          std::to_string(failure->status) + "); it must stand, and the numbers be possible");
   }
-  errand_.ask(seq, instance, wanted);
+  calibration_writer_.ask(seq, instance, wanted);
   pump(now);
 }
 

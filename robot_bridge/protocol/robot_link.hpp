@@ -10,11 +10,11 @@
 #include <vector>
 
 #include "common/experiment/order_settings.hpp"
+#include "robot/wire/messages.hpp"
 #include "robot_bridge/protocol/calibration_writer.hpp"
 #include "robot_bridge/protocol/clock_estimate.hpp"
 #include "robot_bridge/protocol/command_sender.hpp"
 #include "robot_bridge/protocol/robot_view.hpp"
-#include "robot/wire/messages.hpp"
 
 namespace lab::bridge {
 
@@ -112,7 +112,9 @@ class RobotLink {
   [[nodiscard]] const program_t& driven() const { return driven_; }
 
   /// The motor calibration that the robot holds, once the last ROBOT_CALIBRATION is fulfilled.
-  [[nodiscard]] std::optional<motor_calibration_t> calibration() const { return errand_.held(); }
+  [[nodiscard]] std::optional<motor_calibration_t> calibration() const {
+    return calibration_writer_.held();
+  }
 
   /// What somebody should know, in words, since the last call.
   [[nodiscard]] std::vector<std::string> takeNotes();
@@ -150,7 +152,7 @@ class RobotLink {
   void finishApply(const wire::Frame& command, const wire::Ack& ack);
   void finishOrder(const wire::Frame& command, const wire::Ack& ack);
   void refuse(const wire::Ack& ack);
-  void doubtIdentity();
+  void verifyIdentity();
   [[nodiscard]] std::int32_t silence_ms(std::int64_t now) const;
 
   void convertOrder();
@@ -165,7 +167,7 @@ class RobotLink {
   void sendOrder(std::int64_t now);
   void shortenLease(wire::Frame& command, std::int64_t now) const;
   [[nodiscard]] std::uint32_t leaseLeft_ms(std::int64_t now) const;
-  void sendErrand(std::int64_t now);
+  void sendCalibration(std::int64_t now);
   template <class Message>
   void send(const Message& message, std::uint8_t seq);
   void send(const wire::Frame& frame);
@@ -184,7 +186,7 @@ class RobotLink {
   // The robot, since it was switched on.
   bool plugged_ = false;
   std::optional<wire::Hello> hello_;
-  std::optional<std::uint32_t> aged_;  ///< [ms] the latest that its clock has said
+  std::optional<std::uint32_t> latest_robot_ms_;  ///< [ms] the latest that its clock has said
   bool identity_in_doubt_ = false;
   std::int64_t asked_utime_ = 0;
   RobotView view_;
@@ -218,7 +220,7 @@ class RobotLink {
   bool order_due_ = false;
   StopRequest stop_;
 
-  CalibrationErrand errand_;
+  CalibrationWriter calibration_writer_;
 
   CommandSender sender_;
   std::uint8_t command_seq_ = 0;

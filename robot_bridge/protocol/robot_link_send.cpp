@@ -4,8 +4,8 @@
 
 #include "common/math/random.hpp"
 #include "common/math/units.hpp"
-#include "robot_bridge/protocol/robot_link.hpp"
 #include "robot/wire/config.hpp"
+#include "robot_bridge/protocol/robot_link.hpp"
 
 namespace lab::bridge {
 namespace {
@@ -146,7 +146,7 @@ void RobotLink::sendNextCommand(std::int64_t now) {
   if (sendPreparation(now)) return;
   convertOrder();
   if (sendWanted(now)) return;
-  sendErrand(now);
+  sendCalibration(now);
 }
 
 /// Whether the robot lacked something of what the lab wants.
@@ -164,8 +164,8 @@ bool RobotLink::sendWanted(std::int64_t now) {
   return true;
 }
 
-void RobotLink::sendErrand(std::int64_t now) {
-  std::optional<wire::Frame> command = errand_.next();
+void RobotLink::sendCalibration(std::int64_t now) {
+  std::optional<wire::Frame> command = calibration_writer_.next();
   if (command) sendCommand(*command, now);
 }
 

@@ -19,8 +19,8 @@ constexpr std::int32_t kFlagsOfTheCore = dynamics::kReversing | dynamics::kStopp
 
 }  // namespace
 
-std::int64_t Reported::Time::at(const ClockEstimate& clock, std::uint32_t ms,
-                                std::uint32_t now_ms) {
+std::int64_t ReportHistory::Time::at(const ClockEstimate& clock, std::uint32_t ms,
+                                     std::uint32_t now_ms) {
   const bool settled = static_cast<std::int32_t>(now_ms - ms) > kSettled_ms;
   if (!known_ || ms != ms_ || !settled) utime_ = clock.utimeOf(ms);
   known_ = true;
@@ -28,23 +28,23 @@ std::int64_t Reported::Time::at(const ClockEstimate& clock, std::uint32_t ms,
   return utime_;
 }
 
-double Reported::runTime(double run_time_ms, double rate) {
+double ReportHistory::runTime(double run_time_ms, double rate) {
   if (run_time_ms < run_time_ms_) run_time_ms_ = run_time_ = 0;  // the robot has restarted
   run_time_ += (run_time_ms - run_time_ms_) * 1e-3 * rate;
   run_time_ms_ = run_time_ms;
   return run_time_;
 }
 
-bool Reported::saturated(std::uint32_t count) {
+bool ReportHistory::saturated(std::uint32_t count) {
   return std::exchange(saturations_, count) != count;
 }
 
 std::optional<robot_state_t> statusOf(const RobotLink& robot, std::int8_t origin,
-                                      Reported& reported) {
-  const std::optional<Picture>& picture = robot.view().picture();
-  if (!picture || !robot.hello()) return std::nullopt;
-  const wire::Telemetry& telemetry = picture->telemetry;
-  const wire::State& state = picture->state;
+                                      ReportHistory& reported) {
+  const std::optional<RobotSnapshot>& snapshot = robot.view().snapshot();
+  if (!snapshot || !robot.hello()) return std::nullopt;
+  const wire::Telemetry& telemetry = snapshot->telemetry;
+  const wire::State& state = snapshot->state;
   const ClockEstimate& clock = robot.clock();
 
   robot_state_t message{};
@@ -60,7 +60,7 @@ std::optional<robot_state_t> statusOf(const RobotLink& robot, std::int8_t origin
     message.program = robot.driven();
   }
   message.band = static_cast<std::int8_t>(in_table ? telemetry.slot : -1);
-  message.program_epoch = static_cast<std::int32_t>(picture->program_epoch);
+  message.program_epoch = static_cast<std::int32_t>(snapshot->program_epoch);
   message.program_start_utime =
       reported.program_start.at(clock, state.program_start_ms, telemetry.t_ms);
   message.wheel_left = telemetry.left_um_s * kMetresPerUm;
@@ -74,7 +74,7 @@ std::optional<robot_state_t> statusOf(const RobotLink& robot, std::int8_t origin
   }
 
   message.flags = telemetry.flags & kFlagsOfTheCore;
-  if (reported.saturated(picture->saturation_count)) {
+  if (reported.saturated(snapshot->saturation_count)) {
     message.flags |= robot_state_t::FLAG_SATURATED;
   }
   if (robot.isRejected()) message.flags |= robot_state_t::FLAG_REJECTED;
@@ -82,7 +82,7 @@ std::optional<robot_state_t> statusOf(const RobotLink& robot, std::int8_t origin
   message.command_seq = robot.commandSeq();
   message.command_instance = robot.commandInstance();
   message.stop_seq = robot.stopSeq();
-  message.reversal_count = static_cast<std::int32_t>(picture->reversal_count);
+  message.reversal_count = static_cast<std::int32_t>(snapshot->reversal_count);
   if (message.reversal_count > 0) {
     const bool reversing = (telemetry.flags & dynamics::kReversing) != 0;
     message.reversal_start_utime =
@@ -90,9 +90,9 @@ std::optional<robot_state_t> statusOf(const RobotLink& robot, std::int8_t origin
     message.reversal_end_utime =
         reversing ? 0 : reported.reversal_end.at(clock, state.reversal_end_ms, telemetry.t_ms);
   }
-  message.tumble_count = static_cast<std::int32_t>(picture->tumble_count);
-  message.run_time = reported.runTime(picture->run_time_ms, clock.rate());
-  message.battery = static_cast<float>(picture->battery);
+  message.tumble_count = static_cast<std::int32_t>(snapshot->tumble_count);
+  message.run_time = reported.runTime(snapshot->run_time_ms, clock.rate());
+  message.battery = static_cast<float>(snapshot->battery);
   message.link_sent = static_cast<std::int32_t>(robot.counters().sent);
   message.link_received = static_cast<std::int32_t>(robot.counters().received);
   message.link_errors = static_cast<std::int32_t>(robot.counters().errors) +
@@ -100,7 +100,7 @@ std::optional<robot_state_t> statusOf(const RobotLink& robot, std::int8_t origin
   return message;
 }
 
-robot_step_t stepOf(const RobotLink& robot, const RobotView::LongStep& long_step) {
+robot_step_t stepOf(const RobotLink& robot, const RobotView::UnwrappedStep& long_step) {
   const wire::Step& step = long_step.step;
   robot_step_t message{};
   message.utime = robot.clock().utimeOf(step.t_ms);

@@ -10,7 +10,7 @@
 namespace lab::bridge {
 
 /// What of a robot has been reported before.
-class Reported {
+class ReportHistory {
  public:
   /// Host time of something on the robot's clock. It stays what it was once some seconds have
   /// passed: the clock's rate, fitted anew with each round trip, would move what is long ago.
@@ -40,12 +40,12 @@ class Reported {
   std::uint32_t saturations_ = 0;
 };
 
-/// The last picture of a robot, in SI units and host time, exactly as sim_svc would say it; nothing
-/// while there is no picture.
+/// The last snapshot of a robot, in SI units and host time, exactly as sim_svc would say it;
+/// nothing while there is no snapshot.
 /// @param origin robot_state_t's
 [[nodiscard]] std::optional<robot_state_t> statusOf(const RobotLink& robot, std::int8_t origin,
-                                                    Reported& reported);
+                                                    ReportHistory& reported);
 
-[[nodiscard]] robot_step_t stepOf(const RobotLink& robot, const RobotView::LongStep& step);
+[[nodiscard]] robot_step_t stepOf(const RobotLink& robot, const RobotView::UnwrappedStep& step);
 
 }  // namespace lab::bridge

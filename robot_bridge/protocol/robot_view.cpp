@@ -37,21 +37,21 @@ void RobotView::take(const wire::Telemetry& telemetry, std::uint8_t seq) {
   last_ = telemetry;
   if (!fits(telemetry)) return;
   program_epoch_.take(telemetry.program_epoch);
-  Picture picture;
-  picture.telemetry = telemetry;
-  picture.state = *state_;
-  picture.program_epoch = program_epoch_.value();
-  picture.reversal_count = reversal_count_.value();
-  picture.tumble_count = tumble_count_.value() + tumbles_seen_;
-  picture.saturation_count = saturation_count_.value();
-  picture.run_time_ms = run_time_ms_;
-  if (picture_) {  // both are better known later, and neither ever falls
-    picture.tumble_count = std::max(picture.tumble_count, picture_->tumble_count);
-    picture.run_time_ms = std::max(picture.run_time_ms, picture_->run_time_ms);
+  RobotSnapshot snapshot;
+  snapshot.telemetry = telemetry;
+  snapshot.state = *state_;
+  snapshot.program_epoch = program_epoch_.value();
+  snapshot.reversal_count = reversal_count_.value();
+  snapshot.tumble_count = tumble_count_.value() + tumbles_seen_;
+  snapshot.saturation_count = saturation_count_.value();
+  snapshot.run_time_ms = run_time_ms_;
+  if (snapshot_) {  // both are better known later, and neither ever falls
+    snapshot.tumble_count = std::max(snapshot.tumble_count, snapshot_->tumble_count);
+    snapshot.run_time_ms = std::max(snapshot.run_time_ms, snapshot_->run_time_ms);
   }
-  picture.battery = battery_;
-  picture_ = picture;
-  news_ = true;
+  snapshot.battery = battery_;
+  snapshot_ = snapshot;
+  updated_ = true;
 }
 
 bool RobotView::fits(const wire::Telemetry& telemetry) const {
@@ -99,8 +99,8 @@ void RobotView::take(const wire::Step& step) {
   steps_.push_back({step, epoch + static_cast<std::uint32_t>(ahead)});
 }
 
-bool RobotView::takeNews() { return std::exchange(news_, false); }
+bool RobotView::takeUpdateFlag() { return std::exchange(updated_, false); }
 
-std::vector<RobotView::LongStep> RobotView::takeSteps() { return std::exchange(steps_, {}); }
+std::vector<RobotView::UnwrappedStep> RobotView::takeSteps() { return std::exchange(steps_, {}); }
 
 }  // namespace lab::bridge

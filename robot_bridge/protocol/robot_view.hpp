@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
-#include "robot_bridge/protocol/clock_estimate.hpp"
 #include "robot/wire/messages.hpp"
+#include "robot_bridge/protocol/clock_estimate.hpp"
 
 namespace lab::bridge {
 
@@ -16,7 +16,7 @@ namespace lab::bridge {
 }
 
 /// A count of which the robot says the low 16 bits.
-class LongCount {
+class UnwrappedCount {
  public:
   void take(std::uint16_t low) { value_ += static_cast<std::uint16_t>(low - value_); }
   [[nodiscard]] std::uint32_t value() const { return value_; }
@@ -25,8 +25,8 @@ class LongCount {
   std::uint32_t value_ = 0;
 };
 
-/// One picture of the robot: a TELEMETRY together with the STATE that belongs to it.
-struct Picture {
+/// One snapshot of the robot: a TELEMETRY together with the STATE that belongs to it.
+struct RobotSnapshot {
   wire::Telemetry telemetry;
   wire::State state;
   std::uint32_t program_epoch = 0;
@@ -38,7 +38,7 @@ struct Picture {
 };
 
 /// Puts the robot's messages together. A TELEMETRY that does not fit the last STATE, because one of
-/// the two was lost, makes no picture: the next STATE comes within 250 ms.
+/// the two was lost, makes no snapshot: the next STATE comes within 250 ms.
 class RobotView {
  public:
   /// The robot has restarted, or it is another one.
@@ -49,19 +49,19 @@ class RobotView {
   void take(const wire::Counters& counters);
   void take(const wire::Step& step);
 
-  /// The last picture.
-  [[nodiscard]] const std::optional<Picture>& picture() const { return picture_; }
+  /// The last snapshot.
+  [[nodiscard]] const std::optional<RobotSnapshot>& snapshot() const { return snapshot_; }
 
-  /// Whether there is a picture that this has not said before.
-  [[nodiscard]] bool takeNews();
+  /// Whether there is a snapshot that this has not said before.
+  [[nodiscard]] bool takeUpdateFlag();
 
   /// A step and its epoch in full.
-  struct LongStep {
+  struct UnwrappedStep {
     wire::Step step;
     std::uint32_t program_epoch;
   };
   /// The steps since the last call.
-  [[nodiscard]] std::vector<LongStep> takeSteps();
+  [[nodiscard]] std::vector<UnwrappedStep> takeSteps();
 
   /// Messages that the robot sent and that did not come.
   [[nodiscard]] std::int64_t telemetryLost() const { return telemetry_lost_; }
@@ -75,17 +75,17 @@ class RobotView {
 
   std::optional<wire::Telemetry> last_;
   std::optional<wire::State> state_;
-  std::optional<Picture> picture_;
-  bool news_ = false;
-  std::vector<LongStep> steps_;
+  std::optional<RobotSnapshot> snapshot_;
+  bool updated_ = false;
+  std::vector<UnwrappedStep> steps_;
   std::uint8_t telemetry_seq_ = 0;
   std::optional<std::uint32_t> draw_count_;
 
-  LongCount program_epoch_;
-  LongCount reversal_count_;
-  LongCount tumble_count_;
-  LongCount saturation_count_;
-  LongCount frames_bad_;
+  UnwrappedCount program_epoch_;
+  UnwrappedCount reversal_count_;
+  UnwrappedCount tumble_count_;
+  UnwrappedCount saturation_count_;
+  UnwrappedCount frames_bad_;
   std::uint32_t tumbles_seen_ = 0;  ///< in telemetry, since the last STATE
   double run_time_ms_ = 0;
   double battery_ = 0;

@@ -10,13 +10,13 @@
 #include <mutex>
 #include <thread>
 
-#include "common/experiment/experiment_file.hpp"
 #include "analyzer/reproduction_page.hpp"
-#include "runner/commands/commands.hpp"
-#include "runner/runs/disk_need.hpp"
-#include "runner/doctor/machine.hpp"
+#include "common/experiment/experiment_file.hpp"
 #include "runner/command_line/progress_bar.hpp"
+#include "runner/commands/commands.hpp"
+#include "runner/doctor/machine.hpp"
 #include "runner/live/launch.hpp"
+#include "runner/runs/disk_need.hpp"
 #include "runner/runs/run_directory.hpp"
 #include "runner/virtual_time/run_virtual.hpp"
 
@@ -62,9 +62,10 @@ void requireFolder(const ReproduceOptions& options) {
                       "with --out");
     }
     if (!options.force) {
-      throw UserError(options.out.string() +
-                      " is not empty; choose another folder with --out, or replace the reproduction "
-                      "in it by --force");
+      throw UserError(
+          options.out.string() +
+          " is not empty; choose another folder with --out, or replace the reproduction "
+          "in it by --force");
     }
   }
   fs::create_directories(options.out, error);
@@ -74,7 +75,8 @@ void requireFolder(const ReproduceOptions& options) {
   }
 }
 
-void requireRoom(const std::vector<Task>& tasks, const ReproduceOptions& options, std::size_t jobs) {
+void requireRoom(const std::vector<Task>& tasks, const ReproduceOptions& options,
+                 std::size_t jobs) {
   std::vector<std::int64_t> needs;
   for (const Task& task : tasks) needs.push_back(diskNeed_bytes(task.experiment));
   std::sort(needs.rbegin(), needs.rend());
@@ -104,7 +106,7 @@ class Studio {
     std::vector<std::jthread> workers;
     for (std::size_t i = 0; i < jobs; ++i) workers.emplace_back([this] { work(); });
     {
-      FilmProgress progress(static_cast<std::int64_t>(total_s_), "s of film");
+      ProgressBar progress(static_cast<std::int64_t>(total_s_), "s of film");
       while (!finished()) {
         progress.show(done_ms_.load() / 1000);
         std::this_thread::sleep_for(std::chrono::milliseconds(50));
@@ -134,7 +136,7 @@ class Studio {
       const std::size_t i = next_++;
       if (i >= tasks_.size()) return;
       try {
-        films_[i] = filmOne(tasks_[i]);
+        films_[i] = recordOne(tasks_[i]);
         ++ready_;
       } catch (...) {
         const std::lock_guard lock(mutex_);
@@ -144,7 +146,7 @@ class Studio {
     }
   }
 
-  report::FilmData filmOne(const Task& task) {
+  report::RecordingData recordOne(const Task& task) {
     const fs::path runs = options_.out / kFilms;
     const PreparedRun run = prepareRun(task.experiment, {}, runs, 0);
     std::int64_t shown_ms = 0;
@@ -157,8 +159,8 @@ class Studio {
     const RunOutcome outcome = runVirtual(run, show, [this] { return stop_.load(); });
     if (outcome.interrupted) return {};
     const bool one = options_.ensemble == 1;
-    report::FilmData film = report::readFilm(
-        run.directory, report::wantsOf(panels_, task.set),
+    report::RecordingData film = report::readRecording(
+        run.directory, report::contentsFor(panels_, task.set),
         one && options_.bootstrap ? analysis::Depth::kFull : analysis::Depth::kLive);
     for (const std::string& fault : outcome.faults) film.faults.push_back(fault);
     if (!options_.keep_logs) fs::remove(run.directory / files::kLog);
@@ -173,7 +175,7 @@ class Studio {
   const ReproduceOptions& options_;
   std::vector<Task> tasks_;
   const std::vector<report::PaperPanel>& panels_;
-  std::vector<report::FilmData> films_;
+  std::vector<report::RecordingData> films_;
   double total_s_ = 0;
   std::atomic<std::size_t> next_ = 0;
   std::atomic<std::size_t> ready_ = 0;

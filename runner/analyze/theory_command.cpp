@@ -76,9 +76,10 @@ Experiment experimentOf(const TheoryOptions& options) {
 double numberIn(std::string_view text, const char* option) {
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error == std::errc() && end == text.data() + text.size() && std::isfinite(value)) return value;
-  throw UserError(fmt::format("theory: {}: found \"{}\", allowed numbers, separated by commas",
-                              option, text));
+  if (error == std::errc() && end == text.data() + text.size() && std::isfinite(value))
+    return value;
+  throw UserError(
+      fmt::format("theory: {}: found \"{}\", allowed numbers, separated by commas", option, text));
 }
 
 std::vector<double> numbersIn(const std::string& list, const char* option) {
@@ -101,8 +102,8 @@ std::vector<double> lagsOf(const std::string& list) {
     return lags;
   }
   std::vector<double> lags;
-  const int count = static_cast<int>(
-      std::lround(kLagsPerDecade * std::log10(kLongestLag / kShortestLag)));
+  const int count =
+      static_cast<int>(std::lround(kLagsPerDecade * std::log10(kLongestLag / kShortestLag)));
   for (int i = 0; i <= count; ++i) {
     // The decimals of a short number: that is what the table says it is.
     const double lag = kShortestLag * std::pow(10, static_cast<double>(i) / kLagsPerDecade);
@@ -117,9 +118,10 @@ std::pair<double, double> turningOf(const TheoryOptions& options) {
   const std::vector<double> ends = numbersIn(options.turning_deg, "--turning-deg");
   if (ends.size() != 2 || ends[0] > ends[1] || std::abs(ends[0]) > 3600 ||
       std::abs(ends[1]) > 3600) {
-    throw UserError(fmt::format("theory: --turning-deg: found \"{}\", allowed LOW,HIGH with -3600 <= "
-                                "LOW <= HIGH <= 3600",
-                                options.turning_deg));
+    throw UserError(
+        fmt::format("theory: --turning-deg: found \"{}\", allowed LOW,HIGH with -3600 <= "
+                    "LOW <= HIGH <= 3600",
+                    options.turning_deg));
   }
   return {ends[0] * units::kDegree, ends[1] * units::kDegree};
 }
@@ -143,7 +145,8 @@ void checkFlags(const TheoryOptions& options, const ProgramLaw& law) {
   }
   if (locked && (options.exposure_ms > 0 || options.kurtosis)) {
     throw UserError(
-        "theory: --phase-s, --phases: found with --exposure-ms or --kurtosis, allowed without: these "
+        "theory: --phase-s, --phases: found with --exposure-ms or --kurtosis, allowed without: "
+        "these "
         "are of a random phase");
   }
   if (options.phase_s && (*options.phase_s < 0 || *options.phase_s > law.epsilon)) {
@@ -217,13 +220,12 @@ void noteSaturation(const ProgramLaw& law, double largest_turn) {
 
 ExitCode theory(const TheoryOptions& options) {
   const Experiment experiment = experimentOf(options);
-  const ProgramLaw law = analysis::toLaw(toMessage(experiment.programs.begin()->second),
-                                         experiment.hardware.diameter);
+  const ProgramLaw law =
+      analysis::toLaw(toMessage(experiment.programs.begin()->second), experiment.hardware.diameter);
   checkFlags(options, law);
   const std::vector<double> lags = lagsOf(options.lags);
   const auto [low, high] = turningOf(options);
-  const ExactLaw exact(law,
-                       options.turning_deg.empty() ? Turning{} : Turning::uniform(low, high));
+  const ExactLaw exact(law, options.turning_deg.empty() ? Turning{} : Turning::uniform(low, high));
   const Columns columns = columnsOf(options, law, exact);
   std::optional<analysis::BpKurtosis> kurtosis;
   if (options.kurtosis) kurtosis.emplace(law.V, law.wheel_base, law.epsilon);

@@ -8,8 +8,8 @@
 #include <queue>
 #include <vector>
 
-#include "tracker_svc/circle_fit.hpp"
 #include "light/photometry/camera_response.hpp"
+#include "tracker_svc/circle_fit.hpp"
 
 namespace lab::runner {
 namespace {
@@ -17,13 +17,13 @@ namespace {
 using Eigen::Matrix2d;
 using Eigen::Vector2d;
 
-constexpr int kAround = 40;          // [px] the light is the mean over this far each way
-constexpr double kDark = 0.6;        // of it
-constexpr int kLeastArea = 30;       // [px]
-constexpr int kMostArea = 4000;      // [px]
-constexpr double kRound = 0.12;      // by which the area may miss that of its ellipse
+constexpr int kAround = 40;      // [px] the light is the mean over this far each way
+constexpr double kDark = 0.6;    // of it
+constexpr int kLeastArea = 30;   // [px]
+constexpr int kMostArea = 4000;  // [px]
+constexpr double kRound = 0.12;  // by which the area may miss that of its ellipse
 constexpr double kMostAspect = 4;
-constexpr double kNear = 0.3;        // of the way to a neighbour
+constexpr double kNear = 0.3;                // of the way to a neighbour
 constexpr double kLeastCornerSigma = 0.003;  // [px]
 
 struct Disc {
@@ -95,8 +95,8 @@ Blob takeBlob(std::vector<std::uint8_t>& dark, int width, int height, int x, int
       open.emplace_back(ni, nj);
     }
   }
-  blob.squares = blob.squares / blob.count -
-                 blob.sum * blob.sum.transpose() / (blob.count * blob.count);
+  blob.squares =
+      blob.squares / blob.count - blob.sum * blob.sum.transpose() / (blob.count * blob.count);
   blob.sum = blob.sum / blob.count + origin;
   return blob;
 }
@@ -114,14 +114,12 @@ std::optional<Disc> discFrom(const optics::GreyView& picture, const Blob& blob) 
   const Matrix2d m = (4 * blob.squares).eval();
   const Eigen::SelfAdjointEigenSolver<Matrix2d> outline(m);
   const Matrix2d to_unit = outline.operatorInverseSqrt();
-  detector::DiscShape shape{{static_cast<float>(to_unit(0, 0)),
-                            static_cast<float>(to_unit(0, 1)),
-                            static_cast<float>(to_unit(1, 0)),
-                            static_cast<float>(to_unit(1, 1))}};
+  detector::DiscShape shape{{static_cast<float>(to_unit(0, 0)), static_cast<float>(to_unit(0, 1)),
+                             static_cast<float>(to_unit(1, 0)), static_cast<float>(to_unit(1, 1))}};
   detector::CircleFit fit = fitCircle(picture, {blob.sum[0], blob.sum[1]}, shape, {});
   if (fit.fault == detector::FitFault::kNotRound) {
-    // Dark pixels say an outline's form, but its size only to some per cent: once more with the size
-    // that came out.
+    // Dark pixels say an outline's form, but its size only to some per cent: once more with the
+    // size that came out.
     for (float& one : shape.m) one /= fit.scale;
     fit = fitCircle(picture, {blob.sum[0], blob.sum[1]}, shape, {});
   }
@@ -236,8 +234,10 @@ std::optional<calibration::BoardView> boardIn(const optics::GreyView& picture,
     view.disc_radius = board.discRadius();
     for (const Cell& cell : cells) {
       const Disc& disc = discs[static_cast<std::size_t>(cell.disc)];
-      view.points.push_back({board.spacing * cell.column, board.spacing * cell.row,
-                             {disc.at[0], disc.at[1]}, disc.sigma});
+      view.points.push_back({board.spacing * cell.column,
+                             board.spacing * cell.row,
+                             {disc.at[0], disc.at[1]},
+                             disc.sigma});
     }
     return view;
   }
@@ -249,7 +249,7 @@ std::optional<calibration::BoardView> boardIn(const optics::GreyView& picture,
 std::optional<calibration::BoardView> findBoard(const optics::GreyView& picture,
                                                 const calibration::BoardSpec& board) {
   if (auto view = boardIn(picture, board)) return view;
-  optics::Response encoded(optics::kVideoGamma);
+  optics::CameraResponse encoded(optics::kVideoGamma);
   return boardIn(encoded.linear(picture), board);
 }
 

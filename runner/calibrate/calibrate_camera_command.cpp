@@ -8,28 +8,28 @@
 #include <optional>
 #include <stdexcept>
 
+#include "common/calibration/camera_file.hpp"
+#include "common/experiment/experiment_file.hpp"
+#include "common/math/units.hpp"
+#include "runner/calibrate/board_finder.hpp"
+#include "runner/calibrate/cap_collector.hpp"
+#include "runner/calibrate/lab_film.hpp"
+#include "runner/command_line/progress_bar.hpp"
+#include "runner/commands/commands.hpp"
+#include "runner/film/named_files.hpp"
 #include "tracker_svc/calibration/board.hpp"
 #include "tracker_svc/calibration/camera_fit.hpp"
 #include "tracker_svc/calibration/camera_report.hpp"
 #include "tracker_svc/calibration/cap_sheet.hpp"
 #include "tracker_svc/film_reader.hpp"
-#include "common/calibration/camera_file.hpp"
-#include "common/experiment/experiment_file.hpp"
-#include "common/math/units.hpp"
 #include "tracker_svc/response_finder.hpp"
-#include "runner/calibrate/board_finder.hpp"
-#include "runner/calibrate/cap_collector.hpp"
-#include "runner/commands/commands.hpp"
-#include "runner/command_line/progress_bar.hpp"
-#include "runner/calibrate/lab_film.hpp"
-#include "runner/film/named_files.hpp"
 
 namespace lab::runner {
 namespace {
 
 namespace fs = std::filesystem;
 using calibration::CameraFit;
-using calibration::CameraSights;
+using calibration::CameraObservations;
 
 constexpr double kCenti = 0.01;            // [m]
 constexpr std::size_t kFirstPictures = 6;  // from which the first idea of the camera is made
@@ -83,22 +83,23 @@ optics::CapGeometry capOf(const CalibrateCameraOptions& options) {
   return cap;
 }
 
-CameraSights sightsFor(const CalibrateCameraOptions& options) {
-  CameraSights sights;
+CameraObservations sightsFor(const CalibrateCameraOptions& options) {
+  CameraObservations sights;
   const std::vector<double> corners = numbersIn(options.corners, ",;");
   if (corners.size() != 8) {
-    throw UserError(fmt::format(
-        "--corners: found \"{}\", expected four pixels \"u,v u,v u,v u,v\": where the arena's inner "
-        "corners (0, 0), (width, 0), (width, height), (0, height) are on the floor",
-        options.corners));
+    throw UserError(
+        fmt::format("--corners: found \"{}\", expected four pixels \"u,v u,v u,v u,v\": where the "
+                    "arena's inner "
+                    "corners (0, 0), (width, 0), (width, height), (0, height) are on the floor",
+                    options.corners));
   }
   for (std::size_t i = 0; i < 4; ++i) sights.corners[i] = {corners[2 * i], corners[2 * i + 1]};
   const std::vector<double> arena = numbersIn(options.arena_cm, "x");
-  if (arena.size() != 2 || !(arena[0] >= 10 && arena[0] <= 2000 && arena[1] >= 10 &&
-                             arena[1] <= 2000)) {
-    throw UserError(fmt::format(
-        "--arena-cm: found \"{}\", expected width x height as 120x90, each 10 to 2000",
-        options.arena_cm));
+  if (arena.size() != 2 ||
+      !(arena[0] >= 10 && arena[0] <= 2000 && arena[1] >= 10 && arena[1] <= 2000)) {
+    throw UserError(
+        fmt::format("--arena-cm: found \"{}\", expected width x height as 120x90, each 10 to 2000",
+                    options.arena_cm));
   }
   sights.arena_width = kCenti * arena[0];
   sights.arena_height = kCenti * arena[1];
@@ -109,7 +110,8 @@ CameraSights sightsFor(const CalibrateCameraOptions& options) {
   return sights;
 }
 
-void checkSize(const std::string& source, const CameraSights& sights, const CameraFrame& frame) {
+void checkSize(const std::string& source, const CameraObservations& sights,
+               const CameraFrame& frame) {
   if (frame.grey.width == sights.width && frame.grey.height == sights.height) return;
   throw UserError(fmt::format("{}: frame {} has {} x {} px, expected {} x {} as before", source,
                               frame.number, frame.grey.width, frame.grey.height, sights.width,
@@ -117,7 +119,7 @@ void checkSize(const std::string& source, const CameraSights& sights, const Came
 }
 
 /// Pictures spread over the film, however long it is; their size goes into the sights.
-std::vector<optics::GreyImage> firstPictures(const std::string& source, CameraSights& sights,
+std::vector<optics::GreyImage> firstPictures(const std::string& source, CameraObservations& sights,
                                              optics::Imaging& imaging) {
   const std::unique_ptr<FilmReader> film = openFilm(source);
   imaging.compressed = film->format().compressed;
@@ -143,8 +145,8 @@ std::vector<optics::GreyImage> firstPictures(const std::string& source, CameraSi
   }
   if (pictures.empty()) {
     const std::string problem = film->problem();
-    throw UserError(fmt::format("{}: found no frame in it{}{}; expected a movie or pictures", source,
-                                problem.empty() ? "" : ": ", problem));
+    throw UserError(fmt::format("{}: found no frame in it{}{}; expected a movie or pictures",
+                                source, problem.empty() ? "" : ": ", problem));
   }
   return pictures;
 }
@@ -161,7 +163,7 @@ struct Calibrated {
 /// @return what is sure enough to be written
 std::optional<double> findResponse(const std::vector<optics::GreyImage>& pictures,
                                    const optics::CameraParameters& camera,
-                                   const CameraSights& sights, optics::Imaging& imaging) {
+                                   const CameraObservations& sights, optics::Imaging& imaging) {
   detector::ResponseFinder finder(optics::CameraModel(camera), sights.cap, imaging);
   for (const optics::GreyImage& picture : pictures) finder.take(picture.view());
   if (finder.gamma()) imaging.gamma = finder.gamma();
@@ -171,9 +173,9 @@ std::optional<double> findResponse(const std::vector<optics::GreyImage>& picture
 }
 
 /// A first idea of the camera, by the reading of its grey steps with which most caps show.
-std::optional<optics::CameraParameters> roughCameraOf(const CameraSights& sights,
-                                                      const std::vector<optics::GreyImage>& pictures,
-                                                      optics::Imaging& imaging) {
+std::optional<optics::CameraParameters> roughCameraOf(
+    const CameraObservations& sights, const std::vector<optics::GreyImage>& pictures,
+    optics::Imaging& imaging) {
   RoughCamera best;
   optics::Imaging read = imaging;
   for (const double gamma : {1.0, optics::kVideoGamma}) {
@@ -192,12 +194,12 @@ std::optional<optics::CameraParameters> roughCameraOf(const CameraSights& sights
 /// @return the blur that they have
 std::optional<double> findCaps(const std::string& source, const optics::CameraParameters& camera,
                                optics::Imaging imaging, std::optional<double> blur,
-                               CameraSights& sights) {
+                               CameraObservations& sights) {
   const std::unique_ptr<FilmReader> film = openFilm(source);
   const std::int64_t every = std::max<std::int64_t>(1, film->length() / kMostFrames);
   imaging.blur = blur.value_or(imaging.blur);
-  CapGathering gathering(camera, sights.cap, imaging);
-  FilmProgress progress(film->length());
+  CapCollector gathering(camera, sights.cap, imaging);
+  ProgressBar progress(film->length());
   CameraFrame frame;
   for (std::int64_t i = 0; film->next(frame); ++i) {
     if (i % every == 0) gathering.take(frame.grey);
@@ -219,7 +221,7 @@ calibration::BoardSpec boardOf(const CalibrateCameraOptions& options) {
 }
 
 /// The board in the pictures that show all of it; their size goes into the sights.
-void findBoards(const CalibrateCameraOptions& options, CameraSights& sights) {
+void findBoards(const CalibrateCameraOptions& options, CameraObservations& sights) {
   const calibration::BoardSpec board = boardOf(options);
   const std::unique_ptr<FilmReader> pictures = openFilm(options.board_pictures);
   int count = 0;
@@ -235,14 +237,15 @@ void findBoards(const CalibrateCameraOptions& options, CameraSights& sights) {
              board.columns * board.rows);
   if (sights.boards.size() < kFewestBoards) {
     throw UserError(fmt::format(
-        "{}: found the whole board of {} x {} discs in {} pictures, needed {}: flat, sharp, evenly lit, "
+        "{}: found the whole board of {} x {} discs in {} pictures, needed {}: flat, sharp, evenly "
+        "lit, "
         "and tilted to different sides",
         options.board_pictures, board.columns, board.rows, sights.boards.size(), kFewestBoards));
   }
 }
 
 /// With a board: caps, where there is a film of them, make the pose more certain.
-Calibrated calibrateWithBoards(const CalibrateCameraOptions& options, CameraSights& sights) {
+Calibrated calibrateWithBoards(const CalibrateCameraOptions& options, CameraObservations& sights) {
   findBoards(options, sights);
   const CameraFit fit = calibration::fitCamera(sights);
   if (options.source.empty() || !(fit.camera.fx > 0)) return {fit, {}, {}};
@@ -253,7 +256,7 @@ Calibrated calibrateWithBoards(const CalibrateCameraOptions& options, CameraSigh
   return {calibration::fitCamera(sights, fit.camera), blur, gamma};
 }
 
-Calibrated calibrate(const CalibrateCameraOptions& options, CameraSights& sights) {
+Calibrated calibrate(const CalibrateCameraOptions& options, CameraObservations& sights) {
   if (!options.board_pictures.empty()) return calibrateWithBoards(options, sights);
   optics::Imaging imaging;
   const std::vector<optics::GreyImage> pictures = firstPictures(options.source, sights, imaging);
@@ -262,17 +265,17 @@ Calibrated calibrate(const CalibrateCameraOptions& options, CameraSights& sights
   fit.refusal = calibration::cornerFault(sights.corners, sights.width, sights.height,
                                          sights.arena_width, sights.arena_height);
   if (!fit.refusal.empty()) return out;
-  const std::optional<optics::CameraParameters> camera =
-      roughCameraOf(sights, pictures, imaging);
+  const std::optional<optics::CameraParameters> camera = roughCameraOf(sights, pictures, imaging);
   if (!camera) {
-    fit.refusal = "found no cap in any of the pictures looked at: are there robots in it, are the "
-                  "corners right, and --arena-cm, --cap-height-cm, --spacing-cm, --big-radius-cm, "
-                  "--small-radius-cm?";
+    fit.refusal =
+        "found no cap in any of the pictures looked at: are there robots in it, are the "
+        "corners right, and --arena-cm, --cap-height-cm, --spacing-cm, --big-radius-cm, "
+        "--small-radius-cm?";
     return out;
   }
   out.gamma = findResponse(pictures, *camera, sights, imaging);
-  // Once with the first idea, with which caps may be missed where the lens bends most, and once more
-  // with what came out.
+  // Once with the first idea, with which caps may be missed where the lens bends most, and once
+  // more with what came out.
   calibration::CameraFitLimits anywhere;
   anywhere.caps_in_part = 0;
   out.blur = findCaps(options.source, *camera, imaging, {}, sights);
@@ -309,9 +312,10 @@ ExitCode calibrateFromLab(const CalibrateCameraOptions& options) {
   film.arena_cm = lab.arena_cm;
   if (film.corners.empty()) film.corners = lab.corners;
   if (film.corners.empty()) {
-    fmt::print("refused   no --corners: read them off {}, then: lab calibrate camera '{}' "
-               "--arena-cm {} --corners \"...\"\n",
-               lab.first, lab.pictures, lab.arena_cm);
+    fmt::print(
+        "refused   no --corners: read them off {}, then: lab calibrate camera '{}' "
+        "--arena-cm {} --corners \"...\"\n",
+        lab.first, lab.pictures, lab.arena_cm);
     return kFailed;
   }
   return calibrateCamera(film);
@@ -336,7 +340,7 @@ ExitCode calibrateCamera(const CalibrateCameraOptions& options) {
         "calibrate camera: found neither SOURCE nor --board-pictures, expected a film of "
         "robots, pictures of a board, or both");
   }
-  CameraSights sights = sightsFor(options);
+  CameraObservations sights = sightsFor(options);
   const Calibrated found = calibrate(options, sights);
   const CameraFit& fit = found.fit;
   if (found.blur) fmt::print("blur      {:.2f} px (standard deviation)\n", *found.blur);

@@ -6,19 +6,19 @@
 #include <optional>
 #include <set>
 
-#include "projector_ctl/calibration/projector_patterns.hpp"
-#include "light/photometry/tone_pictures.hpp"
-#include "common/experiment/experiment_file.hpp"
 #include "common/calibration/light_file.hpp"
+#include "common/experiment/experiment_file.hpp"
 #include "common/math/units.hpp"
-#include "light/photometry/camera_response.hpp"
 #include "light/optics/simulated_projector.hpp"
+#include "light/photometry/camera_response.hpp"
+#include "light/photometry/tone_pictures.hpp"
+#include "projector_ctl/calibration/projector_patterns.hpp"
 #include "runner/calibrate/calibration_lab.hpp"
-#include "runner/commands/commands.hpp"
-#include "runner/live/launch.hpp"
 #include "runner/calibrate/light_calibrator.hpp"
 #include "runner/calibrate/light_margins.hpp"
 #include "runner/calibrate/projector_calibrator.hpp"
+#include "runner/commands/commands.hpp"
+#include "runner/live/launch.hpp"
 
 namespace lab::runner {
 namespace fs = std::filesystem;
@@ -65,7 +65,7 @@ Experiment labFor(const Experiment& experiment, int rounds) {
 
 /// Shows the staircase once more, without robots, to a camera.
 /// @return nothing when the lab ended before that
-std::optional<std::vector<calibration::ToneSight>> filmStaircase(
+std::optional<std::vector<calibration::ToneObservation>> filmStaircase(
     const Experiment& experiment, const CalibrateLightOptions& options) {
   const std::vector<double>& levels = LightCalibrator::levels();
   std::vector<calibration::LightPattern> lights;
@@ -80,7 +80,7 @@ std::optional<std::vector<calibration::ToneSight>> filmStaircase(
   // What users are asked to lay: robots would be seen as places that lack light.
   if (simulated) filmed.projector.sheet = optics::kSensorHeight;
   const CameraCalibration camera = cameraOf(experiment, options.file.parent_path()).calibration;
-  optics::Response response(camera.imaging.value_or(optics::Imaging{}));
+  optics::CameraResponse response(camera.imaging.value_or(optics::Imaging{}));
   calibration::TonePictures pictures(camera.camera, experiment.arena_width, experiment.arena_height,
                                      simulated ? filmed.projector.sheet : 0, levels.size());
   std::string problem = "the lab ended before the lights did";
@@ -91,9 +91,10 @@ std::optional<std::vector<calibration::ToneSight>> filmStaircase(
        .set = options.set,
        .virtual_time = options.virtual_time},
       filmed, [](const Progress&) {},
-      [&](const ServiceContext& context, Conductor& conductor, std::function<void()> done) {
+      [&](const ServiceContext& context, ExperimentController& controller,
+          std::function<void()> done) {
         return std::make_unique<ProjectorCalibrator>(
-            context, conductor, lights, kFrames,
+            context, controller, lights, kFrames,
             [&](std::size_t light, const optics::GreyView& grey) {
               pictures.take(light, response.linear(grey));
             },
@@ -109,7 +110,7 @@ std::optional<std::vector<calibration::ToneSight>> filmStaircase(
 }
 
 /// What the camera says beside the robots. It changes nothing: the sensors choose the programs.
-void printCamera(const std::vector<calibration::ToneSight>& sights,
+void printCamera(const std::vector<calibration::ToneObservation>& sights,
                  const calibration::LightFit& fit, const Experiment& experiment) {
   const optics::ProjectorTone known(fit.gamma, fit.vignetting, experiment.arena_width,
                                     experiment.arena_height);
@@ -159,12 +160,13 @@ ExitCode calibrateLight(const CalibrateLightOptions& options) {
        .set = options.set,
        .virtual_time = options.virtual_time},
       labFor(experiment, options.rounds), [](const Progress&) {},
-      [&](const ServiceContext& context, Conductor& conductor, std::function<void()> done) {
+      [&](const ServiceContext& context, ExperimentController& controller,
+          std::function<void()> done) {
         const auto tell = [&](int round) {
           fmt::print("round    {} of {}, {} readings\n", round, options.rounds, samples.size());
           std::fflush(stdout);
         };
-        return std::make_unique<LightCalibrator>(context, conductor, options.rounds, samples, tell,
+        return std::make_unique<LightCalibrator>(context, controller, options.rounds, samples, tell,
                                                  std::move(done));
       });
   for (const std::string& fault : launched.outcome.faults) fmt::print("marked   {}\n", fault);

@@ -4,14 +4,14 @@
 #include <cmath>
 #include <cstdio>
 
-#include "robot_bridge/calibration/motor_report.hpp"
-#include "robot_bridge/calibration/drive_pattern.hpp"
 #include "common/experiment/experiment_file.hpp"
 #include "common/experiment/experiment_messages.hpp"
+#include "robot_bridge/calibration/drive_pattern.hpp"
+#include "robot_bridge/calibration/motor_report.hpp"
 #include "runner/calibrate/calibration_lab.hpp"
+#include "runner/calibrate/motor_calibrator.hpp"
 #include "runner/commands/commands.hpp"
 #include "runner/live/launch.hpp"
-#include "runner/calibrate/motor_calibrator.hpp"
 
 namespace lab::runner {
 namespace fs = std::filesystem;
@@ -44,8 +44,9 @@ Experiment labFor(const Experiment& experiment, std::size_t robots) {
 /// [s] that one robot takes when nothing is in its way.
 double usualTime(double max) {
   double time = kBesidePatterns;
-  for (const auto& pattern : {calibration::checkPattern(max), calibration::calibrationPattern({}, max),
-                              calibration::checkPattern(max)}) {
+  for (const auto& pattern :
+       {calibration::checkPattern(max), calibration::calibrationPattern({}, max),
+        calibration::checkPattern(max)}) {
     for (const auto& step : pattern) time += step.duration + calibration::kSettleTime;
   }
   return time;
@@ -76,8 +77,9 @@ ExitCode calibrateMotors(const CalibrateOptions& options) {
        .set = options.set,
        .virtual_time = options.virtual_time},
       labFor(experiment, robots.size()), [](const Progress&) {},
-      [&](const ServiceContext& context, Conductor& conductor, std::function<void()> done) {
-        return std::make_unique<MotorCalibrator>(context, conductor, robots, tell,
+      [&](const ServiceContext& context, ExperimentController& controller,
+          std::function<void()> done) {
+        return std::make_unique<MotorCalibrator>(context, controller, robots, tell,
                                                  std::move(done));
       });
 

@@ -5,19 +5,19 @@
 #include <fstream>
 #include <stdexcept>
 
-#include "projector_ctl/calibration/projector_fit.hpp"
-#include "projector_ctl/calibration/projector_patterns.hpp"
-#include "projector_ctl/calibration/projector_report.hpp"
-#include "common/experiment/experiment_file.hpp"
 #include "common/calibration/projector_file.hpp"
+#include "common/experiment/experiment_file.hpp"
 #include "common/math/units.hpp"
 #include "light/field/image.hpp"
 #include "light/optics/simulated_projector.hpp"
+#include "projector_ctl/calibration/projector_fit.hpp"
+#include "projector_ctl/calibration/projector_patterns.hpp"
+#include "projector_ctl/calibration/projector_report.hpp"
 #include "runner/calibrate/calibration_lab.hpp"
-#include "runner/commands/commands.hpp"
-#include "runner/live/launch.hpp"
-#include "runner/film/named_files.hpp"
 #include "runner/calibrate/projector_calibrator.hpp"
+#include "runner/commands/commands.hpp"
+#include "runner/film/named_files.hpp"
+#include "runner/live/launch.hpp"
 
 namespace lab::runner {
 namespace fs = std::filesystem;
@@ -25,7 +25,7 @@ namespace {
 
 using units::kCentimetre;
 
-constexpr double kAtSensors = 1e-3;   // [m]
+constexpr double kAtSensors = 1e-3;  // [m]
 
 Experiment labFor(Experiment experiment, const CalibrateProjectorOptions& options) {
   experiment.projector.calibration.clear();
@@ -155,7 +155,7 @@ ExitCode conclude(const calibration::ProjectorFit& fit, const calibration::Proje
   calibration.camera_id = camera_id;
   calibration.residual = fit.residual;
   calibration.accuracy = fit.accuracy;
-  calibration.worst = fit.worstMiss();
+  calibration.worst = fit.worstResidual();
   calibration.covered = fit.covered;
   writeText(options.out, projectorFileText(calibration));
   fmt::print("projector {}\n", options.out.string());
@@ -183,9 +183,10 @@ ExitCode calibrateProjector(const CalibrateProjectorOptions& options) {
        .set = options.set,
        .virtual_time = options.virtual_time},
       labFor(experiment, options), [](const Progress&) {},
-      [&](const ServiceContext& context, Conductor& conductor, std::function<void()> done) {
+      [&](const ServiceContext& context, ExperimentController& controller,
+          std::function<void()> done) {
         return std::make_unique<ProjectorCalibrator>(
-            context, conductor, patterns, options.frames,
+            context, controller, patterns, options.frames,
             [&](std::size_t pattern, const optics::GreyView& grey) { reader.take(pattern, grey); },
             [&problem, done](const std::string& what) {
               problem = what;

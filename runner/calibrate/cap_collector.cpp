@@ -15,7 +15,7 @@ constexpr double kPlace = 0.01;  // [m]
 constexpr int kHeadings = 12;
 constexpr std::size_t kFewestBlurs = 20;
 constexpr double kLeastCapSigma = 0.003;  // [px]
-constexpr double kMostSigma = 0.3;     // [px]
+constexpr double kMostSigma = 0.3;        // [px]
 
 struct Found {
   std::size_t caps = 0;
@@ -46,7 +46,7 @@ Found findWith(const optics::CameraParameters& camera, const optics::CapGeometry
 
 }  // namespace
 
-RoughCamera roughCamera(const calibration::CameraSights& sights,
+RoughCamera roughCamera(const calibration::CameraObservations& sights,
                         const std::vector<optics::GreyImage>& pictures,
                         const optics::Imaging& imaging) {
   RoughCamera best;
@@ -68,11 +68,11 @@ RoughCamera roughCamera(const calibration::CameraSights& sights,
   return best;
 }
 
-CapGathering::CapGathering(const optics::CameraParameters& camera, const optics::CapGeometry& cap,
+CapCollector::CapCollector(const optics::CameraParameters& camera, const optics::CapGeometry& cap,
                            const optics::Imaging& imaging)
     : detector_(optics::CameraModel(camera), cap, imaging) {}
 
-std::optional<double> CapGathering::blur() const {
+std::optional<double> CapCollector::blur() const {
   if (blurs_.size() < kFewestBlurs) return std::nullopt;
   std::vector<float> sorted = blurs_;
   const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
@@ -80,7 +80,7 @@ std::optional<double> CapGathering::blur() const {
   return static_cast<double>(*middle);
 }
 
-void CapGathering::take(const optics::GreyView& picture) {
+void CapCollector::take(const optics::GreyView& picture) {
   for (const detector::Detection& one : detector_.search(picture)) {
     if (caps_.size() >= kMostCaps) return;
     if (one.used != (detector::kUsedBig | detector::kUsedSmall)) continue;  // no light edge either

@@ -6,10 +6,10 @@
 #include <set>
 #include <vector>
 
-#include "tracker_svc/calibration/camera_fit.hpp"
-#include "tracker_svc/detector.hpp"
 #include "light/optics/grey_image.hpp"
 #include "light/photometry/imaging.hpp"
+#include "tracker_svc/calibration/camera_fit.hpp"
+#include "tracker_svc/detector.hpp"
 
 namespace lab::runner {
 
@@ -23,20 +23,20 @@ struct RoughCamera {
 /// several distortions that all fit to the corners: a first idea of the true one. Where as many are
 /// found, the one with which their spacings are most alike.
 /// @return without a cap where none finds one
-[[nodiscard]] RoughCamera roughCamera(const calibration::CameraSights& sights,
+[[nodiscard]] RoughCamera roughCamera(const calibration::CameraObservations& sights,
                                       const std::vector<optics::GreyImage>& pictures,
                                       const optics::Imaging& imaging = {});
 
 /// Collects caps, one for each place and heading: robots that stand tell nothing new, and what is
 /// wrong with their picture stays wrong in every frame.
-class CapGathering {
+class CapCollector {
  public:
-  CapGathering(const optics::CameraParameters& camera, const optics::CapGeometry& cap,
+  CapCollector(const optics::CameraParameters& camera, const optics::CapGeometry& cap,
                const optics::Imaging& imaging = {});
 
   void take(const optics::GreyView& picture);
 
-  [[nodiscard]] const std::vector<calibration::CapSight>& caps() const { return caps_; }
+  [[nodiscard]] const std::vector<calibration::CapObservation>& caps() const { return caps_; }
 
   /// Standard deviation of the point spread [px]: the median over the caps; empty for too few.
   [[nodiscard]] std::optional<double> blur() const;
@@ -44,7 +44,7 @@ class CapGathering {
  private:
   detector::Detector detector_;
   std::set<std::int64_t> taken_;  // places and headings
-  std::vector<calibration::CapSight> caps_;
+  std::vector<calibration::CapObservation> caps_;
   std::vector<float> blurs_;  // [px] of the caps
 };
 

@@ -7,13 +7,13 @@
 #include <stdexcept>
 #include <utility>
 
-#include "tracker_svc/camera_devices.hpp"
 #include "common/experiment/experiment_file.hpp"
 #include "common/experiment/experiment_messages.hpp"
 #include "common/math/units.hpp"
 #include "light/optics/simulated_camera.hpp"
 #include "runner/calibrate/calibration_lab.hpp"
 #include "runner/live/launch.hpp"
+#include "tracker_svc/camera_devices.hpp"
 
 namespace lab::runner {
 namespace fs = std::filesystem;
@@ -52,8 +52,9 @@ Experiment labFor(const CalibrateCameraOptions& options) {
   Experiment experiment = loadForFilming(options);
   Camera& camera = experiment.camera;
   if (camera.tracker != Tracker::kCamera) {
-    throw UserError(options.source + ": camera.tracker: found no camera, expected \"camera\", with "
-                                     "camera.camera = \"sim\" or a device");
+    throw UserError(options.source +
+                    ": camera.tracker: found no camera, expected \"camera\", with "
+                    "camera.camera = \"sim\" or a device");
   }
   camera.handshake = false;
   camera.calibration.clear();
@@ -82,11 +83,11 @@ std::string cornersOf(const Experiment& experiment) {
 
 }  // namespace
 
-LabFilm::LabFilm(const ServiceContext& context, Conductor& conductor, fs::path folder,
+LabFilm::LabFilm(const ServiceContext& context, ExperimentController& controller, fs::path folder,
                  std::int64_t pictures, std::function<void()> done)
     : loop_(context.loop),
       experiment_(context.experiment),
-      conductor_(conductor),
+      controller_(controller),
       folder_(std::move(folder)),
       wanted_(pictures),
       done_(std::move(done)) {
@@ -94,7 +95,7 @@ LabFilm::LabFilm(const ServiceContext& context, Conductor& conductor, fs::path f
   times_.open(folder_ / "frames.csv");
   times_ << "frame,t_s\n";
   const auto say = [this](const std::string& what) {
-    if (!what.empty()) conductor_.fault(what);
+    if (!what.empty()) controller_.fault(what);
   };
   try {
     source_ = context.cameras.open(
@@ -107,9 +108,9 @@ LabFilm::LabFilm(const ServiceContext& context, Conductor& conductor, fs::path f
 }
 
 void LabFilm::watch() {
-  if (driving_ || !conductor_.inScript()) return;
+  if (driving_ || !controller_.inScript()) return;
   driving_ = true;
-  conductor_.command(lightTableCommand(experiment_));
+  controller_.command(lightTableCommand(experiment_));
 }
 
 void LabFilm::take(const CameraFrame& frame) {
@@ -131,18 +132,18 @@ FilmedLab filmLab(const CalibrateCameraOptions& options) {
   film.count = static_cast<std::int64_t>(options.film_s * kPerSecond);
   fmt::print("film     {} pictures, {:.0f} s\n", film.count, options.film_s);
   fs::path folder;
-  const Launched launched =
-      launch({.file = options.source,
-              .out = options.runs,
-              .programs = options.programs,
-              .set = options.set,
-              .virtual_time = options.virtual_time},
-             lab, [](const Progress&) {},
-             [&](const ServiceContext& context, Conductor& conductor, std::function<void()> done) {
-               folder = context.directory / files::kCalibration / "film";
-               return std::make_unique<LabFilm>(context, conductor, folder, film.count,
-                                                std::move(done));
-             });
+  const Launched launched = launch(
+      {.file = options.source,
+       .out = options.runs,
+       .programs = options.programs,
+       .set = options.set,
+       .virtual_time = options.virtual_time},
+      lab, [](const Progress&) {},
+      [&](const ServiceContext& context, ExperimentController& controller,
+          std::function<void()> done) {
+        folder = context.directory / files::kCalibration / "film";
+        return std::make_unique<LabFilm>(context, controller, folder, film.count, std::move(done));
+      });
   for (const std::string& fault : launched.outcome.faults) fmt::print("marked   {}\n", fault);
   film.first = (folder / "f0000.pgm").string();
   if (!fs::exists(film.first)) {

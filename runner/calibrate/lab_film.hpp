@@ -21,8 +21,8 @@ class LabFilm final : public Service {
   /// @param folder gets f0000.pgm and so on, and frames.csv with their times
   /// @param pictures how many
   /// @param done called when all are there
-  LabFilm(const ServiceContext& context, Conductor& conductor, std::filesystem::path folder,
-          std::int64_t pictures, std::function<void()> done);
+  LabFilm(const ServiceContext& context, ExperimentController& controller,
+          std::filesystem::path folder, std::int64_t pictures, std::function<void()> done);
 
  private:
   void take(const CameraFrame& frame);
@@ -30,7 +30,7 @@ class LabFilm final : public Service {
 
   Loop& loop_;
   const Experiment& experiment_;
-  Conductor& conductor_;
+  ExperimentController& controller_;
   std::filesystem::path folder_;
   std::int64_t wanted_;
   std::function<void()> done_;
@@ -43,11 +43,11 @@ class LabFilm final : public Service {
 };
 
 struct FilmedLab {
-  std::string pictures;        ///< pattern
-  std::string first;           ///< of them
-  std::string corners;         ///< as --corners has them, empty: not known
-  std::string arena_cm;        ///< as --arena-cm has it
-  std::int64_t count = 0;      ///< of pictures
+  std::string pictures;    ///< pattern
+  std::string first;       ///< of them
+  std::string corners;     ///< as --corners has them, empty: not known
+  std::string arena_cm;    ///< as --arena-cm has it
+  std::int64_t count = 0;  ///< of pictures
 };
 
 /// Runs the lab of an experiment file without its script, and films it.

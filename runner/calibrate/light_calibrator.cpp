@@ -13,10 +13,10 @@ namespace {
 
 constexpr std::int64_t kLightTick_us = 20'000;
 constexpr std::int64_t kLightRepeat_us = 200'000;
-constexpr double kDrive = 7;      // [s]
-constexpr double kStand = 1.0;    // [s] until all wheels and filters have come to rest
-constexpr double kSettle = 0.15;  // [s] after a light is shown, before a reading counts
-constexpr double kRead = 0.5;     // [s]
+constexpr double kDrive = 7;            // [s]
+constexpr double kStand = 1.0;          // [s] until all wheels and filters have come to rest
+constexpr double kSettle = 0.15;        // [s] after a light is shown, before a reading counts
+constexpr double kRead = 0.5;           // [s]
 constexpr double kLightPatience = 3;    // [s] for a light to be shown
 constexpr double kSensorOffset = 0.03;  // [m] of the light sensors before and behind the axle
 
@@ -51,13 +51,13 @@ double LightCalibrator::roundTime() {
   return kDrive + kStand + static_cast<double>(levels().size()) * (kSettle + kRead + 0.1);
 }
 
-LightCalibrator::LightCalibrator(const ServiceContext& context, Conductor& conductor, int rounds,
-                                 std::vector<calibration::LightSample>& samples,
+LightCalibrator::LightCalibrator(const ServiceContext& context, ExperimentController& controller,
+                                 int rounds, std::vector<calibration::LightSample>& samples,
                                  std::function<void(int round)> tell, std::function<void()> done)
     : node_(context.node),
       loop_(context.loop),
       experiment_(context.experiment),
-      conductor_(conductor),
+      controller_(controller),
       rounds_(rounds),
       samples_(samples),
       tell_(std::move(tell)),
@@ -114,11 +114,11 @@ void LightCalibrator::tick() {
   if (light_.seq > 0 && loop_.now() >= next_light_) sendLight();
   switch (phase_) {
     case Phase::kBoot:
-      if (conductor_.inScript()) drive();
+      if (controller_.inScript()) drive();
       return;
     case Phase::kDrive:
       if (waited < kDrive) return;
-      conductor_.command(standCommand(experiment_));
+      controller_.command(standCommand(experiment_));
       stands_.clear();
       enter(Phase::kStand);
       return;
@@ -128,8 +128,7 @@ void LightCalibrator::tick() {
       showLevel();
       return;
     case Phase::kShow: {
-      const bool read =
-          shown_ != 0 && loop_.now() > shown_ + units::microseconds(kSettle + kRead);
+      const bool read = shown_ != 0 && loop_.now() > shown_ + units::microseconds(kSettle + kRead);
       if (!read && waited < kLightPatience) return;
       keepLevel();
       if (++level_ < levels().size()) {
@@ -145,7 +144,8 @@ void LightCalibrator::tick() {
       done_();
       return;
     }
-    case Phase::kDone: return;
+    case Phase::kDone:
+      return;
   }
 }
 
@@ -156,7 +156,7 @@ void LightCalibrator::drive() {
   ++light_.seq;
   setLayers(light_, {{uniform, {}}});
   sendLight();
-  conductor_.command(wander(experiment_));
+  controller_.command(wander(experiment_));
   enter(Phase::kDrive);
 }
 

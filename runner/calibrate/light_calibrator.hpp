@@ -15,8 +15,8 @@
 
 namespace lab::runner {
 
-/// Lets the robots drive about for a few seconds and stand; then shows a staircase of even lights and
-/// keeps what their sensors read; and again, so that they read at many places.
+/// Lets the robots drive about for a few seconds and stand; then shows a staircase of even lights
+/// and keeps what their sensors read; and again, so that they read at many places.
 class LightCalibrator final : public Service {
  public:
   /// Values of the pixels, 0..1.
@@ -29,7 +29,7 @@ class LightCalibrator final : public Service {
   /// @param samples filled
   /// @param tell called after each round
   /// @param done called when all is done
-  LightCalibrator(const ServiceContext& context, Conductor& conductor, int rounds,
+  LightCalibrator(const ServiceContext& context, ExperimentController& controller, int rounds,
                   std::vector<calibration::LightSample>& samples,
                   std::function<void(int round)> tell, std::function<void()> done);
 
@@ -38,7 +38,7 @@ class LightCalibrator final : public Service {
 
   struct Readings {
     int count = 0;
-    double sum[2] = {0, 0};     ///< front, back
+    double sum[2] = {0, 0};  ///< front, back
     double square[2] = {0, 0};
   };
   struct Stand {
@@ -58,7 +58,7 @@ class LightCalibrator final : public Service {
   Node& node_;
   Loop& loop_;
   const Experiment& experiment_;
-  Conductor& conductor_;
+  ExperimentController& controller_;
   int rounds_;
   std::vector<calibration::LightSample>& samples_;
   std::function<void(int)> tell_;

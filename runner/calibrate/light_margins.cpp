@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include "common/math/units.hpp"
 #include "analyzer/report/sections/light_bands.hpp"
+#include "common/math/units.hpp"
 
 namespace lab::runner {
 namespace {
@@ -30,11 +30,12 @@ LightCalibration toCalibration(const calibration::LightFit& fit, const Experimen
 
 std::string marginLines(const LightCalibration& calibration, const Experiment& experiment) {
   std::string lines;
-  for (const calibration::BandMargin& band :
-       report::lightMargins(calibration, experiment)) {
+  for (const calibration::BandMargin& band : report::lightMargins(calibration, experiment)) {
     lines += fmt::format(
-        "{}: light {:.3f} is {:.3f} from the edge of its band, {:.0f} standard deviations of a reading; "
-        "chance of a wrong one {:.1e}. Without the calibration the {} sensor of robot {} would read "
+        "{}: light {:.3f} is {:.3f} from the edge of its band, {:.0f} standard deviations of a "
+        "reading; "
+        "chance of a wrong one {:.1e}. Without the calibration the {} sensor of robot {} would "
+        "read "
         "{:.3f} at ({:.0f}, {:.0f}) cm, {} the band\n",
         band.program, band.light, band.margin, band.sigmas, band.chance,
         band.plain_sensor.front ? "front" : "back", band.plain_sensor.robot, band.plain_light,

@@ -3,8 +3,8 @@
 
 #include <string>
 
-#include "light/photometry/light_fit.hpp"
 #include "common/calibration/light_file.hpp"
+#include "light/photometry/light_fit.hpp"
 
 namespace lab::runner {
 

@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "robot_bridge/calibration/motor_message.hpp"
-#include "robot_bridge/calibration/track_noise.hpp"
 #include "common/bus/channels.hpp"
 #include "common/experiment/experiment_messages.hpp"
+#include "robot_bridge/calibration/motor_message.hpp"
+#include "robot_bridge/calibration/track_noise.hpp"
 
 namespace lab::runner {
 namespace {
@@ -24,20 +24,20 @@ constexpr std::int64_t kLinePatience_us = 15'000'000;  // of a robot on a serial
 
 }  // namespace
 
-MotorCalibrator::MotorCalibrator(const ServiceContext& context, Conductor& conductor,
+MotorCalibrator::MotorCalibrator(const ServiceContext& context, ExperimentController& controller,
                                  std::vector<std::int32_t> robots,
                                  std::function<void(const calibration::MotorReport&)> tell,
                                  std::function<void()> done)
     : node_(context.node),
       loop_(context.loop),
       experiment_(context.experiment),
-      conductor_(conductor),
+      controller_(controller),
       robots_(std::move(robots)),
       tell_(std::move(tell)),
       done_(std::move(done)) {
   node_.subscribe<tracked_frame_t>(channels::kTrackedFrame, [this](const tracked_frame_t& frame) {
     for (const tracked_pose_t& pose : frame.robots) {
-      scene_[pose.robot_id] = {frame.utime, {pose.x, pose.y, pose.theta}};
+      seen_robots_[pose.robot_id] = {frame.utime, {pose.x, pose.y, pose.theta}};
     }
     if (driver_) driver_->see(frame);
   });
@@ -45,10 +45,9 @@ MotorCalibrator::MotorCalibrator(const ServiceContext& context, Conductor& condu
     if (!driver_) return;
     for (const robot_state_t& robot : status.robots) driver_->hear(robot);
   });
-  node_.subscribe<robot_calibration_t>(
-      channels::kCalibrationStatus,
-      [this](const robot_calibration_t& status) { take(status); });
-  conductor_.command(standCommand(experiment_));
+  node_.subscribe<robot_calibration_t>(channels::kCalibrationStatus,
+                                       [this](const robot_calibration_t& status) { take(status); });
+  controller_.command(standCommand(experiment_));
   loop_.every(kMotorTick_us, loop_.now() + kMotorTick_us, [this] { tick(); });
 }
 
@@ -67,8 +66,8 @@ std::int64_t MotorCalibrator::patience() const {
 
 void MotorCalibrator::tick() {
   const std::int64_t now = loop_.now();
-  const bool requesting = phase_ == Phase::kAsk || phase_ == Phase::kStore ||
-                          phase_ == Phase::kTakeBack;
+  const bool requesting =
+      phase_ == Phase::kAsk || phase_ == Phase::kStore || phase_ == Phase::kTakeBack;
   if (requesting && now >= next_request_) {
     next_request_ = now + kRequestPeriod_us;
     request_.utime = 0;
@@ -78,7 +77,7 @@ void MotorCalibrator::tick() {
   const bool waited = now - since_ > patience();
   switch (phase_) {
     case Phase::kBoot:
-      if (!conductor_.inScript()) return;
+      if (!controller_.inScript()) return;
       phase_ = Phase::kAsk;
       since_ = now;
       ask();
@@ -99,7 +98,8 @@ void MotorCalibrator::tick() {
       if (isHeld(calibration::fromMessage(request_.robots.front()))) return stored();
       if (waited) giveUpStoring();
       return;
-    case Phase::kDone: return;
+    case Phase::kDone:
+      return;
   }
 }
 
@@ -145,10 +145,10 @@ void MotorCalibrator::drive(Phase phase, const calibration::Pattern& pattern,
 void MotorCalibrator::startPattern() {
   ++tries_;
   driver_ = std::make_unique<PatternDriver>(
-      experiment_, report_.robot, believed_, pattern_, scene_,
-      Reins{[this](double left, double right) { command(left, right); },
-            [this] { conductor_.command(standCommand(experiment_)); },
-            [this] { return conductor_.isObeyedBy(report_.robot); }});
+      experiment_, report_.robot, believed_, pattern_, seen_robots_,
+      DriveActions{[this](double left, double right) { command(left, right); },
+                   [this] { controller_.command(standCommand(experiment_)); },
+                   [this] { return controller_.isObeyedBy(report_.robot); }});
 }
 
 void MotorCalibrator::command(double left, double right) {
@@ -166,7 +166,7 @@ void MotorCalibrator::command(double left, double right) {
   order.wheel_right = right;
   command.orders.push_back(order);
   command.num_orders = static_cast<std::int32_t>(command.orders.size());
-  conductor_.command(command);
+  controller_.command(command);
 }
 
 void MotorCalibrator::driven() {
@@ -185,8 +185,7 @@ void MotorCalibrator::driven() {
   if (counts.used < kUsableShare * counts.driven && tries_ < kPatternTries) return startPattern();
   if (phase_ == Phase::kCheckBefore) {
     before_ = segments;
-    return drive(Phase::kPattern, calibration::calibrationPattern(report_.held, max),
-                 report_.held);
+    return drive(Phase::kPattern, calibration::calibrationPattern(report_.held, max), report_.held);
   }
   if (phase_ == Phase::kPattern) return fit(segments);
   report_.after = calibration::checkSpeeds(segments, report_.stored, max, report_.fit.lateral);
@@ -223,7 +222,8 @@ void MotorCalibrator::request(const std::vector<motor_calibration_t>& motors) {
 
 bool MotorCalibrator::isHeld(const Motors& motors) const {
   const auto held = held_.find(report_.robot);
-  return held != held_.end() && calibration::storable(held->second) == calibration::storable(motors);
+  return held != held_.end() &&
+         calibration::storable(held->second) == calibration::storable(motors);
 }
 
 void MotorCalibrator::stored() {
@@ -242,8 +242,9 @@ void MotorCalibrator::giveUpStoring() {
         fmt::format("robot {} does not say that it stored its calibration", report_.robot);
     return store(Phase::kTakeBack, report_.held);
   }
-  refuse(report_.refusal + "; it does not say either that it took back what it held before: what "
-                           "it drives by is not known, calibrate it again");
+  refuse(report_.refusal +
+         "; it does not say either that it took back what it held before: what "
+         "it drives by is not known, calibrate it again");
 }
 
 void MotorCalibrator::refuse(const std::string& why) {

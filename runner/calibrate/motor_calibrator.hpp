@@ -25,7 +25,7 @@ class MotorCalibrator final : public Service {
   /// @param robots which, in this order
   /// @param tell called with each outcome
   /// @param done called when all is done
-  MotorCalibrator(const ServiceContext& context, Conductor& conductor,
+  MotorCalibrator(const ServiceContext& context, ExperimentController& controller,
                   std::vector<std::int32_t> robots,
                   std::function<void(const calibration::MotorReport&)> tell,
                   std::function<void()> done);
@@ -37,8 +37,7 @@ class MotorCalibrator final : public Service {
   void tick();
   void ask();
   void nextRobot();
-  void drive(Phase phase, const calibration::Pattern& pattern,
-             const calibration::Motors& believed);
+  void drive(Phase phase, const calibration::Pattern& pattern, const calibration::Motors& believed);
   void startPattern();
   void driven();
   void fit(const std::vector<calibration::CheckedSegment>& driven);
@@ -55,7 +54,7 @@ class MotorCalibrator final : public Service {
   Node& node_;
   Loop& loop_;
   const Experiment& experiment_;
-  Conductor& conductor_;
+  ExperimentController& controller_;
   std::vector<std::int32_t> robots_;
   std::function<void(const calibration::MotorReport&)> tell_;
   std::function<void()> done_;
@@ -65,11 +64,11 @@ class MotorCalibrator final : public Service {
   std::size_t next_robot_ = 0;
   calibration::MotorReport report_;
   std::unique_ptr<PatternDriver> driver_;
-  calibration::Pattern pattern_;  ///< that it drives
-  calibration::Motors believed_;  ///< by the robot meanwhile
-  int tries_ = 0;                 ///< at this pattern
+  calibration::Pattern pattern_;                     ///< that it drives
+  calibration::Motors believed_;                     ///< by the robot meanwhile
+  int tries_ = 0;                                    ///< at this pattern
   std::vector<calibration::CheckedSegment> before_;  ///< the check before
-  Scene scene_;
+  SeenRobots seen_robots_;
   std::map<std::int32_t, calibration::Motors> held_;  ///< as their owners say
   robot_calibration_t request_{};
   std::int64_t next_request_ = 0;  ///< utime

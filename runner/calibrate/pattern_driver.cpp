@@ -13,7 +13,7 @@ namespace {
 
 using calibration::PatternStep;
 
-constexpr std::int64_t kFresh_us = 300'000;           // a pose may be this old
+constexpr std::int64_t kFresh_us = 300'000;  // a pose may be this old
 constexpr std::int64_t kSightPatience_us = 3'000'000;
 constexpr std::int64_t kPatternEchoPatience_us = 2'000'000;
 constexpr std::int64_t kMotionPatience_us = 10'000'000;
@@ -23,9 +23,9 @@ constexpr std::int64_t kLastFrames_us = 300'000;  // beside the camera's delay
 constexpr double kShare = 0.3;                    // of full speed
 constexpr double kShareMore = 0.15;               // for wheels that do not turn yet
 constexpr double kMostShare = 0.8;
-constexpr double kTurnTolerance = 0.13;           // [rad]
-constexpr double kTurned = 0.05;                  // [rad] that are no noise
-constexpr double kMoved = 0.004;                  // [m] likewise
+constexpr double kTurnTolerance = 0.13;  // [rad]
+constexpr double kTurned = 0.05;         // [rad] that are no noise
+constexpr double kMoved = 0.004;         // [m] likewise
 constexpr double kFullTurn = 2 * std::numbers::pi;
 constexpr int kMostTurns = 10;
 
@@ -33,13 +33,13 @@ constexpr int kMostTurns = 10;
 
 PatternDriver::PatternDriver(const Experiment& experiment, std::int32_t robot,
                              const calibration::Motors& believed, calibration::Pattern pattern,
-                             const Scene& scene, Reins reins)
+                             const SeenRobots& scene, DriveActions reins)
     : experiment_(experiment),
       robot_(robot),
       believed_(believed),
       pattern_(std::move(pattern)),
-      scene_(scene),
-      reins_(std::move(reins)) {}
+      seen_robots_(scene),
+      actions_(std::move(reins)) {}
 
 void PatternDriver::see(const tracked_frame_t& frame) {
   for (const tracked_pose_t& pose : frame.robots) {
@@ -52,7 +52,7 @@ void PatternDriver::hear(const robot_state_t& state) {
   if (state.robot_id != robot_ || isOver()) return;
   if ((state.flags & robot_state_t::FLAG_STOPPED) != 0) {
     fail(name() + " is stopped: release it with lab stop --clear, and calibrate again");
-  } else if ((state.flags & robot_state_t::FLAG_REJECTED) != 0 && reins_.obeyed()) {
+  } else if ((state.flags & robot_state_t::FLAG_REJECTED) != 0 && actions_.obeyed()) {
     fail(name() + " refuses to drive by hand; the lab's messages say why");
   }
 }
@@ -61,18 +61,25 @@ void PatternDriver::tick(std::int64_t now) {
   if (now_ == 0) entered_ = now;
   now_ = now;
   switch (phase_) {
-    case Phase::kLook: return look();
-    case Phase::kTurn: return turn();
-    case Phase::kRest: return rest();
-    case Phase::kLeave: return leave();
-    case Phase::kOrder: return order();
-    case Phase::kHold: return hold();
+    case Phase::kLook:
+      return look();
+    case Phase::kTurn:
+      return turn();
+    case Phase::kRest:
+      return rest();
+    case Phase::kLeave:
+      return leave();
+    case Phase::kOrder:
+      return order();
+    case Phase::kHold:
+      return hold();
     case Phase::kLastFrames:
       if (inPhase() > kLastFrames_us + units::microseconds(experiment_.camera.delay)) {
         enter(Phase::kOver);
       }
       return;
-    case Phase::kOver: return;
+    case Phase::kOver:
+      return;
   }
 }
 
@@ -83,40 +90,40 @@ void PatternDriver::enter(Phase phase) {
 
 void PatternDriver::fail(const std::string& why) {
   failure_ = why;
-  reins_.stand();
+  actions_.stand();
   enter(Phase::kOver);
 }
 
 std::string PatternDriver::name() const { return fmt::format("robot {}", robot_); }
 
 const SeenRobot* PatternDriver::fresh() const {
-  const auto seen = scene_.find(robot_);
-  return seen != scene_.end() && now_ - seen->second.utime < kFresh_us ? &seen->second : nullptr;
+  const auto seen = seen_robots_.find(robot_);
+  return seen != seen_robots_.end() && now_ - seen->second.utime < kFresh_us ? &seen->second
+                                                                             : nullptr;
 }
 
 calibration::Surroundings PatternDriver::surroundings() const {
-  calibration::Surroundings around{experiment_.arena_width,
-                                   experiment_.arena_height,
-                                   {},
-                                   experiment_.hardware.diameter};
-  for (const auto& [id, seen] : scene_) {
+  calibration::Surroundings around{
+      experiment_.arena_width, experiment_.arena_height, {}, experiment_.hardware.diameter};
+  for (const auto& [id, seen] : seen_robots_) {
     if (id != robot_) around.others.push_back(seen.place);
   }
   return around;
 }
 
 std::string PatternDriver::noRoom() const {
-  const calibration::Place at = scene_.at(robot_).place;
+  const calibration::Place at = seen_robots_.at(robot_).place;
   std::string nearest;
   double distance = 1e9;
-  for (const auto& [id, seen] : scene_) {
+  for (const auto& [id, seen] : seen_robots_) {
     const double found = std::hypot(seen.place.x - at.x, seen.place.y - at.y);
     if (id == robot_ || found >= distance) continue;
     distance = found;
     nearest = fmt::format("; robot {} is {:.0f} cm away", id, 100 * found);
   }
   return fmt::format(
-      "{} has no room at ({:.0f}, {:.0f}) cm: it drives up to {:.0f} cm one way and needs {:.0f} cm "
+      "{} has no room at ({:.0f}, {:.0f}) cm: it drives up to {:.0f} cm one way and needs {:.0f} "
+      "cm "
       "beside its rim{}; move it, and calibrate it alone: --robot {}",
       name(), 100 * at.x, 100 * at.y,
       100 * calibration::reachOf(pattern_, experiment_.hardware.diameter),
@@ -132,12 +139,12 @@ void PatternDriver::look() {
     }
     return;
   }
-  const auto heading = calibration::roomyHeading(pattern_, seen->place, surroundings());
+  const auto heading = calibration::clearHeading(pattern_, seen->place, surroundings());
   if (heading && std::fabs(std::remainder(*heading - seen->place.theta, kFullTurn)) < 1e-6) {
     return beginStep();
   }
-  const auto way = heading ? std::nullopt
-                           : calibration::wayOut(pattern_, seen->place, surroundings());
+  const auto way =
+      heading ? std::nullopt : calibration::escapePath(pattern_, seen->place, surroundings());
   if (!heading && !way) return fail(noRoom());
   if (++turns_ > kMostTurns) return fail(name() + " cannot hold a heading: do its wheels slip?");
   way_out_ = way ? way->distance : 0;
@@ -146,7 +153,7 @@ void PatternDriver::look() {
 
 void PatternDriver::drive(double left_share, double right_share) {
   const double max = experiment_.hardware.max_wheel_speed;
-  reins_.drive(left_share * max, right_share * max);
+  actions_.drive(left_share * max, right_share * max);
 }
 
 void PatternDriver::turnTo(double heading) {
@@ -173,7 +180,7 @@ void PatternDriver::turn() {
   const double to_turn = std::remainder(target_ - seen->place.theta, kFullTurn);
   const bool beyond = to_turn * turn_sign_ < 0 && std::fabs(to_turn) < kFullTurn / 4;
   if (std::fabs(to_turn) < kTurnTolerance || beyond) {
-    reins_.stand();
+    actions_.stand();
     return enter(Phase::kRest);
   }
   const double turned = std::fabs(std::remainder(seen->place.theta - from_.theta, kFullTurn));
@@ -193,7 +200,7 @@ void PatternDriver::leave() {
   const double gone = std::hypot(seen->place.x - from_.x, seen->place.y - from_.y);
   if (gone >= way_out_) {
     way_out_ = 0;
-    reins_.stand();
+    actions_.stand();
     return enter(Phase::kRest);
   }
   const double share = shareFor(gone > kMoved);
@@ -204,11 +211,11 @@ void PatternDriver::leave() {
 
 void PatternDriver::rest() {
   if (inPhase() > kPatternEchoPatience_us) {
-    return fail(name() + (reins_.obeyed() ? " is no longer seen by the tracker"
-                                          : " does not answer: is it switched on?"));
+    return fail(name() + (actions_.obeyed() ? " is no longer seen by the tracker"
+                                            : " does not answer: is it switched on?"));
   }
   const SeenRobot* seen = fresh();
-  if (inPhase() <= kRest_us || !reins_.obeyed() || seen == nullptr) return;
+  if (inPhase() <= kRest_us || !actions_.obeyed() || seen == nullptr) return;
   if (way_out_ == 0) return enter(Phase::kLook);
   from_ = seen->place;
   share_ = kShare;
@@ -218,11 +225,11 @@ void PatternDriver::rest() {
 
 void PatternDriver::beginStep() {
   if (next_step_ == pattern_.size()) {
-    reins_.stand();
+    actions_.stand();
     return enter(Phase::kLastFrames);
   }
   const PatternStep& step = pattern_[next_step_];
-  reins_.drive(step.left, step.right);
+  actions_.drive(step.left, step.right);
   driven_.push_back({step, 0, 0});
   enter(Phase::kOrder);
 }
@@ -231,7 +238,7 @@ void PatternDriver::beginStep() {
 void PatternDriver::order() {
   if (inPhase() > kPatternEchoPatience_us)
     return fail(name() + " does not answer: is it switched on?");
-  if (!reins_.obeyed()) return;
+  if (!actions_.obeyed()) return;
   driven_.back().from = std::max(now_, entered_ + units::microseconds(calibration::kSettleTime));
   enter(Phase::kHold);
 }
@@ -254,8 +261,8 @@ std::vector<calibration::CheckedSegment> PatternDriver::segments() const {
                                              hardware.max_wheel_speed, hardware.pwm_steps);
     segment.duty_right = calibration::dutyFor(believed_.right, driven.step.right,
                                               hardware.max_wheel_speed, hardware.pwm_steps);
-    segment.frames = static_cast<int>(units::seconds(driven.to - driven.from) *
-                                      experiment_.camera.fps);
+    segment.frames =
+        static_cast<int>(units::seconds(driven.to - driven.from) * experiment_.camera.fps);
     for (const auto& [utime, point] : track_) {
       if (utime < driven.from || utime > driven.to) continue;
       segment.track.push_back(point);

@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
-#include "robot_bridge/calibration/motors.hpp"
-#include "robot_bridge/calibration/drive_pattern.hpp"
-#include "robot_bridge/calibration/speed_check.hpp"
 #include "common/experiment/experiment.hpp"
+#include "robot_bridge/calibration/drive_pattern.hpp"
+#include "robot_bridge/calibration/motors.hpp"
+#include "robot_bridge/calibration/speed_check.hpp"
 
 namespace lab::runner {
 
@@ -22,18 +22,18 @@ struct SeenRobot {
   calibration::Place place;
 };
 
-using Scene = std::map<std::int32_t, SeenRobot>;
+using SeenRobots = std::map<std::int32_t, SeenRobot>;
 
 /// How a driver moves its robot while all others stand.
-struct Reins {
+struct DriveActions {
   std::function<void(double left, double right)> drive;  ///< [m/s]
   std::function<void()> stand;
   std::function<bool()> obeyed;  ///< whether the robot has echoed the last of these
 };
 
-/// Turns the robot on the spot until the pattern has room, and if that is not enough lets it drive a
-/// little away from walls and robots first; drives the pattern step by step, each
-/// step's time counting from the robot's echo, and keeps what the tracker saw.
+/// Turns the robot on the spot until the pattern has room, and if that is not enough lets it drive
+/// a little away from walls and robots first; drives the pattern step by step, each step's time
+/// counting from the robot's echo, and keeps what the tracker saw.
 ///
 /// The owner calls see(), hear() and, some 50 times a second, tick(), until isOver().
 class PatternDriver {
@@ -42,7 +42,7 @@ class PatternDriver {
   /// @param scene kept up to date by the owner
   PatternDriver(const Experiment& experiment, std::int32_t robot,
                 const calibration::Motors& believed, calibration::Pattern pattern,
-                const Scene& scene, Reins reins);
+                const SeenRobots& scene, DriveActions reins);
 
   void see(const tracked_frame_t& frame);
   void hear(const robot_state_t& state);
@@ -87,16 +87,16 @@ class PatternDriver {
   std::int32_t robot_;
   calibration::Motors believed_;
   calibration::Pattern pattern_;
-  const Scene& scene_;
-  Reins reins_;
+  const SeenRobots& seen_robots_;
+  DriveActions actions_;
 
   Phase phase_ = Phase::kLook;
   std::int64_t now_ = 0;
   std::int64_t entered_ = 0;
-  double target_ = 0;     ///< [rad] heading with room
-  double way_out_ = 0;    ///< [m] to drive first, 0: none
+  double target_ = 0;        ///< [rad] heading with room
+  double way_out_ = 0;       ///< [m] to drive first, 0: none
   calibration::Place from_;  ///< where the turn or the way out began
-  double share_ = 0;      ///< of full speed, meanwhile
+  double share_ = 0;         ///< of full speed, meanwhile
   double turn_sign_ = 1;
   int turns_ = 0;
   std::size_t next_step_ = 0;

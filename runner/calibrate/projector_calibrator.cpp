@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <utility>
 
-#include "tracker_svc/camera_devices.hpp"
 #include "common/bus/channels.hpp"
 #include "common/experiment/light_messages.hpp"
 #include "common/math/units.hpp"
+#include "tracker_svc/camera_devices.hpp"
 
 namespace lab::runner {
 namespace {
@@ -20,14 +20,14 @@ constexpr std::int64_t kPatternPatience_us = 10'000'000;
 }  // namespace
 
 ProjectorCalibrator::ProjectorCalibrator(
-    const ServiceContext& context, Conductor& conductor,
+    const ServiceContext& context, ExperimentController& controller,
     std::vector<calibration::LightPattern> patterns, std::int64_t frames,
     std::function<void(std::size_t, const optics::GreyView&)> take,
     std::function<void(const std::string&)> done)
     : node_(context.node),
       loop_(context.loop),
       experiment_(context.experiment),
-      conductor_(conductor),
+      controller_(controller),
       patterns_(std::move(patterns)),
       frames_(frames),
       take_(std::move(take)),
@@ -46,7 +46,7 @@ void ProjectorCalibrator::tick() {
   const std::int64_t now = loop_.now();
   if (over_) return;
   if (!running_) {
-    if (!conductor_.inScript()) return;
+    if (!controller_.inScript()) return;
     running_ = true;
     show();
   }

@@ -22,7 +22,7 @@ class ProjectorCalibrator final : public Service {
   /// @param frames of the camera for each pattern
   /// @param take called with each of them and the number of its pattern
   /// @param done called at the end, with what went wrong; empty: nothing
-  ProjectorCalibrator(const ServiceContext& context, Conductor& conductor,
+  ProjectorCalibrator(const ServiceContext& context, ExperimentController& controller,
                       std::vector<calibration::LightPattern> patterns, std::int64_t frames,
                       std::function<void(std::size_t, const optics::GreyView&)> take,
                       std::function<void(const std::string&)> done);
@@ -39,7 +39,7 @@ class ProjectorCalibrator final : public Service {
   Node& node_;
   Loop& loop_;
   const Experiment& experiment_;
-  Conductor& conductor_;
+  ExperimentController& controller_;
   std::vector<calibration::LightPattern> patterns_;
   std::int64_t frames_;
   std::function<void(std::size_t, const optics::GreyView&)> take_;

@@ -25,15 +25,15 @@ std::string buildFacts() {
   line("contract", std::to_string(kContractVersion));
   line("compiler", LAB_COMPILER);
   line("build", LAB_BUILD_TYPE);
-  line("libraries",
-       fmt::format("LCM {}.{}.{}, Cyclone DDS {}, Eigen {}.{}.{}, fmt {}.{}.{}, spdlog {}.{}.{}, "
-                   "nlohmann-json {}.{}.{}, CLI11 {}",
-                   LCM_MAJOR_VERSION, LCM_MINOR_VERSION, LCM_MICRO_VERSION, DDS_VERSION,
-                   EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION,
-                   EIGEN_MINOR_VERSION, FMT_VERSION / 10000, FMT_VERSION / 100 % 100,
-                   FMT_VERSION % 100, SPDLOG_VER_MAJOR, SPDLOG_VER_MINOR, SPDLOG_VER_PATCH,
-                   NLOHMANN_JSON_VERSION_MAJOR, NLOHMANN_JSON_VERSION_MINOR,
-                   NLOHMANN_JSON_VERSION_PATCH, CLI11_VERSION));
+  line(
+      "libraries",
+      fmt::format("LCM {}.{}.{}, Cyclone DDS {}, Eigen {}.{}.{}, fmt {}.{}.{}, spdlog {}.{}.{}, "
+                  "nlohmann-json {}.{}.{}, CLI11 {}",
+                  LCM_MAJOR_VERSION, LCM_MINOR_VERSION, LCM_MICRO_VERSION, DDS_VERSION,
+                  EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION,
+                  FMT_VERSION / 10000, FMT_VERSION / 100 % 100, FMT_VERSION % 100, SPDLOG_VER_MAJOR,
+                  SPDLOG_VER_MINOR, SPDLOG_VER_PATCH, NLOHMANN_JSON_VERSION_MAJOR,
+                  NLOHMANN_JSON_VERSION_MINOR, NLOHMANN_JSON_VERSION_PATCH, CLI11_VERSION));
   facts.pop_back();
   return facts;
 }

@@ -37,7 +37,7 @@ void addExperiment(CLI::App& command, std::filesystem::path& file);
 void addCalibrate(CLI::App& app, Chosen& chosen, const std::filesystem::path& programs);
 
 /// pause, resume, mark, end: what is wanted of a running experiment or of a log that is played.
-void addWishes(CLI::App& app, Chosen& chosen);
+void addRequestCommands(CLI::App& app, Chosen& chosen);
 
 /// @param programs folder of the lab's programs
 void addWeb(CLI::App& app, Chosen& chosen, const std::filesystem::path& programs);

@@ -15,8 +15,8 @@ constexpr double kInterval = 0.1;  // [s] between two lines
 
 }  // namespace
 
-std::string filmProgressText(std::int64_t done, std::int64_t length, double seconds,
-                             const char* unit) {
+std::string progressBarText(std::int64_t done, std::int64_t length, double seconds,
+                            const char* unit) {
   const double rate = seconds > 0 ? static_cast<double>(done) / seconds : 0;
   if (length <= 0) return fmt::format("{} {}, {:.0f} a second", done, unit, rate);
   const double share =
@@ -31,24 +31,24 @@ std::string filmProgressText(std::int64_t done, std::int64_t length, double seco
   return text;
 }
 
-FilmProgress::FilmProgress(std::int64_t length, const char* unit)
+ProgressBar::ProgressBar(std::int64_t length, const char* unit)
     : length_(length), unit_(unit), terminal_(isatty(STDERR_FILENO) == 1) {}
 
-FilmProgress::~FilmProgress() {
+ProgressBar::~ProgressBar() {
   if (shown_) std::fputs("\r\033[K", stderr);
 }
 
-void FilmProgress::show(std::int64_t done) {
+void ProgressBar::show(std::int64_t done) {
   if (!terminal_) return;
   const double now = seconds();
   if (now < next_) return;
   next_ = now + kInterval;
   shown_ = true;
-  std::fprintf(stderr, "\r\033[K%s", filmProgressText(done, length_, now, unit_).c_str());
+  std::fprintf(stderr, "\r\033[K%s", progressBarText(done, length_, now, unit_).c_str());
   std::fflush(stderr);
 }
 
-double FilmProgress::seconds() const {
+double ProgressBar::seconds() const {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
 }
 

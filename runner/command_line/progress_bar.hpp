@@ -9,17 +9,17 @@ namespace lab::runner {
 
 /// "[#####.....] 123 of 400 frames, 96 a second, 3 s left"; without bar and end where the length is
 /// not known (0).
-[[nodiscard]] std::string filmProgressText(std::int64_t done, std::int64_t length, double seconds,
-                                           const char* unit = "frames");
+[[nodiscard]] std::string progressBarText(std::int64_t done, std::int64_t length, double seconds,
+                                          const char* unit = "frames");
 
 /// Rewrites its line on a terminal; elsewhere it says nothing.
-class FilmProgress {
+class ProgressBar {
  public:
   /// @param unit of what is counted; a literal
-  explicit FilmProgress(std::int64_t length, const char* unit = "frames");
-  ~FilmProgress();
-  FilmProgress(const FilmProgress&) = delete;
-  FilmProgress& operator=(const FilmProgress&) = delete;
+  explicit ProgressBar(std::int64_t length, const char* unit = "frames");
+  ~ProgressBar();
+  ProgressBar(const ProgressBar&) = delete;
+  ProgressBar& operator=(const ProgressBar&) = delete;
 
   void show(std::int64_t done);
 

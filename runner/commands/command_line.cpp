@@ -9,11 +9,11 @@
 #include "common/process/installation.hpp"
 #include "runner/command_line/build_facts.hpp"
 #include "runner/command_line/command_line_parts.hpp"
+#include "runner/command_line/experiment_lookup.hpp"
 #include "runner/commands/commands.hpp"
 #include "runner/doctor/doctor.hpp"
 #include "runner/doctor/doctor_dds.hpp"
 #include "runner/doctor/doctor_hosts.hpp"
-#include "runner/command_line/experiment_lookup.hpp"
 #include "runner/hosts/host_agent.hpp"
 #include "runner/runs/lab_registry.hpp"
 #include "runner/runs/network.hpp"
@@ -134,7 +134,9 @@ void addTrack(CLI::App& app, Chosen& chosen) {
       ->check(CLI::Range(1, 1'000'000))
       ->capture_default_str();
   command
-      ->add_option("--fps", options->fps, "Frames a second: of pictures without frames.csv, and of a movie instead of its own")
+      ->add_option(
+          "--fps", options->fps,
+          "Frames a second: of pictures without frames.csv, and of a movie instead of its own")
       ->check(between(0.001, 100'000));
   command->add_option("--robots", options->robots, "How many there are: the best so many are taken")
       ->check(CLI::Range(1, 100'000));
@@ -315,7 +317,7 @@ int runCommandLine(int argc, char** argv) {
   addReplay(app, chosen, fs::canonical("/proc/self/exe").parent_path());
   addLight(app, chosen);
   addStop(app, chosen);
-  addWishes(app, chosen);
+  addRequestCommands(app, chosen);
   addWeb(app, chosen, fs::canonical("/proc/self/exe").parent_path());
   addFlash(app, chosen, installation().programs);
   addSpy(app, chosen);

@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 struct Wish {
   const char* name;
   const char* meaning;
-  ExitCode (*act)(const WishOptions&);
+  ExitCode (*act)(const RequestOptions&);
   const char* words = nullptr;
   const char* words_meaning = nullptr;
   bool words_needed = false;
@@ -33,7 +33,7 @@ constexpr Wish kWishes[] = {
 };
 
 void addWish(CLI::App& app, Chosen& chosen, const Wish& wish) {
-  auto options = std::make_shared<WishOptions>();
+  auto options = std::make_shared<RequestOptions>();
   auto words = std::make_shared<std::vector<std::string>>();
   CLI::App* command = app.add_subcommand(wish.name, wish.meaning);
   if (wish.words != nullptr) {
@@ -48,7 +48,7 @@ void addWish(CLI::App& app, Chosen& chosen, const Wish& wish) {
 
 }  // namespace
 
-void addWishes(CLI::App& app, Chosen& chosen) {
+void addRequestCommands(CLI::App& app, Chosen& chosen) {
   for (const Wish& wish : kWishes) addWish(app, chosen, wish);
 }
 

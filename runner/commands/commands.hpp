@@ -41,8 +41,8 @@ struct AnalyzeOptions {
   bool stitch = true;     ///< join the motion around reversals
   bool bootstrap = true;  ///< fits of the exact law, whose intervals need simulated films
   /// Of a file of poses alone:
-  std::string program;            ///< model that all robots ran, empty: not known
-  std::vector<std::string> set;   ///< key=value: its parameters
+  std::string program;             ///< model that all robots ran, empty: not known
+  std::vector<std::string> set;    ///< key=value: its parameters
   std::optional<double> scale_cm;  ///< one unit of its columns x and y [cm]
   std::optional<double> fps;       ///< where it has no times [1/s]
 };
@@ -72,7 +72,7 @@ struct ReproduceOptions {
   int jobs = 0;                 ///< films at a time; 0: as many as there are cores
   bool bootstrap = true;        ///< fits of the exact law
   bool keep_logs = false;
-  bool force = false;           ///< replaces what is in the folder
+  bool force = false;  ///< replaces what is in the folder
 };
 ExitCode reproduce(const ReproduceOptions& options);
 
@@ -101,10 +101,10 @@ ExitCode calibrateMotors(const CalibrateOptions& options);
 struct CalibrateCameraOptions {
   /// Film of robots that drive about, or an experiment file (.toml) whose lab is filmed; or empty.
   std::string source;
-  std::string corners;                        ///< [px] "u,v u,v u,v u,v" (docs/calibration.md)
-  std::string board = "9x6,2.8";               ///< columns x rows of discs, spacing in cm
-  std::string board_pictures;                 ///< of the board in several poses, empty: none
-  std::filesystem::path print_board;          ///< only draws the board, empty: no
+  std::string corners;                ///< [px] "u,v u,v u,v u,v" (docs/calibration.md)
+  std::string board = "9x6,2.8";      ///< columns x rows of discs, spacing in cm
+  std::string board_pictures;         ///< of the board in several poses, empty: none
+  std::filesystem::path print_board;  ///< only draws the board, empty: no
   std::filesystem::path out = "camera.json";
   std::string arena_cm = "120x90";
   // The robots' caps, optics::CapGeometry:
@@ -113,10 +113,10 @@ struct CalibrateCameraOptions {
   double cap_height_cm = 5;
   double big_radius_cm = 0.9;
   double small_radius_cm = 0.55;
-  double spacing_cm = 3.6;              ///< between the circles of a cap
-  std::optional<double> big_offset_cm;  ///< from the axis, empty: half the spacing
-  std::filesystem::path print_caps;     ///< only draws the caps, empty: no
-  double corner_px = 0.5;   ///< how well the corners are marked, along each axis
+  double spacing_cm = 3.6;                 ///< between the circles of a cap
+  std::optional<double> big_offset_cm;     ///< from the axis, empty: half the spacing
+  std::filesystem::path print_caps;        ///< only draws the caps, empty: no
+  double corner_px = 0.5;                  ///< how well the corners are marked, along each axis
   std::optional<double> camera_height_cm;  ///< above the floor, known to 1 cm
   bool k3 = false;
   bool force = false;
@@ -132,13 +132,13 @@ ExitCode calibrateCamera(const CalibrateCameraOptions& options);
 struct CalibrateProjectorOptions {
   std::filesystem::path file;
   std::filesystem::path out = "projector.json";
-  std::filesystem::path runs = "runs";      ///< where run folders are made
-  std::filesystem::path programs;           ///< folder of the services' programs
-  std::vector<std::string> set;             ///< key=value
-  std::optional<double> surface_cm;         ///< above the floor, of what the light falls on
-  std::string projector_cm;                 ///< "x,y,z" of its lens, empty: not known
-  std::string resolution;                   ///< "1920x1080" of a display, empty: headless
-  std::int64_t frames = 4;                  ///< of the camera, for each pattern
+  std::filesystem::path runs = "runs";  ///< where run folders are made
+  std::filesystem::path programs;       ///< folder of the services' programs
+  std::vector<std::string> set;         ///< key=value
+  std::optional<double> surface_cm;     ///< above the floor, of what the light falls on
+  std::string projector_cm;             ///< "x,y,z" of its lens, empty: not known
+  std::string resolution;               ///< "1920x1080" of a display, empty: headless
+  std::int64_t frames = 4;              ///< of the camera, for each pattern
   bool virtual_time = false;
   bool force = false;
 };
@@ -186,17 +186,17 @@ struct StopOptions {
 ExitCode stop(const StopOptions& options);
 
 /// What is wanted of a running experiment or of a log that is played.
-struct WishOptions {
-  std::string lab;    ///< empty: the only one
-  std::string text;   ///< a remark, or why
+struct RequestOptions {
+  std::string lab;   ///< empty: the only one
+  std::string text;  ///< a remark, or why
 };
-ExitCode pauseScript(const WishOptions& options);
-ExitCode resumeScript(const WishOptions& options);
-ExitCode markRun(const WishOptions& options);
-ExitCode endRun(const WishOptions& options);
+ExitCode pauseScript(const RequestOptions& options);
+ExitCode resumeScript(const RequestOptions& options);
+ExitCode markRun(const RequestOptions& options);
+ExitCode endRun(const RequestOptions& options);
 
 struct WebOptions {
-  int port = 0;                          ///< the first one tried, 0: the usual one
+  int port = 0;                         ///< the first one tried, 0: the usual one
   std::filesystem::path runs = "runs";  ///< folder of past runs
   std::filesystem::path programs;       ///< folder of the page's program
   bool open = false;                    ///< in the user's browser
@@ -205,10 +205,10 @@ ExitCode web(const WebOptions& options);
 
 struct FlashOptions {
   std::string port;
-  int baud = 57600;              ///< of the bootloader
-  int robot_baud = 38400;        ///< of the program, as it was built
-  std::string isp;               ///< avrdude's name of a programmer, empty: by the bootloader
-  std::string isp_port;          ///< of the programmer, empty: it needs none
+  int baud = 57600;                ///< of the bootloader
+  int robot_baud = 38400;          ///< of the program, as it was built
+  std::string isp;                 ///< avrdude's name of a programmer, empty: by the bootloader
+  std::string isp_port;            ///< of the programmer, empty: it needs none
   std::filesystem::path firmware;  ///< a .hex, empty: the one of this lab
   std::filesystem::path programs;  ///< folder of the programs and the firmware
 };

@@ -27,8 +27,9 @@ fs::path firmwareOf(const FlashOptions& options) {
   if (!fs::exists(hex)) {
     throw UserError(fmt::format(
         "{}: not there; {}", hex.string(),
-        installation().wayTo("robot_firmware.hex", "it was not built: apt-get install gcc-avr avr-libc, "
-                                           "then ./lab flash again")));
+        installation().installHint("robot_firmware.hex",
+                                   "it was not built: apt-get install gcc-avr avr-libc, "
+                                   "then ./lab flash again")));
   }
   return hex;
 }
@@ -36,8 +37,8 @@ fs::path firmwareOf(const FlashOptions& options) {
 using Line = std::vector<std::string>;
 
 /// Through the bootloader nothing but the program can be written. A programmer first sets the fuses
-/// as docs/robot.md explains them: one of them keeps the EEPROM, with the robot's settings, when the
-/// second call erases the chip. In one call avrdude would erase before it writes any fuse.
+/// as docs/robot.md explains them: one of them keeps the EEPROM, with the robot's settings, when
+/// the second call erases the chip. In one call avrdude would erase before it writes any fuse.
 std::vector<Line> avrdudeLines(const FlashOptions& options, const fs::path& hex) {
   const std::string program = fmt::format("flash:w:{}:i", hex.string());
   Line line{"avrdude", "-q", "-p", "m328p"};
@@ -100,7 +101,8 @@ ExitCode flash(const FlashOptions& options) {
     const int code = execute(line);
     if (code == 0) continue;
     fmt::print(
-        "NOT flashed: avrdude ended with code {} (above: why); the robot's old program may be gone\n",
+        "NOT flashed: avrdude ended with code {} (above: why); the robot's old program may be "
+        "gone\n",
         code);
     return kFailed;
   }

@@ -44,7 +44,7 @@ UserError refusal(const std::string& typed, const ExperimentError& error) {
 
 }  // namespace
 
-Experiment experimentByHand() {
+Experiment placeholderExperiment() {
   return parseExperiment(R"(
 fileversion = 1
 name = "by_hand"
@@ -58,10 +58,10 @@ model = "stand"
                          kHandName);
 }
 
-std::vector<light::DrivenLayer> layersByHand(const std::vector<std::string>& texts,
-                                             const Experiment& experiment,
-                                             const light::ImageStore& known,
-                                             const std::filesystem::path& directory) {
+std::vector<light::DrivenLayer> parseLayers(const std::vector<std::string>& texts,
+                                            const Experiment& experiment,
+                                            const light::ImageStore& known,
+                                            const std::filesystem::path& directory) {
   Experiment around = experiment;
   around.light = {};
   const auto parse = [&](const std::vector<std::string>& some) {

@@ -19,12 +19,12 @@ namespace lab::runner {
 /// @param directory that the paths of image files are relative to
 /// @throws UserError for layers that are wrong, with what was typed, and for a sequence of unknown
 /// images.
-[[nodiscard]] std::vector<light::DrivenLayer> layersByHand(const std::vector<std::string>& texts,
-                                                           const Experiment& experiment,
-                                                           const light::ImageStore& known,
-                                                           const std::filesystem::path& directory);
+[[nodiscard]] std::vector<light::DrivenLayer> parseLayers(const std::vector<std::string>& texts,
+                                                          const Experiment& experiment,
+                                                          const light::ImageStore& known,
+                                                          const std::filesystem::path& directory);
 
 /// What an experiment has to say where the one that runs is not known.
-[[nodiscard]] Experiment experimentByHand();
+[[nodiscard]] Experiment placeholderExperiment();
 
 }  // namespace lab::runner

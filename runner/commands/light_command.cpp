@@ -3,16 +3,16 @@
 #include <lab/light_command_t.hpp>
 #include <lab/light_status_t.hpp>
 
-#include "common/loop/asio_loop.hpp"
 #include "common/bus/channels.hpp"
-#include "common/experiment/experiment_file.hpp"
 #include "common/bus/lcm_bus.hpp"
+#include "common/experiment/experiment_file.hpp"
 #include "common/experiment/light_messages.hpp"
-#include "common/service/node.hpp"
+#include "common/loop/asio_loop.hpp"
 #include "common/math/units.hpp"
+#include "common/service/node.hpp"
 #include "runner/commands/commands.hpp"
-#include "runner/runs/lab_registry.hpp"
 #include "runner/commands/layer_arguments.hpp"
+#include "runner/runs/lab_registry.hpp"
 #include "runner/runs/run_directory.hpp"
 
 namespace lab::runner {
@@ -30,11 +30,11 @@ std::vector<light::DrivenLayer> layersFor(const RunningLab& lab,
   const fs::path directory = lab.directory;
   const fs::path file = directory / files::kExperiment;
   if (lab.directory.empty() || !fs::exists(file)) {
-    return layersByHand(texts, experimentByHand(), {}, fs::current_path());
+    return parseLayers(texts, placeholderExperiment(), {}, fs::current_path());
   }
   const Experiment experiment = loadExperiment(file);
-  return layersByHand(texts, experiment, loadImages(experiment, directory).store,
-                      fs::current_path());
+  return parseLayers(texts, experiment, loadImages(experiment, directory).store,
+                     fs::current_path());
 }
 
 light_command_t command(const LightOptions& options, const RunningLab& lab, std::int64_t now) {
@@ -70,7 +70,7 @@ ExitCode light(const LightOptions& options) {
     const bool ours = status.commander == node.identity().name;
     const bool shown = ours && status.command_instance == node.identity().instance;
     if (options.release ? !ours && status.utime > wanted.from_utime : shown) done = true;
-    refusal = refusalOf(node.identity().name, wanted.seq, status.last_refusal);
+    refusal = parseRefusal(node.identity().name, wanted.seq, status.last_refusal);
     if (done || !refusal.empty()) loop.stop();
   });
   loop.onReadable(bus.fileDescriptor(), [&] { bus.drain(); });

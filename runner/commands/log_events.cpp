@@ -11,7 +11,7 @@
 
 namespace lab::runner {
 
-bool isPlayersOwn(std::string_view channel) {
+bool isPlaybackChannel(std::string_view channel) {
   return channel == channels::kExperimentStatus || channel == channels::kExperimentCommand;
 }
 
@@ -23,7 +23,7 @@ std::vector<LogEvent> selectEvents(const std::vector<std::filesystem::path>& fil
     if (!first) first = packet.received_utime;
     const double time = units::seconds(packet.received_utime - *first);
     if (time < selection.from || (selection.to && time > *selection.to)) return;
-    if (isPlayersOwn(packet.channel)) return;
+    if (isPlaybackChannel(packet.channel)) return;
     std::string channel(packet.channel);
     if (!selection.channels.empty() && !selection.channels.contains(channel)) return;
     events.push_back(

@@ -30,7 +30,7 @@ struct LogSelection {
 
 /// What only who plays a log has to say: how it stands, and what is wished of it now. What the log
 /// itself holds of that was said of another time.
-[[nodiscard]] bool isPlayersOwn(std::string_view channel);
+[[nodiscard]] bool isPlaybackChannel(std::string_view channel);
 
 /// The wanted events of a log series that are to be played, in order of time.
 [[nodiscard]] std::vector<LogEvent> selectEvents(const std::vector<std::filesystem::path>& files,

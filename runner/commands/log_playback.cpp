@@ -23,10 +23,9 @@ constexpr double kFastest = 1e4;
 using Happening = std::tuple<std::int8_t, std::int64_t, std::int32_t, std::string>;
 
 Happening happeningOf(const experiment_event_t& event) {
-  const bool repeats = event.kind == experiment_event_t::START ||
-                       event.kind == experiment_event_t::CALIBRATION;
-  return {event.kind, repeats ? 0 : event.utime, event.step,
-          repeats ? event.label : event.text};
+  const bool repeats =
+      event.kind == experiment_event_t::START || event.kind == experiment_event_t::CALIBRATION;
+  return {event.kind, repeats ? 0 : event.utime, event.step, repeats ? event.label : event.text};
 }
 
 std::vector<std::size_t> happeningsOf(const std::vector<LogEvent>& events) {
@@ -42,33 +41,33 @@ std::vector<std::size_t> happeningsOf(const std::vector<LogEvent>& events) {
 
 }  // namespace
 
-LogDeck::LogDeck(const std::vector<LogEvent>& events, std::string run, double speed, AtEnd at_end,
-                 std::int64_t now)
+LogPlayback::LogPlayback(const std::vector<LogEvent>& events, std::string run, double speed,
+                         AtEnd at_end, std::int64_t now)
     : events_(events),
       run_(std::move(run)),
       speed_(speed),
       at_end_(at_end),
       clock_(events.front().utime, now, speed),
-      happenings_(happeningsOf(events)) {}
+      event_indices_(happeningsOf(events)) {}
 
-std::int64_t LogDeck::logTime(std::int64_t now) const {
+std::int64_t LogPlayback::logTime(std::int64_t now) const {
   return std::min(clock_.logTime(now), events_.back().utime);
 }
 
-double LogDeck::elapsed(std::int64_t now) const {
+double LogPlayback::elapsed(std::int64_t now) const {
   return units::seconds(logTime(now) - events_.front().utime);
 }
 
-double LogDeck::length() const {
+double LogPlayback::length() const {
   return units::seconds(events_.back().utime - events_.front().utime);
 }
 
-std::size_t LogDeck::firstAt(std::int64_t log_utime) const {
+std::size_t LogPlayback::firstAt(std::int64_t log_utime) const {
   const auto first = std::ranges::lower_bound(events_, log_utime, {}, &LogEvent::utime);
   return static_cast<std::size_t>(first - events_.begin());
 }
 
-void LogDeck::jumpTo(std::int64_t log_utime, std::int64_t now) {
+void LogPlayback::jumpTo(std::int64_t log_utime, std::int64_t now) {
   const bool was_paused = paused();
   clock_ = ReplayClock(log_utime, now, speed_);
   if (was_paused) clock_.pause(now);
@@ -77,7 +76,7 @@ void LogDeck::jumpTo(std::int64_t log_utime, std::int64_t now) {
   ++jumps_;
 }
 
-std::string LogDeck::obey(const experiment_command_t& wish, std::int64_t now) {
+std::string LogPlayback::obey(const experiment_command_t& wish, std::int64_t now) {
   switch (wish.action) {
     case experiment_command_t::PAUSE:
       if (paused()) return "the log stands already";
@@ -97,14 +96,14 @@ std::string LogDeck::obey(const experiment_command_t& wish, std::int64_t now) {
   }
 }
 
-std::string LogDeck::resume(std::int64_t now) {
+std::string LogPlayback::resume(std::int64_t now) {
   if (!paused()) return "the log plays already";
   if (next_ == events_.size()) jumpTo(events_.front().utime, now);
   clock_.resume(now);
   return {};
 }
 
-std::string LogDeck::seek(double to, std::int64_t now) {
+std::string LogPlayback::seek(double to, std::int64_t now) {
   // Not "to < 0 || to > length()": nan is refused too.
   if (!(to >= 0 && to <= length())) {
     return fmt::format("the log has no {} s, allowed 0 to {:.3f}", to, length());
@@ -113,7 +112,7 @@ std::string LogDeck::seek(double to, std::int64_t now) {
   return {};
 }
 
-std::string LogDeck::setSpeed(double speed, std::int64_t now) {
+std::string LogPlayback::setSpeed(double speed, std::int64_t now) {
   if (!(speed >= kSlowest && speed <= kFastest)) {
     return fmt::format("found a speed of {}, allowed {:g} to {:g}", speed, kSlowest, kFastest);
   }
@@ -124,35 +123,35 @@ std::string LogDeck::setSpeed(double speed, std::int64_t now) {
   return {};
 }
 
-void LogDeck::pauseOrResume(std::int64_t now) {
+void LogPlayback::pauseOrResume(std::int64_t now) {
   experiment_command_t wish{};
   wish.action = paused() ? experiment_command_t::RESUME : experiment_command_t::PAUSE;
   static_cast<void>(obey(wish, now));
 }
 
-bool LogDeck::advance(std::int64_t now) {
+bool LogPlayback::advance(std::int64_t now) {
   if (next_ < events_.size() || jumped_ || !catch_up_.empty() || paused()) return false;
   switch (at_end_) {
-    case AtEnd::kOver:
+    case AtEnd::kEnd:
       over_ = true;
       break;
-    case AtEnd::kStand:
+    case AtEnd::kPause:
       clock_ = ReplayClock(events_.back().utime, now, speed_);
       clock_.pause(now);
       break;
-    case AtEnd::kAgain:
+    case AtEnd::kLoop:
       jumpTo(events_.front().utime, now);
       break;
   }
   return true;
 }
 
-void LogDeck::play(std::int64_t now, const Send& send) {
+void LogPlayback::play(std::int64_t now, const Send& send) {
   if (jumped_) {
     jumped_ = false;
     catch_up_.clear();
     const std::size_t near = firstAt(logTime(now) - kBefore_us);
-    for (const std::size_t index : happenings_) {
+    for (const std::size_t index : event_indices_) {
       if (index < std::min(near, next_)) catch_up_.push_back(index);
     }
     for (std::size_t index = near; index < next_; ++index) catch_up_.push_back(index);
@@ -168,7 +167,7 @@ void LogDeck::play(std::int64_t now, const Send& send) {
   }
 }
 
-experiment_status_t LogDeck::status(std::int64_t now) const {
+experiment_status_t LogPlayback::status(std::int64_t now) const {
   experiment_status_t status{};
   status.run = run_;
   status.phase = paused() ? experiment_status_t::PLAY_PAUSED : experiment_status_t::PLAYING;

@@ -16,13 +16,13 @@ namespace lab::runner {
 
 /// What happens at the end of a log.
 enum class AtEnd {
-  kOver,   ///< the replay is over
-  kStand,  ///< it stands there, paused
-  kAgain,  ///< it begins anew
+  kEnd,    ///< the replay is over
+  kPause,  ///< it stands there, paused
+  kLoop,   ///< it begins anew
 };
 
 /// Times of the wall clock are us since 1970, as `now`.
-class LogDeck {
+class LogPlayback {
  public:
   using Send = std::function<void(const LogEvent&)>;
 
@@ -31,8 +31,8 @@ class LogDeck {
   /// @param events in order of time, at least one; must outlive the deck
   /// @param run its name, for the status
   /// @param speed log seconds a second
-  LogDeck(const std::vector<LogEvent>& events, std::string run, double speed, AtEnd at_end,
-          std::int64_t now);
+  LogPlayback(const std::vector<LogEvent>& events, std::string run, double speed, AtEnd at_end,
+              std::int64_t now);
 
   /// Does what PAUSE, RESUME, SEEK, SPEED or END wishes. Any other wish is refused: nobody is
   /// there.
@@ -77,7 +77,7 @@ class LogDeck {
   double speed_;
   AtEnd at_end_;
   ReplayClock clock_;
-  std::vector<std::size_t> happenings_;  ///< of EXPERIMENT_EVENT, each once
+  std::vector<std::size_t> event_indices_;  ///< of EXPERIMENT_EVENT, each once
   std::size_t next_ = 0;
   bool jumped_ = false;               ///< what is before next_ has still to be sent
   std::deque<std::size_t> catch_up_;  ///< of that, what is left

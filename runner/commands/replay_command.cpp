@@ -8,21 +8,21 @@
 #include <lab/robot_state_t.hpp>
 #include <optional>
 
-#include "common/loop/asio_loop.hpp"
-#include "common/bus/channels.hpp"
-#include "common/experiment/service_placement.hpp"
-#include "common/bus/lcm_bus.hpp"
-#include "common/service/node.hpp"
 #include "analyzer/log_source.hpp"
+#include "common/bus/channels.hpp"
+#include "common/bus/lcm_bus.hpp"
+#include "common/experiment/service_placement.hpp"
+#include "common/loop/asio_loop.hpp"
+#include "common/service/node.hpp"
 #include "runner/commands/commands.hpp"
-#include "runner/live/dashboard_process.hpp"
-#include "runner/runs/lab_registry.hpp"
 #include "runner/commands/log_playback.hpp"
-#include "runner/runs/network.hpp"
-#include "runner/live/progress_line.hpp"
 #include "runner/commands/raw_terminal.hpp"
-#include "runner/runs/run_directory.hpp"
+#include "runner/live/dashboard_process.hpp"
+#include "runner/live/progress_line.hpp"
 #include "runner/live/request_log.hpp"
+#include "runner/runs/lab_registry.hpp"
+#include "runner/runs/network.hpp"
+#include "runner/runs/run_directory.hpp"
 
 namespace lab::runner {
 namespace fs = std::filesystem;
@@ -46,16 +46,16 @@ class Player {
         page_(page),
         bus_(url),
         node_(bus_, loop_, {kReplayName, robot_state_t::REPLAY, loop_.now()}),
-        deck_(events, run, options.speed,
-              options.loop      ? AtEnd::kAgain
-              : page != nullptr ? AtEnd::kStand
-                                : AtEnd::kOver,
-              loop_.now()) {
+        playback_(events, run, options.speed,
+                  options.loop      ? AtEnd::kLoop
+                  : page != nullptr ? AtEnd::kPause
+                                    : AtEnd::kEnd,
+                  loop_.now()) {
     node_.subscribe<experiment_command_t>(channels::kExperimentCommand,
                                           [this](const experiment_command_t& wish) {
-                                            wishes_.take(wish);
+                                            request_log_.take(wish);
                                             sendStatus();
-                                            if (deck_.over()) loop_.stop();
+                                            if (playback_.over()) loop_.stop();
                                           });
   }
 
@@ -88,36 +88,36 @@ class Player {
 
   void sendClock() {
     clock_t message{};
-    message.utime = deck_.logTime(loop_.now());
-    message.rate = deck_.rate();
+    message.utime = playback_.logTime(loop_.now());
+    message.rate = playback_.rate();
     node_.publish(channels::kClock, message);
   }
 
   void sendStatus() {
-    experiment_status_t status = deck_.status(loop_.now());
-    wishes_.write(status);
+    experiment_status_t status = playback_.status(loop_.now());
+    request_log_.write(status);
     node_.publish(channels::kExperimentStatus, status);
   }
 
   void lookAfterPage() {
-    page_->lookAfter([](const std::string& what) { printLine("web      " + what); });
+    page_->supervise([](const std::string& what) { printLine("web      " + what); });
   }
 
   void key() {
     char letter = 0;
     if (::read(STDIN_FILENO, &letter, 1) != 1 || letter != ' ') return;
-    deck_.pauseOrResume(loop_.now());
+    playback_.pauseOrResume(loop_.now());
     sendStatus();
   }
 
   void send() {
     const std::int64_t now = loop_.now();
-    if (deck_.advance(now)) sendStatus();
-    if (deck_.over()) {
+    if (playback_.advance(now)) sendStatus();
+    if (playback_.over()) {
       loop_.stop();
       return;
     }
-    deck_.play(now, [this](const LogEvent& event) {
+    playback_.play(now, [this](const LogEvent& event) {
       node_.forward(event.channel, asReplay(event.channel, event.data));
     });
   }
@@ -125,8 +125,9 @@ class Player {
   /// A quiet stretch of a log must not look like a hang: the time runs on.
   void show() const {
     fmt::print("{}replay   {:.1f} of {:.1f} s, {} of {} messages{}{}",
-               terminal_.active() ? "\r\033[K" : "", deck_.elapsed(loop_.now()), deck_.length(),
-               deck_.sent(), events_.size(), deck_.paused() ? ", paused (space goes on)" : "",
+               terminal_.active() ? "\r\033[K" : "", playback_.elapsed(loop_.now()),
+               playback_.length(), playback_.sent(), events_.size(),
+               playback_.paused() ? ", paused (space goes on)" : "",
                terminal_.active() ? "" : "\n");
     std::fflush(stdout);
   }
@@ -137,9 +138,9 @@ class Player {
   AsioLoop loop_;
   LcmBus bus_;
   Node node_;
-  LogDeck deck_;
-  WishDesk wishes_{
-      [this](const experiment_command_t& wish) { return deck_.obey(wish, loop_.now()); }};
+  LogPlayback playback_;
+  RequestLog request_log_{
+      [this](const experiment_command_t& wish) { return playback_.obey(wish, loop_.now()); }};
   RawTerminal terminal_;
 };
 
@@ -148,11 +149,11 @@ class Player {
 void startPage(std::optional<DashboardProcess>& page, const ReplayOptions& options,
                const fs::path& run, const std::string& url, const fs::path& output) {
   const fs::path experiment = run / files::kExperiment;
-  page.emplace(DashboardOptions{.program = options.programs / kOnlooker,
+  page.emplace(DashboardOptions{.program = options.programs / kObserverService,
                                 .url = url,
                                 .experiment = fs::exists(experiment) ? experiment : fs::path(),
                                 .runs = run.parent_path(),
-                                .address_file = ownFile(".web"),
+                                .address_file = registryFile(".web"),
                                 .output = output});
   page->start([](const std::string& what) { printLine("web      " + what); });
 }
@@ -175,7 +176,7 @@ ExitCode replay(const ReplayOptions& options) {
       {"replay-" + run.filename().string(), url, getpid(), run.string(), true});
   fmt::print("lab      {}\nbus      {}\n", registration.name(), url);
   std::fflush(stdout);
-  const OwnFile output(".web.txt");
+  const RegistryFile output(".web.txt");
   std::optional<DashboardProcess> page;
   if (options.web) startPage(page, options, run, url, output.path());
   Player(events, options, url, run.filename().string(), page ? &*page : nullptr).execute();

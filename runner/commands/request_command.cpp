@@ -1,9 +1,9 @@
 #include <fmt/format.h>
 
-#include "common/loop/asio_loop.hpp"
 #include "common/bus/channels.hpp"
-#include "common/service/experiment_request.hpp"
 #include "common/bus/lcm_bus.hpp"
+#include "common/loop/asio_loop.hpp"
+#include "common/service/experiment_request.hpp"
 #include "common/service/node.hpp"
 #include "runner/commands/commands.hpp"
 #include "runner/runs/lab_registry.hpp"
@@ -48,7 +48,7 @@ class Wishing {
 
 /// @param name of the wisher, as the record names him
 /// @param done what is said when it was obeyed
-ExitCode wishFor(const WishOptions& options, std::int8_t action, const std::string& name,
+ExitCode wishFor(const RequestOptions& options, std::int8_t action, const std::string& name,
                  const std::string& done) {
   if (const std::string problem = remarkProblem(options.text); !problem.empty()) {
     throw UserError(problem);
@@ -59,28 +59,28 @@ ExitCode wishFor(const WishOptions& options, std::int8_t action, const std::stri
   const RunningLab lab = findLab(options.lab);
   Wishing wishing(lab, name, wish);
   const ExperimentRequest& request = wishing.execute();
-  const std::string what = !request.answered()          ? "NOT confirmed: nobody answers"
+  const std::string what = !request.answered()         ? "NOT confirmed: nobody answers"
                            : request.refusal().empty() ? done
-                                                        : "refused: " + request.refusal();
+                                                       : "refused: " + request.refusal();
   fmt::print("{}: {}\n", lab.name, what);
   return request.answered() && request.refusal().empty() ? kDone : kFailed;
 }
 
 }  // namespace
 
-ExitCode pauseScript(const WishOptions& options) {
+ExitCode pauseScript(const RequestOptions& options) {
   return wishFor(options, experiment_command_t::PAUSE, "lab_pause", "paused");
 }
 
-ExitCode resumeScript(const WishOptions& options) {
+ExitCode resumeScript(const RequestOptions& options) {
   return wishFor(options, experiment_command_t::RESUME, "lab_resume", "goes on");
 }
 
-ExitCode markRun(const WishOptions& options) {
+ExitCode markRun(const RequestOptions& options) {
   return wishFor(options, experiment_command_t::MARK, "lab_mark", "marked");
 }
 
-ExitCode endRun(const WishOptions& options) {
+ExitCode endRun(const RequestOptions& options) {
   return wishFor(options, experiment_command_t::END, "lab_end", "ends");
 }
 

@@ -21,9 +21,9 @@ class RobotAdoption {
  public:
   struct Result {
     bool ok = false;
-    wire::Hello hello;         ///< the latest one heard
-    bool uid_is_new = false;   ///< it had none and holds one now
-    std::string problem;       ///< one line, when not ok
+    wire::Hello hello;        ///< the latest one heard
+    bool uid_is_new = false;  ///< it had none and holds one now
+    std::string problem;      ///< one line, when not ok
   };
 
   /// @param loop must outlive this object's last timer, 10 s

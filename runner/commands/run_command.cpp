@@ -5,13 +5,13 @@
 #include <optional>
 
 #include "analyzer/analysis_feed.hpp"
+#include "analyzer/analyze_run.hpp"
 #include "analyzer/laws.hpp"
-#include "common/experiment/experiment_file.hpp"
-#include "common/experiment/experiment_messages.hpp"
 #include "common/calibration/light_file.hpp"
 #include "common/calibration/projector_file.hpp"
+#include "common/experiment/experiment_file.hpp"
+#include "common/experiment/experiment_messages.hpp"
 #include "common/math/units.hpp"
-#include "analyzer/analyze_run.hpp"
 #include "runner/commands/commands.hpp"
 #include "runner/live/dashboard_process.hpp"
 #include "runner/live/launch.hpp"
@@ -54,18 +54,17 @@ ExitCode run(const RunOptions& options) {
   const double duration = experiment.duration;
   double elapsed = 0;
   std::optional<ProgressLine> line(std::in_place, duration);
-  const Launched launched =
-      launch({.file = options.file,
-              .out = options.out,
-              .programs = options.programs,
-              .set = options.set,
-              .virtual_time = options.virtual_time,
-              .web = web,
-              .web_address = options.web_address},
-             std::move(experiment), [&](const Progress& progress) {
-               elapsed = progress.elapsed;
-               line->show(progress);
-             });
+  const Launched launched = launch({.file = options.file,
+                                    .out = options.out,
+                                    .programs = options.programs,
+                                    .set = options.set,
+                                    .virtual_time = options.virtual_time,
+                                    .web = web,
+                                    .web_address = options.web_address},
+                                   std::move(experiment), [&](const Progress& progress) {
+                                     elapsed = progress.elapsed;
+                                     line->show(progress);
+                                   });
 
   line.reset();
   const RunOutcome& outcome = launched.outcome;
@@ -94,7 +93,7 @@ ExitCode check(const fs::path& file, const std::vector<std::string>& set) {
     static_cast<void>(cameraInForce(experiment, file.parent_path()));
   }
   checkProjectorFile(experiment, file.parent_path());
-  static_cast<void>(lightInForce(experiment, file.parent_path()));
+  static_cast<void>(activeLightCalibration(experiment, file.parent_path()));
   checkScenes(experiment, file.parent_path());
   const auto length = [&](const ProgramSpec& program) {
     const analysis::ProgramLaw law =

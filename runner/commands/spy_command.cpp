@@ -7,13 +7,13 @@
 #include <lab/link_status_t.hpp>
 #include <map>
 
-#include "common/loop/asio_loop.hpp"
 #include "common/bus/channels.hpp"
 #include "common/bus/codec.hpp"
 #include "common/bus/fingerprints.hpp"
-#include "common/bus/message_header.hpp"
 #include "common/bus/lcm_bus.hpp"
+#include "common/bus/message_header.hpp"
 #include "common/bus/stream_counter.hpp"
+#include "common/loop/asio_loop.hpp"
 #include "common/math/units.hpp"
 #include "runner/commands/commands.hpp"
 #include "runner/runs/lab_registry.hpp"
@@ -59,8 +59,8 @@ class Spy {
     counter_.count(packet.channel, header->sender, header->instance, header->seq, header->utime);
     Heard& heard =
         heard_[{std::string(packet.channel), std::string(header->sender), header->instance}];
-    if (link_status_t status{}; packet.channel == channels::kLinkStatus &&
-                                decode(packet.data, status)) {
+    if (link_status_t status{};
+        packet.channel == channels::kLinkStatus && decode(packet.data, status)) {
       links_[status.host] = status;
     }
     heard.type = type;

@@ -8,10 +8,10 @@
 #include <memory>
 #include <utility>
 
-#include "common/loop/asio_loop.hpp"
 #include "common/bus/bus_error.hpp"
 #include "common/bus/channels.hpp"
 #include "common/bus/lcm_bus.hpp"
+#include "common/loop/asio_loop.hpp"
 #include "common/service/node.hpp"
 #include "common/service/stop_coordinator.hpp"
 #include "runner/commands/commands.hpp"
@@ -39,13 +39,13 @@ class StopRequest {
         bus_(lab_.url),
         node_(bus_, loop_, {"lab_stop", 0, seq_}) {
     if (clear_) {
-      desk_.release(node_.identity().name, "lab stop --clear", seq_, seq_);
+      stop_.release(node_.identity().name, "lab stop --clear", seq_, seq_);
     } else {
-      desk_.stop(node_.identity().name, "lab stop", seq_, seq_);
+      stop_.stop(node_.identity().name, "lab stop", seq_, seq_);
     }
     repeat();
     node_.subscribe<robot_status_t>(channels::kRobotStatus, [this](const robot_status_t& status) {
-      desk_.take(status, loop_.now());
+      stop_.take(status, loop_.now());
     });
     node_.subscribe<robot_stop_t>(channels::kRobotStop,
                                   [this](const robot_stop_t& stop) { take(stop); });
@@ -56,8 +56,8 @@ class StopRequest {
   bool attend() {
     if (finished_) return true;
     const std::int64_t waited = loop_.now() - seq_;
-    const bool answered = waited >= StopDesk::kMeetEveryRobot_us && desk_.confirmed();
-    if (answered || waited > StopDesk::kPatience_us || !overruled_by_.empty()) {
+    const bool answered = waited >= StopCoordinator::kDiscovery_us && stop_.confirmed();
+    if (answered || waited > StopCoordinator::kTimeout_us || !overruled_by_.empty()) {
       finish(tell());
       sayLastCounts();
     } else {
@@ -70,7 +70,7 @@ class StopRequest {
 
  private:
   void repeat() {
-    if (auto request = desk_.due(loop_.now())) {
+    if (auto request = stop_.due(loop_.now())) {
       node_.publishCommand(channels::kRobotStop, *request);
     }
   }
@@ -104,7 +104,7 @@ class StopRequest {
   void take(const robot_stop_t& stop) {
     const bool older = stop.seq <= seq_;
     if (older) return;
-    desk_.take(stop, loop_.now());
+    stop_.take(stop, loop_.now());
     if ((stop.clear != 0) == clear_) return;
     overruled_by_ = stop.sender + (stop.reason.empty() ? "" : " (" + stop.reason + ")");
   }
@@ -117,10 +117,10 @@ class StopRequest {
       return false;
     }
     std::string missing;
-    for (const std::int32_t id : desk_.unconfirmed()) {
+    for (const std::int32_t id : stop_.unconfirmed()) {
       missing += (missing.empty() ? "" : ", ") + std::to_string(id);
     }
-    if (desk_.total() == 0) {
+    if (stop_.total() == 0) {
       fmt::print("{}: no robot answers\n", lab_.name);
       return false;
     }
@@ -129,8 +129,8 @@ class StopRequest {
       return false;
     }
     fmt::print("{}: {} by {} robot{}\n", lab_.name,
-               clear_ ? "stop released, confirmed" : "stopped, confirmed", desk_.total(),
-               desk_.total() == 1 ? "" : "s");
+               clear_ ? "stop released, confirmed" : "stopped, confirmed", stop_.total(),
+               stop_.total() == 1 ? "" : "s");
     return true;
   }
 
@@ -143,7 +143,7 @@ class StopRequest {
   bool succeeded_ = false;
   LcmBus bus_;
   Node node_;
-  StopDesk desk_;
+  StopCoordinator stop_;
   std::unique_ptr<AsioLoop::Watch> bus_watch_;
 };
 

@@ -7,16 +7,16 @@
 #include <csignal>
 #include <fstream>
 
-#include "common/loop/asio_loop.hpp"
-#include "common/experiment/service_placement.hpp"
 #include "common/bus/lcm_bus.hpp"
-#include "runner/commands/commands.hpp"
-#include "runner/live/dashboard_process.hpp"
+#include "common/experiment/service_placement.hpp"
+#include "common/loop/asio_loop.hpp"
 #include "runner/command_line/exit_code.hpp"
-#include "runner/runs/lab_registry.hpp"
+#include "runner/commands/commands.hpp"
 #include "runner/doctor/machine.hpp"
-#include "runner/runs/network.hpp"
+#include "runner/live/dashboard_process.hpp"
 #include "runner/live/progress_line.hpp"
+#include "runner/runs/lab_registry.hpp"
+#include "runner/runs/network.hpp"
 
 namespace lab::runner {
 namespace fs = std::filesystem;
@@ -75,14 +75,14 @@ void showOutput(const fs::path& output) {
 
 ExitCode web(const WebOptions& options) {
   if (const auto problem = multicastProblem()) throw UserError(*problem);
-  const OwnFile output(".web.txt");
-  const OwnFile leads_there(".web.html");
+  const RegistryFile output(".web.txt");
+  const RegistryFile leads_there(".web.html");
   AsioLoop loop;
-  DashboardProcess page({.program = options.programs / kOnlooker,
+  DashboardProcess page({.program = options.programs / kObserverService,
                          .url = lcmUrl(choosePort(0)),
                          .runs = fs::absolute(options.runs),
                          .port = options.port,
-                         .address_file = ownFile(".web"),
+                         .address_file = registryFile(".web"),
                          .output = output.path()});
   const auto say = [](const std::string& what) { printLine("web      " + what); };
   bool opened = !options.open;
@@ -90,7 +90,7 @@ ExitCode web(const WebOptions& options) {
   page.start(say);
   loop.onSignals({SIGINT, SIGTERM, SIGHUP}, [&loop](int) { loop.stop(); });
   loop.every(kLookAfterWeb_us, loop.now(), [&] {
-    page.lookAfter(say);
+    page.supervise(say);
     lookAfterOpener(opener);
     if (page.givenUp()) loop.stop();
     if (opened || page.address().empty()) return;

@@ -70,7 +70,7 @@ Finding part(bool found, const std::string& name, const std::string& consequence
              const std::string& build) {
   if (found) return {Level::kOk, name + " is there", ""};
   return {Level::kWarning, name + " is not there: " + consequence,
-          installation().wayTo(name, build)};
+          installation().installHint(name, build)};
 }
 
 Finding clockState(const MachineFacts& facts) {
@@ -84,7 +84,8 @@ Finding clockState(const MachineFacts& facts) {
 Finding processors(const MachineFacts& facts) {
   const std::string what = std::to_string(facts.cpus) + (facts.cpus == 1 ? " CPU" : " CPUs");
   if (facts.cpus != 1) return {Level::kOk, what, ""};
-  return {Level::kWarning, what + ": a lab in real time may run late", installation().command + " run --virtual-time"};
+  return {Level::kWarning, what + ": a lab in real time may run late",
+          installation().command + " run --virtual-time"};
 }
 
 Finding ports(const MachineFacts& facts) {

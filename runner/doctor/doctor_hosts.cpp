@@ -38,8 +38,8 @@ Finding findingOf(const RemoteHost& host) {
 std::vector<Finding> examineHosts(const Experiment& experiment) {
   std::vector<std::unique_ptr<RemoteHost>> hosts;
   for (const std::string& name : hostsInUse(experiment)) {
-    hosts.push_back(std::make_unique<RemoteHost>(hostSpec(experiment, name),
-                                                 experiment.link.max_clock_offset));
+    hosts.push_back(
+        std::make_unique<RemoteHost>(hostSpec(experiment, name), experiment.link.max_clock_offset));
     hosts.back()->call();
   }
   const auto deadline = Steady::now() + kHostsPatience;

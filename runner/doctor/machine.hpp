@@ -64,14 +64,14 @@ struct MachineFacts {
   std::optional<bool> clock_disciplined;  ///< by NTP or the like; nothing: the system does not say
   unsigned cpus = 0;
   bool has_ssh = false;
-  bool has_gateway = false;   ///< dds_gateway, beside this program
-  bool has_emulator = false;  ///< robot_emulator, likewise
+  bool has_gateway = false;          ///< dds_gateway, beside this program
+  bool has_emulator = false;         ///< robot_emulator, likewise
   std::optional<int> fragment_time;  ///< [s] a message that lacks a fragment keeps its place
   int serial_lines = 0;              ///< plugged in
   std::vector<std::string> closed_serial_lines;  ///< of these, those we may not use
   int cameras = 0;
   std::vector<std::string> closed_cameras;
-  bool has_display = false;          ///< X11 or Wayland, in this session
+  bool has_display = false;  ///< X11 or Wayland, in this session
 };
 
 /// Device files of these patterns (as /dev/video*), and those of them that we may not read and

@@ -27,8 +27,8 @@ calibration::SpacingSettings wholeFilm(const CameraCalibration& calibration) {
 
 }  // namespace
 
-void tellFilm(const tracker::FilmSummary& film, const CameraCalibration& calibration,
-              std::int64_t dropped, double seconds) {
+void printFilmSummary(const tracker::FilmSummary& film, const CameraCalibration& calibration,
+                      std::int64_t dropped, double seconds) {
   fmt::print(
       "{} frames ({} dropped), {} to {} robots in each, {} tracks, {} poses ({} degraded), "
       "mean confidence {:.2f}, {:.0f} frames a second",
@@ -58,8 +58,8 @@ CalibrationVerdict::CalibrationVerdict(const CameraCalibration& calibration)
 void CalibrationVerdict::add(const tracker::FilmRow& row) {
   const detector::Detection& pose = row.pose;
   tracker::addSpacing(spacing_, row.time, pose, calibration_.cap.spacing());
-  const double out = std::max({-pose.x, pose.x - calibration_.arena_width, -pose.y,
-                               pose.y - calibration_.arena_height});
+  const double out = std::max(
+      {-pose.x, pose.x - calibration_.arena_width, -pose.y, pose.y - calibration_.arena_height});
   if (out <= calibration_.cap.robot_radius) return;
   ++beyond_;
   farthest_ = std::max(farthest_, out);

@@ -3,16 +3,16 @@
 
 #include <cstdint>
 
-#include "tracker_svc/calibration/spacing_check.hpp"
 #include "common/calibration/camera_file.hpp"
+#include "tracker_svc/calibration/spacing_check.hpp"
 #include "tracker_svc/film_tracking.hpp"
 
 namespace lab::runner {
 
 /// Prints one line of what was found, and notes of what was left out.
 /// @param seconds that it took
-void tellFilm(const tracker::FilmSummary& film, const CameraCalibration& calibration,
-              std::int64_t dropped, double seconds);
+void printFilmSummary(const tracker::FilmSummary& film, const CameraCalibration& calibration,
+                      std::int64_t dropped, double seconds);
 
 /// What the poses themselves say against the calibration.
 class CalibrationVerdict {

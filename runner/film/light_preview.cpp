@@ -9,8 +9,8 @@
 #include <optional>
 
 #include "light/field/raster.hpp"
-#include "sim_svc/placement.hpp"
 #include "light/optics/canvas.hpp"
+#include "sim_svc/placement.hpp"
 
 namespace lab::runner {
 namespace {
@@ -47,9 +47,9 @@ double spanOf(const LayerSpec& layer) {
 }
 
 /// Where the simulator would begin.
-projector::SeenFrame startOf(const Experiment& experiment) {
+projector::ObservedFrame startOf(const Experiment& experiment) {
   std::vector<sim::Place> places;
-  projector::SeenFrame frame;
+  projector::ObservedFrame frame;
   for (const RobotSpec& robot : experiment.robots) {
     std::optional<dynamics::Pose> pose;
     if (robot.start) pose = dynamics::Pose{robot.start->x, robot.start->y, robot.start->theta};
@@ -73,16 +73,16 @@ projector::SeenFrame startOf(const Experiment& experiment) {
 
 LightPreview::LightPreview(const Experiment& experiment, const ExperimentImages& images)
     : experiment_(experiment), standing_(startOf(experiment)) {
-  surroundings_.arena_width = experiment.arena_width;
-  surroundings_.arena_height = experiment.arena_height;
-  for (const RobotSpec& robot : experiment.robots) surroundings_.robots.push_back(robot.id);
-  surroundings_.images = images.store;
+  scene_context_.arena_width = experiment.arena_width;
+  scene_context_.arena_height = experiment.arena_height;
+  for (const RobotSpec& robot : experiment.robots) scene_context_.robots.push_back(robot.id);
+  scene_context_.images = images.store;
   for (const LightStep& step : experiment.light.steps) {
     std::vector<light::DrivenLayer> layers = toDrivenLayers(step.layers, images);
     for (light::DrivenLayer& layer : layers) {
       if (layer.drive.gate == light::Gate::kProgram) layer.drive.gate = light::Gate::kOpen;
     }
-    steps_.push_back({projector::Scene(std::move(layers), kStart_utime, surroundings_)});
+    steps_.push_back({projector::Scene(std::move(layers), kStart_utime, scene_context_)});
   }
 }
 
@@ -145,7 +145,7 @@ void LightPreview::mark(tracker::RgbImage& image, int top) const {
   };
   const double radius = experiment_.hardware.diameter / 2;
   constexpr int kSides = 24;
-  for (const projector::SeenRobot& robot : standing_.robots) {
+  for (const projector::ObservedRobot& robot : standing_.robots) {
     const auto rim = [&](double angle) {
       return pixel(robot.x + radius * std::cos(angle), robot.y + radius * std::sin(angle));
     };
@@ -160,7 +160,7 @@ void LightPreview::mark(tracker::RgbImage& image, int top) const {
 tracker::RgbImage LightPreview::picture(std::size_t step, double time, int width) {
   const double aspect = experiment_.arena_height / experiment_.arena_width;
   const int height = std::max(1, static_cast<int>(std::lround(width * aspect)));
-  const int top = tracker::kLetterHeight + 2 * kMargin;
+  const int top = tracker::kGlyphHeight + 2 * kMargin;
   const std::vector<std::uint8_t> grey = light::toGrey(light::rasterise(
       field(step, time), experiment_.arena_width, experiment_.arena_height, width, height));
   tracker::RgbImage image(width, height + top);

@@ -6,8 +6,8 @@
 
 #include "common/experiment/experiment.hpp"
 #include "common/experiment/light_messages.hpp"
-#include "projector_ctl/scene.hpp"
 #include "light/optics/rgb_image.hpp"
+#include "projector_ctl/scene.hpp"
 
 namespace lab::runner {
 
@@ -51,8 +51,8 @@ class LightPreview {
   void mark(tracker::RgbImage& image, int top) const;
 
   const Experiment& experiment_;
-  projector::Surroundings surroundings_;
-  projector::SeenFrame standing_;
+  projector::SceneContext scene_context_;
+  projector::ObservedFrame standing_;
   std::vector<Step> steps_;
 };
 

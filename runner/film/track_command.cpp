@@ -11,17 +11,17 @@
 #include <string>
 #include <utility>
 
-#include "tracker_svc/film_reader.hpp"
 #include "common/calibration/camera_file.hpp"
 #include "common/experiment/experiment_file.hpp"
 #include "common/math/units.hpp"
-#include "tracker_svc/response_finder.hpp"
+#include "runner/command_line/progress_bar.hpp"
 #include "runner/commands/commands.hpp"
 #include "runner/film/film_overlay.hpp"
-#include "runner/command_line/progress_bar.hpp"
 #include "runner/film/film_verdict.hpp"
 #include "runner/film/named_files.hpp"
+#include "tracker_svc/film_reader.hpp"
 #include "tracker_svc/film_tracking.hpp"
+#include "tracker_svc/response_finder.hpp"
 
 namespace lab::runner {
 namespace {
@@ -142,8 +142,8 @@ void checkSize(const TrackOptions& options, const CameraCalibration& calibration
       mark.empty() ? "" : fmt::format(" (as they are stored; players turn them, by {})", mark),
       camera.width, camera.height, options.calibration.string(),
       shrinks ? fmt::format(", or convert the film: ffmpeg -i FILM -vf scale={}:{} ...",
-                               camera.width, camera.height)
-                 : ""));
+                            camera.width, camera.height)
+              : ""));
 }
 
 tracker::TrackerSettings trackerSettings(const CameraCalibration& calibration) {
@@ -151,7 +151,7 @@ tracker::TrackerSettings trackerSettings(const CameraCalibration& calibration) {
   settings.arena_width = calibration.arena_width;
   settings.arena_height = calibration.arena_height;
   settings.robot_radius = calibration.cap.robot_radius;
-  settings.strangers = true;
+  settings.caps_may_be_replaced = true;
   return settings;
 }
 
@@ -191,7 +191,7 @@ class Film {
     std::string problem;
     double seconds = 0;
     {
-      FilmProgress progress(reader_.length());
+      ProgressBar progress(reader_.length());
       try {
         CameraFrame frame;
         for (std::int64_t i = 0; tracking_interrupted == 0 && reader_.next(frame); ++i) {
@@ -210,7 +210,7 @@ class Film {
     }
     poses_.finish();
     draw([&] { overlay_->finish(); });
-    tellFilm(tracking_.summary(), calibration_, reader_.dropped(), seconds);
+    printFilmSummary(tracking_.summary(), calibration_, reader_.dropped(), seconds);
     verdict_.tell(tracking_.summary());
     if (!(reader_.format().fps > 0) && tracking_.summary().frames > 1) {
       fmt::print(
@@ -305,8 +305,8 @@ class Film {
   detector::Detector detector_;
   detector::ResponseFinder response_;
   bool finds_response_;
-  double gamma_ = 1;                        ///< that is believed
-  std::optional<std::int64_t> told_from_;   ///< frame; those before were read with another one
+  double gamma_ = 1;                       ///< that is believed
+  std::optional<std::int64_t> told_from_;  ///< frame; those before were read with another one
   tracker::CapTracker caps_;
   tracker::FilmTracking tracking_;
   CalibrationVerdict verdict_;
@@ -324,9 +324,9 @@ ExitCode track(const TrackOptions& options) {
   const CameraCalibration calibration = readCameraFile(options.calibration);
   const std::unique_ptr<FilmReader> reader = openFilm(options.source, options.fps);
   if (const std::string table = reader->table(); options.fps > 0 && !table.empty()) {
-    throw UserError(fmt::format(
-        "{}: found --fps beside the times of {}, expected one of them: leave out --fps",
-        options.source, table));
+    throw UserError(
+        fmt::format("{}: found --fps beside the times of {}, expected one of them: leave out --fps",
+                    options.source, table));
   }
   const CameraFormat format = reader->format();
   if (format.width > 0) checkSize(options, calibration, *reader, format.width, format.height);

@@ -25,7 +25,7 @@ constexpr int kNewcomerPatience_ms = 10000;  // its services end one after the o
 
 }  // namespace
 
-OnlyAgent::OnlyAgent(const std::string& name)
+AgentLock::AgentLock(const std::string& name)
     : file_(registryDirectory() / ("agent-" + name + ".lock")) {
   open();
   for (int waited = 0; !holds(); waited += kNewcomerStep_ms) {
@@ -48,19 +48,19 @@ OnlyAgent::OnlyAgent(const std::string& name)
   }
 }
 
-OnlyAgent::~OnlyAgent() {
+AgentLock::~AgentLock() {
   std::error_code error;
   fs::remove(file_, error);
   close(descriptor_);
 }
 
-void OnlyAgent::open() {
+void AgentLock::open() {
   close(std::exchange(descriptor_, ::open(file_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600)));
   if (descriptor_ < 0) throw UserError("cannot write " + file_.string());
 }
 
 /// Whoever held the file removes it at the end: a lock on what is no longer there binds nobody.
-bool OnlyAgent::holds() const {
+bool AgentLock::holds() const {
   if (flock(descriptor_, LOCK_EX | LOCK_NB) != 0) return false;
   struct stat locked {};
   struct stat there {};
@@ -68,7 +68,7 @@ bool OnlyAgent::holds() const {
          locked.st_dev == there.st_dev && locked.st_ino == there.st_ino;
 }
 
-pid_t OnlyAgent::holder() const {
+pid_t AgentLock::holder() const {
   std::array<char, 16> text{};
   if (pread(descriptor_, text.data(), text.size() - 1, 0) <= 0) return 0;
   return std::atoi(text.data());

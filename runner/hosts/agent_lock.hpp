@@ -11,14 +11,14 @@ namespace lab::runner {
 /// One agent for each host of a run: one whose connection is lost does not know it yet when the
 /// runner calls again, and still drives the robots. The newcomer ends it (SIGTERM, after a while
 /// SIGKILL) and waits until it is gone; of several newcomers one drives at a time.
-class OnlyAgent {
+class AgentLock {
  public:
   /// @param name of run and host
   /// @throws UserError when the other does not end, or the lock cannot be written.
-  explicit OnlyAgent(const std::string& name);
-  ~OnlyAgent();
-  OnlyAgent(const OnlyAgent&) = delete;
-  OnlyAgent& operator=(const OnlyAgent&) = delete;
+  explicit AgentLock(const std::string& name);
+  ~AgentLock();
+  AgentLock(const AgentLock&) = delete;
+  AgentLock& operator=(const AgentLock&) = delete;
 
  private:
   void open();

@@ -18,21 +18,21 @@
 #include <thread>
 #include <vector>
 
-#include "common/loop/asio_loop.hpp"
 #include "common/bus/channels.hpp"
 #include "common/bus/codec.hpp"
-#include "common/process/installation.hpp"
 #include "common/bus/lcm_bus.hpp"
-#include "runner/live/child_process.hpp"
+#include "common/loop/asio_loop.hpp"
+#include "common/loop/wall_clock.hpp"
+#include "common/process/installation.hpp"
 #include "runner/command_line/exit_code.hpp"
+#include "runner/doctor/machine.hpp"
+#include "runner/hosts/agent_lock.hpp"
 #include "runner/hosts/host_contract.hpp"
 #include "runner/hosts/json_lines.hpp"
+#include "runner/live/child_process.hpp"
 #include "runner/runs/lab_registry.hpp"
-#include "runner/doctor/machine.hpp"
 #include "runner/runs/network.hpp"
-#include "runner/hosts/agent_lock.hpp"
 #include "runner/runs/run_directory.hpp"
-#include "common/loop/wall_clock.hpp"
 
 namespace lab::runner {
 namespace fs = std::filesystem;
@@ -106,7 +106,7 @@ class Agent {
     loop_.onSignals({SIGINT, SIGTERM, SIGHUP}, [this](int) { loop_.stop(); });
     loop_.onReadable(STDIN_FILENO, [this] { listen(); });
     loop_.every(kAgentTick_us, loop_.now(), [this] { look(); });
-    loop_.every(kHostBeat_ms * 1000, loop_.now(), [this] {
+    loop_.every(kHostHeartbeat_ms * 1000, loop_.now(), [this] {
       lines_.send({{"say", "alive"}, {"utime", wallClock()}});
     });
     loop_.run();
@@ -207,7 +207,7 @@ class Agent {
     const fs::path program = programs_ / name;
     if (access(program.c_str(), X_OK) != 0) {
       throw UserError(program.string() + " is not there: " +
-                      installation().wayTo(name, "build the lab there (./lab --version)"));
+                      installation().installHint(name, "build the lab there (./lab --version)"));
     }
     std::vector<std::string> arguments{
         program.string(), "--experiment",
@@ -302,7 +302,7 @@ class Agent {
   const HostFolder& folder_;
   AsioLoop loop_;
   JsonLines lines_;
-  std::optional<OnlyAgent> only_;
+  std::optional<AgentLock> only_;
   std::optional<PortLock> lock_;
   std::string url_;
   std::unique_ptr<LcmBus> bus_;

@@ -6,7 +6,7 @@
 namespace lab::runner {
 
 /// How often either side says that it is there.
-inline constexpr int kHostBeat_ms = 200;
+inline constexpr int kHostHeartbeat_ms = 200;
 
 /// Obeys the JSON lines on standard input, and answers on standard output, until it is told to
 /// stop, its input ends, or it has heard nothing for long. Nothing of it is left then: no process,
@@ -20,7 +20,7 @@ inline constexpr int kHostBeat_ms = 200;
 ///   {"do": "start", "service", "experiment", "uses_ports", "arguments"}   {"say": "started",
 ///   "service"}
 ///   {"do": "end", "service"}          SIGTERM; {"do": "kill", ...} SIGKILL
-///   {"do": "alive"}                   {"say": "alive", "utime"} both all kHostBeat_ms
+///   {"do": "alive"}                   {"say": "alive", "utime"} both all kHostHeartbeat_ms
 ///   {"do": "stop"}                    all of it ends; {"say": "left"}
 ///                       {"say": "line", "service", "text"}   what a service prints
 ///                       {"say": "ready", "service"}

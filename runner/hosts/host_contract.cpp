@@ -11,11 +11,11 @@
 #include <sstream>
 
 #include "common/bus/fingerprints.hpp"
-#include "common/process/installation.hpp"
 #include "common/math/units.hpp"
+#include "common/process/installation.hpp"
 #include "common/process/version.hpp"
-#include "runner/doctor/machine.hpp"
 #include "runner/command_line/revision.hpp"
+#include "runner/doctor/machine.hpp"
 
 namespace lab::runner {
 namespace {
@@ -109,7 +109,7 @@ std::string refusal(const HostSpec& host, const HostHello& here, const HostHello
       "to the same (ssh {}, then {}), or name the folder of the right programs there: "
       "hosts.{}.programs",
       host.name, difference, versionText(there), versionText(here), host.ssh,
-      installation().wayTo("lab", "git pull and ./lab --version in its folder"), host.name);
+      installation().installHint("lab", "git pull and ./lab --version in its folder"), host.name);
 }
 
 void ClockMeasurement::add(std::int64_t asked, std::int64_t there, std::int64_t answered) {
@@ -142,7 +142,7 @@ std::string sshTrouble(const HostSpec& host, const std::string& said, const std:
     const char* words;
     std::string meaning;
   };
-  const std::string programs = installation().wayTo(
+  const std::string programs = installation().installHint(
       "lab", "build it there (./lab --version in its folder) and set hosts." + host.name +
                  ".programs = \"FOLDER/build/release/bin\"");
   const std::vector<Known> all = {

@@ -67,8 +67,7 @@ void JsonLines::receive(const std::function<void(const nlohmann::json&)>& take,
   in_.erase(0, lines.size());
   if (in_.size() > kLongestLine) in_.clear();
   std::size_t begin = 0;
-  for (std::size_t end = 0; (end = lines.find('\n', begin)) != std::string::npos;
-       begin = end + 1) {
+  for (std::size_t end = 0; (end = lines.find('\n', begin)) != std::string::npos; begin = end + 1) {
     const std::string line = lines.substr(begin, end - begin);
     const auto json = nlohmann::json::parse(line, nullptr, false);
     if (!json.is_object()) {

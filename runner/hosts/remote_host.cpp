@@ -12,10 +12,10 @@
 #include <thread>
 
 #include "common/experiment/service_placement.hpp"
-#include "runner/command_line/exit_code.hpp"
-#include "runner/hosts/host_agent.hpp"
-#include "runner/doctor/machine.hpp"
 #include "common/loop/wall_clock.hpp"
+#include "runner/command_line/exit_code.hpp"
+#include "runner/doctor/machine.hpp"
+#include "runner/hosts/host_agent.hpp"
 
 namespace lab::runner {
 namespace fs = std::filesystem;
@@ -164,7 +164,7 @@ void RemoteHost::attend() {
   lines_->receive([this](const Json& said) { take(said); }, [](const std::string&) {});
   if (!lines_) return;
   const auto now = Steady::now();
-  if (now - spoke_ >= milliseconds(kHostBeat_ms) && state_ != State::kRefused) {
+  if (now - spoke_ >= milliseconds(kHostHeartbeat_ms) && state_ != State::kRefused) {
     spoke_ = now;
     if (lines_->waiting() < kMostBytesWaiting) lines_->send({{"do", "alive"}});
   }
@@ -225,7 +225,7 @@ void RemoteHost::measure(const Json& pong) {
   if (state_ == State::kMet) ++meeting_;
 }
 
-void RemoteHost::begin(const Beginning& beginning) {
+void RemoteHost::begin(const RunSetup& beginning) {
   state_ = State::kBeginning;
   logs_ = beginning.logs;
   if (!logs_.empty()) fs::create_directories(logs_);

@@ -12,10 +12,10 @@
 #include <string>
 #include <vector>
 
-#include "runner/live/child_process.hpp"
 #include "runner/hosts/host_contract.hpp"
 #include "runner/hosts/host_files.hpp"
 #include "runner/hosts/json_lines.hpp"
+#include "runner/live/child_process.hpp"
 
 namespace lab::runner {
 
@@ -56,15 +56,15 @@ class RemoteHost {
   /// [s] since the last sign of life over ssh.
   [[nodiscard]] double silentFor() const;
 
-  struct Beginning {
-    std::string name;                 ///< of the run
-    int port = 0;                     ///< of the bus, 0: a free one
+  struct RunSetup {
+    std::string name;  ///< of the run
+    int port = 0;      ///< of the bus, 0: a free one
     int ttl = 0;
-    double patience = 60;             ///< [s] it stays without us
-    std::filesystem::path logs;       ///< what its services print goes to NAME.txt there
+    double patience = 60;        ///< [s] it stays without us
+    std::filesystem::path logs;  ///< what its services print goes to NAME.txt there
     std::vector<HostFile> files;
   };
-  void begin(const Beginning& beginning);
+  void begin(const RunSetup& beginning);
 
   /// One file more, in order with all that is sent. @throws UserError when it cannot be read.
   void send(const HostFile& file);

@@ -137,8 +137,8 @@ std::vector<std::string> RemoteHosts::linkArguments(const std::string& host) con
   return arguments;
 }
 
-RemoteHost::Beginning RemoteHosts::beginningOf(const RemoteHost& host) const {
-  RemoteHost::Beginning beginning;
+RemoteHost::RunSetup RemoteHosts::runSetupFor(const RemoteHost& host) const {
+  RemoteHost::RunSetup beginning;
   const std::string& name = host.spec().name;
   beginning.name = lab_;
   beginning.port = gateways_ ? 0 : port_;
@@ -159,7 +159,7 @@ void RemoteHosts::begin(const PreparedRun& run, const std::string& lab,
   lab_ = lab;
   logs_ = logs;
   port_ = port;
-  for (auto& [name, host] : known_) host.remote->begin(beginningOf(*host.remote));
+  for (auto& [name, host] : known_) host.remote->begin(runSetupFor(*host.remote));
   waitFor(RemoteHost::State::kBegun, "did not take the run's files");
   for (auto& [name, host] : known_) {
     host.heard = Steady::now();
@@ -269,7 +269,7 @@ void RemoteHosts::callAgain(Known& host) {
   RemoteHost& remote = *host.remote;
   const auto now = Steady::now();
   if (remote.state() == RemoteHost::State::kMet) {
-    remote.begin(beginningOf(remote));
+    remote.begin(runSetupFor(remote));
     host.called = now;
   } else if (remote.state() == RemoteHost::State::kGone &&
              (!host.called || now - *host.called > kCallEvery)) {

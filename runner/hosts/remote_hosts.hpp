@@ -60,10 +60,10 @@ class RemoteHosts {
   using Time = std::chrono::steady_clock::time_point;
   struct Known {
     std::unique_ptr<RemoteHost> remote;
-    Time heard;                    ///< the last time that all was well
-    bool silent = false;           ///< and said so
-    std::optional<Time> back;      ///< since when a silent one is heard again
-    std::optional<Time> called;    ///< the last attempt to reach it anew
+    Time heard;                  ///< the last time that all was well
+    bool silent = false;         ///< and said so
+    std::optional<Time> back;    ///< since when a silent one is heard again
+    std::optional<Time> called;  ///< the last attempt to reach it anew
   };
 
   void waitFor(RemoteHost::State state, const char* what);
@@ -72,7 +72,7 @@ class RemoteHosts {
   [[nodiscard]] std::string notHeard() const;
   void callAgain(Known& host);
   void findAddresses();
-  [[nodiscard]] RemoteHost::Beginning beginningOf(const RemoteHost& host) const;
+  [[nodiscard]] RemoteHost::RunSetup runSetupFor(const RemoteHost& host) const;
 
   Experiment experiment_;
   bool gateways_;

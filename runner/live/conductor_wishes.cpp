@@ -6,16 +6,16 @@
 #include "common/math/units.hpp"
 #include "runner/live/experiment_controller.hpp"
 
-/// The conductor's part of EXPERIMENT_COMMAND and EXPERIMENT_STATUS.
+/// The controller's part of EXPERIMENT_COMMAND and EXPERIMENT_STATUS.
 namespace lab::runner {
 
-void Conductor::take(const experiment_command_t& wish) {
+void ExperimentController::take(const experiment_command_t& wish) {
   if (phase_ == Phase::kIdle) return;
   wishes_.take(wish);
   sendStatus();
 }
 
-std::string Conductor::obey(const experiment_command_t& wish) {
+std::string ExperimentController::obey(const experiment_command_t& wish) {
   if (phase_ == Phase::kConcluded) return "the run is over";
   switch (wish.action) {
     case experiment_command_t::PAUSE:
@@ -38,15 +38,15 @@ std::string Conductor::obey(const experiment_command_t& wish) {
 }
 
 /// A run that is ending because a condition was not met stays one, however soon it ends.
-void Conductor::end(const std::string& why) {
+void ExperimentController::end(const std::string& why) {
   if (phase_ == Phase::kLeaving) {
     over_(Ending::kUnmet, leaving_because_ + "; " + why);
   } else {
-    over_(Ending::kWished, why);
+    over_(Ending::kRequested, why);
   }
 }
 
-std::string Conductor::pauseScript(const std::string& who) {
+std::string ExperimentController::pauseScript(const std::string& who) {
   if (phase_ == Phase::kLeaving) return "the script is over";
   if (phase_ != Phase::kScript) return "the script has not begun";
   if (light_.script().paused()) return "the script is paused already";
@@ -56,7 +56,7 @@ std::string Conductor::pauseScript(const std::string& who) {
   return {};
 }
 
-std::string Conductor::resumeScript(const std::string& who) {
+std::string ExperimentController::resumeScript(const std::string& who) {
   if (phase_ != Phase::kScript || !light_.script().paused()) return "the script is not paused";
   mark(fmt::format("script resumed by {} after {:.1f} s", who,
                    units::seconds(loop_.now() - paused_utime_)));
@@ -64,7 +64,7 @@ std::string Conductor::resumeScript(const std::string& who) {
   return {};
 }
 
-experiment_status_t Conductor::status() const {
+experiment_status_t ExperimentController::status() const {
   const Progress now = progress();
   experiment_status_t status{};
   // Two virtual runs of one seed are equal to the bit; their folders are not.
@@ -89,14 +89,14 @@ experiment_status_t Conductor::status() const {
   status.rate = 1;
   status.step = in_script ? light_.script().number() : -1;
   status.label = now.light;
-  status.step_left = in_script ? light_.script().stepLeft(loop_.now())
-                               : std::numeric_limits<double>::quiet_NaN();
+  status.step_left =
+      in_script ? light_.script().stepLeft(loop_.now()) : std::numeric_limits<double>::quiet_NaN();
   status.stop = now.stop;
   wishes_.write(status);
   return status;
 }
 
-void Conductor::sendStatus() {
+void ExperimentController::sendStatus() {
   if (phase_ == Phase::kIdle) return;
   experiment_status_t message = status();
   node_.publish(channels::kExperimentStatus, message);

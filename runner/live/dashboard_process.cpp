@@ -27,8 +27,8 @@ void writePrivately(const fs::path& path, const std::string& text) {
   std::error_code error;
   fs::remove(path, error);  // a file that others may read stays readable
   const int file = open(path.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0600);
-  const bool written = file >= 0 && write(file, text.data(), text.size()) ==
-                                        static_cast<ssize_t>(text.size());
+  const bool written =
+      file >= 0 && write(file, text.data(), text.size()) == static_cast<ssize_t>(text.size());
   if (file >= 0) close(file);
   if (!written) fmt::print(stderr, "lab: cannot write the page's address to {}\n", path.string());
 }
@@ -38,7 +38,7 @@ void DashboardProcess::start(const Say& say) {
   fs::remove(options_.address_file, error);
   if (!fs::exists(options_.program, error)) {
     giveUp(fmt::format("{} is not there: {}", options_.program.string(),
-                       installation().wayTo(std::string(kOnlooker), kBuild)),
+                       installation().installHint(std::string(kObserverService), kBuild)),
            say);
     return;
   }
@@ -72,7 +72,7 @@ void DashboardProcess::giveUp(const std::string& why, const Say& say) {
   say(fmt::format("there is no page in a browser: {}; everything else goes on", why));
 }
 
-void DashboardProcess::lookAfter(const Say& say) {
+void DashboardProcess::supervise(const Say& say) {
   if (!process_) return;
   findAddress();
   if (process_->running()) return;
@@ -116,8 +116,9 @@ void DashboardProcess::end() {
 
 bool wantsDashboard(std::optional<bool> asked, bool virtual_time, const char* ci) {
   if (asked.value_or(false) && virtual_time) {
-    throw UserError("--web: a run in virtual time has no page in a browser; leave out --web or "
-                    "--virtual-time");
+    throw UserError(
+        "--web: a run in virtual time has no page in a browser; leave out --web or "
+        "--virtual-time");
   }
   if (asked || virtual_time) return asked.value_or(false);
   return ci == nullptr || *ci == '\0';

@@ -14,14 +14,14 @@
 namespace lab::runner {
 
 struct DashboardOptions {
-  std::filesystem::path program;       ///< the dashboard
-  std::string url;                     ///< of the bus
-  std::filesystem::path experiment{};  ///< its file, empty: none is known
-  std::filesystem::path runs;          ///< folder of past runs
-  int port = 0;                        ///< the first one tried, 0: as the experiment says
-  std::filesystem::path address_file;  ///< for the user's eyes only, removed at the end
+  std::filesystem::path program;         ///< the dashboard
+  std::string url;                       ///< of the bus
+  std::filesystem::path experiment{};    ///< its file, empty: none is known
+  std::filesystem::path runs;            ///< folder of past runs
+  int port = 0;                          ///< the first one tried, 0: as the experiment says
+  std::filesystem::path address_file;    ///< for the user's eyes only, removed at the end
   std::filesystem::path address_copy{};  ///< where else the address is written, empty: nowhere
-  std::filesystem::path output;        ///< file for what it prints
+  std::filesystem::path output;          ///< file for what it prints
 };
 
 /// Starts the dashboard, says where it is, starts it again on the same address when it dies, and
@@ -43,7 +43,7 @@ class DashboardProcess {
   /// To be called again and again: prints the address when it is known and when it is another one,
   /// restarts what has died.
   /// @param say called for each death
-  void lookAfter(const Say& say);
+  void supervise(const Say& say);
 
   /// With the token; empty: not known yet.
   [[nodiscard]] const std::string& address() const { return address_; }

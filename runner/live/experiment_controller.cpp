@@ -4,12 +4,12 @@
 #include <utility>
 
 #include "common/bus/channels.hpp"
-#include "common/experiment/experiment_messages.hpp"
-#include "common/experiment/service_placement.hpp"
 #include "common/bus/fingerprints.hpp"
-#include "common/files/json_section.hpp"
 #include "common/calibration/light_file.hpp"
+#include "common/experiment/experiment_messages.hpp"
 #include "common/experiment/script_plan.hpp"
+#include "common/experiment/service_placement.hpp"
+#include "common/files/json_section.hpp"
 #include "common/math/units.hpp"
 #include "common/process/version.hpp"
 
@@ -41,15 +41,15 @@ std::string ownerName(const std::string& sender, std::int64_t instance) {
 
 }  // namespace
 
-Conductor::Conductor(const ServiceContext& context, std::string effective,
-                     std::function<void(Ending, const std::string&)> over)
+ExperimentController::ExperimentController(const ServiceContext& context, std::string effective,
+                                           std::function<void(Ending, const std::string&)> over)
     : node_(context.node),
       loop_(context.loop),
       experiment_(context.experiment),
       run_(context.directory.filename().string()),
       effective_(std::move(effective)),
       over_(std::move(over)),
-      wishes_([this](const experiment_command_t& wish) { return obey(wish); }),
+      request_log_([this](const experiment_command_t& wish) { return obey(wish); }),
       robots_(lightTableCommand(context.experiment)),
       handshake_(context.experiment),
       light_(context.node, context.loop, context.experiment, context.directory,
@@ -62,11 +62,11 @@ Conductor::Conductor(const ServiceContext& context, std::string effective,
                     return !robots_.orders.empty() &&
                            robots_.orders.front().mode == robot_order_t::TABLE;
                   },
-              .end = [this](const Turn& turn) { endScript(turn); }}),
+              .end = [this](const ScriptTransition& turn) { endScript(turn); }}),
       stop_rules_(context.experiment) {
   // The experiment's bands are light on the arena; robots compare what their sensors read.
-  if (const auto calibration = lightInForce(experiment_, context.directory)) {
-    robots_ = inReadings(robots_, *calibration);
+  if (const auto calibration = activeLightCalibration(experiment_, context.directory)) {
+    robots_ = withCalibratedBands(robots_, *calibration);
     light_calibration_ =
         readFileText((context.directory / experiment_.projector.light_calibration).string());
   }
@@ -88,7 +88,7 @@ Conductor::Conductor(const ServiceContext& context, std::string effective,
   }
 }
 
-void Conductor::begin() {
+void ExperimentController::begin() {
   const std::int64_t now = loop_.now();
   announceStart();
   loop_.every(kStartEvery_us, now + kStartEvery_us, [this] {
@@ -108,7 +108,7 @@ void Conductor::begin() {
   loop_.every(kStatusPeriod_us, now, [this] { sendStatus(); });
 }
 
-void Conductor::shakeHands() {
+void ExperimentController::shakeHands() {
   if (phase_ != Phase::kHandshake) return;
   const bool another =
       handshake_.advance(loop_.now(), [this](std::int32_t id) { return isObeyedBy(id); });
@@ -123,7 +123,7 @@ void Conductor::shakeHands() {
 }
 
 /// No robot is to see the light of the handshake with a light table in its hands.
-void Conductor::dim() {
+void ExperimentController::dim() {
   phase_ = Phase::kDimming;
   command(standCommand(experiment_));
   light_.showEverywhere(experiment_.light.safe_intensity, "after the handshake");
@@ -132,7 +132,7 @@ void Conductor::dim() {
   });
 }
 
-void Conductor::lightShown() {
+void ExperimentController::lightShown() {
   if (phase_ == Phase::kDimming) askRobots();
   if (phase_ == Phase::kLeaving) {
     safe_light_ = true;
@@ -140,7 +140,7 @@ void Conductor::lightShown() {
   }
 }
 
-void Conductor::askRobots() {
+void ExperimentController::askRobots() {
   const bool after = phase_ == Phase::kDimming;
   phase_ = Phase::kAskingRobots;
   if (after) {
@@ -160,7 +160,7 @@ void Conductor::askRobots() {
   });
 }
 
-void Conductor::announceStart() {
+void ExperimentController::announceStart() {
   experiment_event_t event{};
   event.kind = experiment_event_t::START;
   event.text = effective_;
@@ -176,14 +176,14 @@ void Conductor::announceStart() {
   record(std::move(calibration));
 }
 
-void Conductor::record(experiment_event_t event) {
+void ExperimentController::record(experiment_event_t event) {
   event.utime = loop_.now();
   for (int copy = 0; copy < kRepeatEvent; ++copy) {
     node_.publish(channels::kExperimentEvent, event);
   }
 }
 
-void Conductor::fault(const std::string& what) {
+void ExperimentController::fault(const std::string& what) {
   faults_.push_back(what);
   node_.noteError(what);
   experiment_event_t event{};
@@ -192,14 +192,14 @@ void Conductor::fault(const std::string& what) {
   record(std::move(event));
 }
 
-void Conductor::mark(const std::string& what) {
+void ExperimentController::mark(const std::string& what) {
   experiment_event_t event{};
   event.kind = experiment_event_t::MARK;
   event.text = what;
   record(std::move(event));
 }
 
-void Conductor::sendRobots() {
+void ExperimentController::sendRobots() {
   if (phase_ == Phase::kIdle) return;
   // A robot that has just booted hears of a stop before it hears of anything else.
   repeatStops();
@@ -208,29 +208,29 @@ void Conductor::sendRobots() {
   node_.publishCommand(channels::kRobotCommand, command);
 }
 
-void Conductor::command(robot_command_t command) {
+void ExperimentController::command(robot_command_t command) {
   command.seq = robots_.seq + 1;
   robots_ = std::move(command);
   sendRobots();
 }
 
-void Conductor::startScript() {
+void ExperimentController::startScript() {
   phase_ = Phase::kScript;
   stop_rules_.begin(loop_.now());
   light_.startScript();
 }
 
-void Conductor::endScript(const Turn& turn) {
+void ExperimentController::endScript(const ScriptTransition& turn) {
   if (phase_ != Phase::kScript || stop_reached_) return;
-  if (turn.kind == Turn::Kind::kOver && stop_rules_.given()) {
+  if (turn.kind == ScriptTransition::Kind::kOver && stop_rules_.given()) {
     // They would have ended the run before.
     const std::string unmet = stop_rules_.unmet();
     fault(unmet);
     over_(Ending::kUnmet, unmet);
-  } else if (turn.kind == Turn::Kind::kOver) {
+  } else if (turn.kind == ScriptTransition::Kind::kOver) {
     over_(Ending::kDone,
           "the script is over" + (turn.ended_by.empty() ? "" : ": " + turn.ended_by));
-  } else if (turn.kind == Turn::Kind::kEnd) {
+  } else if (turn.kind == ScriptTransition::Kind::kEnd) {
     over_(Ending::kUnmet, turn.fault);
   } else {
     phase_ = Phase::kLeaving;
@@ -247,13 +247,13 @@ void Conductor::endScript(const Turn& turn) {
 
 /// The run ends when the safe light is on the arena and every robot stands, or when that takes
 /// long.
-void Conductor::leave() {
+void ExperimentController::leave() {
   if (phase_ == Phase::kLeaving && safe_light_ && allEchoed()) {
     over_(Ending::kUnmet, leaving_because_);
   }
 }
 
-void Conductor::take(const robot_status_t& status) {
+void ExperimentController::take(const robot_status_t& status) {
   checkOwner(status);
   for (const robot_state_t& robot : status.robots) states_[robot.robot_id] = robot;
   if (phase_ == Phase::kAskingRobots && allEchoed()) startScript();
@@ -261,24 +261,24 @@ void Conductor::take(const robot_status_t& status) {
   leave();
 }
 
-bool Conductor::hasEchoed(const RobotSpec& robot) const {
+bool ExperimentController::hasEchoed(const RobotSpec& robot) const {
   const bool takes_none = robot.body == Body::kReplay;  // a recorded one takes no orders
   const bool table = !robots_.orders.empty() && robots_.orders.front().mode == robot_order_t::TABLE;
   return takes_none || isObeyedBy(robot.id) || (table && yielded_.contains(robot.id, loop_.now()));
 }
 
-bool Conductor::isObeyedBy(std::int32_t robot_id) const {
+bool ExperimentController::isObeyedBy(std::int32_t robot_id) const {
   const auto state = states_.find(robot_id);
   return state != states_.end() && state->second.command_seq == robots_.seq &&
          state->second.command_instance == node_.identity().instance;
 }
 
-bool Conductor::allEchoed() const {
+bool ExperimentController::allEchoed() const {
   return std::ranges::all_of(experiment_.robots,
                              [this](const RobotSpec& robot) { return hasEchoed(robot); });
 }
 
-std::string Conductor::silentRobots() const {
+std::string ExperimentController::silentRobots() const {
   std::string ids;
   for (const RobotSpec& robot : experiment_.robots) {
     if (!hasEchoed(robot)) ids += (ids.empty() ? "" : ", ") + std::to_string(robot.id);
@@ -286,7 +286,7 @@ std::string Conductor::silentRobots() const {
   return ids;
 }
 
-void Conductor::checkOwner(const robot_status_t& status) {
+void ExperimentController::checkOwner(const robot_status_t& status) {
   for (const robot_state_t& robot : status.robots) {
     Owner& owner = owners_[robot.robot_id];
     const bool same = owner.sender == status.sender && owner.instance == status.instance;
@@ -310,7 +310,7 @@ void Conductor::checkOwner(const robot_status_t& status) {
   }
 }
 
-void Conductor::take(const tracked_frame_t& frame) {
+void ExperimentController::take(const tracked_frame_t& frame) {
   if (phase_ == Phase::kHandshake) handshake_.see(frame);
   for (const tracked_pose_t& pose : frame.robots) {
     poses_[pose.robot_id] = pose;
@@ -319,7 +319,7 @@ void Conductor::take(const tracked_frame_t& frame) {
   light_.take(frame);
 }
 
-void Conductor::take(const robot_stop_t& stop) {
+void ExperimentController::take(const robot_stop_t& stop) {
   const bool own = stop.sender == node_.identity().name;
   if (own || phase_ == Phase::kIdle || !stops_heard_.insert(stop.seq).second) return;
   latch(stop);
@@ -327,11 +327,11 @@ void Conductor::take(const robot_stop_t& stop) {
        (stop.reason.empty() ? "" : ": " + stop.reason));
 }
 
-void Conductor::take(const robot_command_t& command) {
+void ExperimentController::take(const robot_command_t& command) {
   if (command.sender != node_.identity().name) yielded_.take(command, loop_.now());
 }
 
-void Conductor::take(const analysis_t& analysis) {
+void ExperimentController::take(const analysis_t& analysis) {
   if (phase_ == Phase::kScript) {
     stop_rules_.take(analysis);
     const auto why = stop_rules_.met();
@@ -344,15 +344,15 @@ void Conductor::take(const analysis_t& analysis) {
   if (!stop_reached_) light_.take(analysis);
 }
 
-void Conductor::take(const service_status_t& status) {
+void ExperimentController::take(const service_status_t& status) {
   const bool own = status.sender == node_.identity().name;
   if (own || phase_ == Phase::kIdle || status.last_error.empty()) return;
   if (!complaints_.insert(status.sender + ": " + status.last_error).second) return;
   const std::string what = status.sender + ": " + status.last_error;
-  status.sender == kOnlooker ? mark(what) : fault(what);
+  status.sender == kObserverService ? mark(what) : fault(what);
 }
 
-void Conductor::latch(const robot_stop_t& stop) {
+void ExperimentController::latch(const robot_stop_t& stop) {
   std::vector<std::int32_t> ids = stop.robot_ids;
   if (ids.empty()) {
     for (const RobotSpec& robot : experiment_.robots) ids.push_back(robot.id);
@@ -366,7 +366,7 @@ void Conductor::latch(const robot_stop_t& stop) {
   }
 }
 
-void Conductor::repeatStops() {
+void ExperimentController::repeatStops() {
   std::map<std::int64_t, robot_stop_t> by_seq;
   for (const auto& [id, seq] : latched_) {
     robot_stop_t& stop = by_seq[seq];
@@ -380,7 +380,7 @@ void Conductor::repeatStops() {
   for (auto& [seq, stop] : by_seq) node_.publishCommand(channels::kRobotStop, stop);
 }
 
-void Conductor::stopRobots(const std::string& why) {
+void ExperimentController::stopRobots(const std::string& why) {
   robot_stop_t stop{};
   stop.seq = loop_.now();
   stop.utime = stop.seq;
@@ -389,7 +389,7 @@ void Conductor::stopRobots(const std::string& why) {
   node_.publishCommand(channels::kRobotStop, stop);
 }
 
-void Conductor::conclude(const std::string& why) {
+void ExperimentController::conclude(const std::string& why) {
   if (phase_ == Phase::kConcluded) return;
   light_.close();
   if (phase_ == Phase::kScript) ended_ = light_.script().elapsed(loop_.now());
@@ -402,7 +402,7 @@ void Conductor::conclude(const std::string& why) {
   for (int copy = 0; copy < kRepeatEvent; ++copy) sendStatus();
 }
 
-Progress Conductor::progress() const {
+Progress ExperimentController::progress() const {
   Progress progress;
   const std::int64_t now = loop_.now();
   if (phase_ == Phase::kScript) progress.elapsed = light_.script().elapsed(now);

@@ -18,9 +18,9 @@
 
 #include "common/service/service_main.hpp"
 #include "runner/live/handshake.hpp"
+#include "runner/live/request_log.hpp"
 #include "runner/script/light_controller.hpp"
 #include "runner/script/stop_rules.hpp"
-#include "runner/live/request_log.hpp"
 #include "runner/yielded_robots.hpp"
 
 namespace lab::runner {
@@ -40,10 +40,10 @@ struct Progress {
 
 /// How a run ends.
 enum class Ending {
-  kDone,    ///< as it should
-  kWished,  ///< somebody ended it by hand
-  kUnmet,   ///< a condition of the script, or stop_when, was not met: marked
-  kBroken,  ///< it makes no sense to go on
+  kDone,       ///< as it should
+  kRequested,  ///< somebody ended it by hand
+  kUnmet,      ///< a condition of the script, or stop_when, was not met: marked
+  kBroken,     ///< it makes no sense to go on
 };
 
 /// Conducts one experiment. begin() lets the tracker learn which cap is which robot
@@ -51,12 +51,12 @@ enum class Ending {
 /// each has echoed it; then the script's clock starts. Robots, light and record go on until the
 /// script's end, conclude(), a wish (EXPERIMENT_COMMAND), or a fault that ends the run. How it
 /// stands is said in EXPERIMENT_STATUS.
-class Conductor final : public Service {
+class ExperimentController final : public Service {
  public:
   /// @param effective the experiment file with every default filled in, for the record.
   /// @param over called when the run is to end, with why.
-  Conductor(const ServiceContext& context, std::string effective,
-            std::function<void(Ending, const std::string&)> over);
+  ExperimentController(const ServiceContext& context, std::string effective,
+                       std::function<void(Ending, const std::string&)> over);
 
   void begin();
 
@@ -108,7 +108,7 @@ class Conductor final : public Service {
   void askRobots();
   void lightShown();
   void startScript();
-  void endScript(const Turn& turn);
+  void endScript(const ScriptTransition& turn);
   void leave();
   void announceStart();
   void record(experiment_event_t event);
@@ -130,14 +130,14 @@ class Conductor final : public Service {
 
   Phase phase_ = Phase::kIdle;
   std::int64_t paused_utime_ = 0;  ///< of the last pause
-  WishDesk wishes_;
+  RequestLog request_log_;
   double ended_ = 0;  ///< [s] of the script, once it has ended
   std::string leaving_because_;
   bool safe_light_ = false;  ///< while leaving: the safe light is shown
   robot_command_t robots_{};
   robot_command_t after_handshake_{};
   Handshake handshake_;
-  LightPart light_;
+  LightController light_;
   StopRules stop_rules_;
   bool stop_reached_ = false;
   YieldedRobots yielded_;

@@ -13,10 +13,9 @@
 
 namespace lab::runner {
 
-/// Decides who turns, to and fro, and for how long; the conductor does what it says. All others stand
-/// meanwhile.
-/// A robot that the tracker already knows is left out. One that it does not recognise has a second
-/// turn when all others are through.
+/// Decides who turns, to and fro, and for how long; the controller does what it says. All others
+/// stand meanwhile. A robot that the tracker already knows is left out. One that it does not
+/// recognise has a second turn when all others are through.
 class Handshake {
  public:
   explicit Handshake(const Experiment& experiment);

@@ -7,22 +7,22 @@
 
 namespace lab::runner {
 
-void PulseWatch::beat(const std::string& name) {
-  const auto found = pulses_.find(name);
-  if (found == pulses_.end()) return;
-  Pulse& pulse = found->second;
+void HeartbeatMonitor::beat(const std::string& name) {
+  const auto found = heartbeats_.find(name);
+  if (found == heartbeats_.end()) return;
+  Heartbeat& pulse = found->second;
   if (pulse.silent)
     again_.push_back({name, false, (clock_us_ - pulse.heard_us) / units::kSecond_us});
   pulse = {.heard_us = clock_us_, .patience_us = kPatience_us};
 }
 
-std::vector<PulseWatch::Change> PulseWatch::look(std::int64_t now) {
+std::vector<HeartbeatMonitor::Change> HeartbeatMonitor::look(std::int64_t now) {
   if (looked_utime_ != 0) {
     clock_us_ += std::clamp<std::int64_t>(now - looked_utime_, 0, kLongestStep_us);
   }
   looked_utime_ = now;
   std::vector<Change> changes = std::exchange(again_, {});
-  for (auto& [name, pulse] : pulses_) {
+  for (auto& [name, pulse] : heartbeats_) {
     const std::int64_t silence_us = clock_us_ - pulse.heard_us;
     if (pulse.silent || silence_us < pulse.patience_us) continue;
     pulse.silent = true;

@@ -10,7 +10,7 @@ namespace lab::runner {
 
 /// Knows processes by signs of life that come about once a second. Its clock stands while it is not
 /// looked at: where the one who looks was not scheduled, or was halted, nobody else was silent.
-class PulseWatch {
+class HeartbeatMonitor {
  public:
   /// Three signs of life, and what the fourth may be late.
   static constexpr std::int64_t kPatience_us = 3'500'000;
@@ -27,7 +27,7 @@ class PulseWatch {
 
   /// A process that has just been started, in place of any of that name.
   void expect(const std::string& name, std::int64_t patience_us = kStartPatience_us) {
-    pulses_[name] = {.heard_us = clock_us_, .patience_us = patience_us};
+    heartbeats_[name] = {.heard_us = clock_us_, .patience_us = patience_us};
   }
 
   /// A sign of life; of those that are not expected nothing is noted.
@@ -37,13 +37,13 @@ class PulseWatch {
   [[nodiscard]] std::vector<Change> look(std::int64_t now);
 
  private:
-  struct Pulse {
+  struct Heartbeat {
     std::int64_t heard_us = 0;  ///< on our clock
     std::int64_t patience_us = 0;
     bool silent = false;
   };
 
-  std::map<std::string, Pulse> pulses_;
+  std::map<std::string, Heartbeat> heartbeats_;
   std::vector<Change> again_;
   std::int64_t clock_us_ = 0;
   std::int64_t looked_utime_ = 0;  ///< 0: not yet

@@ -10,20 +10,20 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "common/experiment/service_placement.hpp"
-#include "common/process/installation.hpp"
 #include "common/bus/lcm_bus.hpp"
+#include "common/experiment/service_placement.hpp"
+#include "common/loop/wall_clock.hpp"
 #include "common/math/units.hpp"
+#include "common/process/installation.hpp"
 #include "common/process/version.hpp"
-#include "runner/runs/disk_need.hpp"
-#include "runner/doctor/doctor.hpp"
 #include "runner/command_line/exit_code.hpp"
-#include "runner/runs/lab_registry.hpp"
-#include "runner/runs/network.hpp"
+#include "runner/doctor/doctor.hpp"
 #include "runner/hosts/remote_hosts.hpp"
 #include "runner/live/run_live.hpp"
+#include "runner/runs/disk_need.hpp"
+#include "runner/runs/lab_registry.hpp"
+#include "runner/runs/network.hpp"
 #include "runner/virtual_time/services.hpp"
-#include "common/loop/wall_clock.hpp"
 
 namespace lab::runner {
 namespace fs = std::filesystem;
@@ -57,9 +57,10 @@ void requireParts(const Experiment& experiment, bool virtual_time) {
   for (const std::string& name : names) {
     const fs::path file = installation().programs / name;
     if (fs::exists(file)) continue;
-    throw UserError(fmt::format(
-        "this experiment needs {}, which is not there: {}", file.string(),
-        installation().wayTo(name, "install gcc-avr, avr-libc, libsimavr-dev and build again")));
+    throw UserError(
+        fmt::format("this experiment needs {}, which is not there: {}", file.string(),
+                    installation().installHint(
+                        name, "install gcc-avr, avr-libc, libsimavr-dev and build again")));
   }
 }
 
@@ -72,7 +73,7 @@ void warnUnpinned() {
 
 RunOutcome execute(const LaunchOptions& options, const PreparedRun& run, const std::string& name,
                    const std::string& url, const fs::path& logger, RemoteHosts* hosts,
-                   const ShowProgress& show, const PilotFactory& pilot) {
+                   const ShowProgress& show, const ProcedureFactory& pilot) {
   if (!options.virtual_time) {
     return runLive(run,
                    {.name = name,
@@ -119,7 +120,7 @@ fs::path requireProgram(const std::string& name, const std::string& package) {
 }
 
 Launched launch(const LaunchOptions& options, Experiment experiment, const ShowProgress& show,
-                const PilotFactory& pilot) {
+                const ProcedureFactory& pilot) {
   fs::path logger;
   std::string url;
   std::optional<PortLock> port_lock;

@@ -18,7 +18,7 @@ struct LaunchOptions {
   std::filesystem::path programs;  ///< folder of the services' programs
   std::vector<std::string> set;    ///< key=value, for the record
   bool virtual_time = false;
-  bool web = false;                   ///< with a page in a browser, in real time
+  bool web = false;                     ///< with a page in a browser, in real time
   std::filesystem::path web_address{};  ///< file for its address too, empty: none
 };
 
@@ -35,6 +35,6 @@ std::filesystem::path requireProgram(const std::string& name, const std::string&
 /// @param pilot drives the robots instead of their light table; may be empty
 /// @throws UserError for what the user can mend, before anything is started
 [[nodiscard]] Launched launch(const LaunchOptions& options, Experiment experiment,
-                              const ShowProgress& show, const PilotFactory& pilot = {});
+                              const ShowProgress& show, const ProcedureFactory& pilot = {});
 
 }  // namespace lab::runner

@@ -9,28 +9,29 @@
 
 namespace lab::runner {
 
-/// Makes a pilot beside the conductor, before the run begins. The robots stand until it commands
+/// Makes a pilot beside the controller, before the run begins. The robots stand until it commands
 /// them.
 /// @param context with a node of the pilot's own
 /// @param done ends the run
-using PilotFactory = std::function<std::unique_ptr<Service>(
-    const ServiceContext& context, Conductor& conductor, std::function<void()> done)>;
+using ProcedureFactory = std::function<std::unique_ptr<Service>(
+    const ServiceContext& context, ExperimentController& controller, std::function<void()> done)>;
 
 /// Why a run ended that its pilot ended.
-inline constexpr const char* kPilotDone = "the pilot is done";
+inline constexpr const char* kProcedureDone = "the pilot is done";
 
-/// A pilot with its node, beside the conductor.
-class PilotSeat {
+/// A pilot with its node, beside the controller.
+class ProcedureNode {
  public:
-  PilotSeat(Bus& bus, Loop& loop, Cameras& cameras, const PreparedRun& run, std::int64_t instance,
-            const PilotFactory& make, Conductor& conductor, std::function<void()> done)
+  ProcedureNode(Bus& bus, Loop& loop, Cameras& cameras, const PreparedRun& run,
+                std::int64_t instance, const ProcedureFactory& make,
+                ExperimentController& controller, std::function<void()> done)
       : node_(bus, loop, {"pilot", 0, instance}),
-        pilot_(make({.node = node_,
-                     .loop = loop,
-                     .experiment = run.experiment,
-                     .directory = run.directory,
-                     .cameras = cameras},
-                    conductor, std::move(done))) {}
+        procedure_(make({.node = node_,
+                         .loop = loop,
+                         .experiment = run.experiment,
+                         .directory = run.directory,
+                         .cameras = cameras},
+                        controller, std::move(done))) {}
 
   void begin() {
     node_.start();
@@ -40,7 +41,7 @@ class PilotSeat {
 
  private:
   Node node_;
-  std::unique_ptr<Service> pilot_;
+  std::unique_ptr<Service> procedure_;
 };
 
 }  // namespace lab::runner

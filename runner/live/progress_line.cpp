@@ -40,7 +40,7 @@ std::string progressText(const Progress& progress) {
   }
   return fmt::format("{}{}{} left{} | light {} | {} robot{} seen | {} | {} lost",
                      progress.paused ? "paused, " : "", progress.at_most ? "at most " : "",
-                     leftText(progress.left),
+                     remainingTimeText(progress.left),
                      progress.stop.empty() ? "" : " | " + progress.stop,
                      progress.light.empty() ? "-" : progress.light, progress.robots_seen,
                      progress.robots_seen == 1 ? "" : "s", programs.empty() ? "no robot" : programs,

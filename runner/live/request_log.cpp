@@ -19,7 +19,7 @@ bool hasName(const experiment_command_t& command) {
 
 }  // namespace
 
-void WishDesk::take(const experiment_command_t& command) {
+void RequestLog::take(const experiment_command_t& command) {
   const auto known = std::ranges::find_if(answers_, [&command](const Answer& answer) {
     return answer.seq == command.seq && answer.instance == command.instance &&
            answer.sender == command.sender;
@@ -30,14 +30,14 @@ void WishDesk::take(const experiment_command_t& command) {
     answers_.erase(known);
   } else {
     std::string refusal = hasName(command) ? remarkProblem(command.text) : "its sender has no name";
-    if (refusal.empty()) refusal = obey_(command);
+    if (refusal.empty()) refusal = handler_(command);
     answer = {command.sender, command.instance, command.seq, std::move(refusal)};
   }
   answers_.push_back(std::move(answer));
   if (answers_.size() > kAnswersKept) answers_.pop_front();
 }
 
-void WishDesk::write(experiment_status_t& status) const {
+void RequestLog::write(experiment_status_t& status) const {
   if (answers_.empty()) return;
   const Answer& last = answers_.back();
   status.commander = last.sender;

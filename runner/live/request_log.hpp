@@ -12,12 +12,12 @@
 namespace lab::runner {
 
 /// Keeps the last answers: no bus, no clock.
-class WishDesk {
+class RequestLog {
  public:
   /// Does what is wished. @return why it is refused, empty: it is done.
-  using Obey = std::function<std::string(const experiment_command_t&)>;
+  using Handler = std::function<std::string(const experiment_command_t&)>;
 
-  explicit WishDesk(Obey obey) : obey_(std::move(obey)) {}
+  explicit RequestLog(Handler obey) : handler_(std::move(obey)) {}
 
   /// Obeys a wish that is new; answers one that is not as before.
   void take(const experiment_command_t& command);
@@ -33,7 +33,7 @@ class WishDesk {
     std::string refusal;
   };
 
-  Obey obey_;
+  Handler handler_;
   std::deque<Answer> answers_;  ///< the newest last
 };
 

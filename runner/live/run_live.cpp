@@ -8,19 +8,19 @@
 #include <lab/service_status_t.hpp>
 #include <thread>
 
-#include "tracker_svc/camera_devices.hpp"
-#include "common/loop/asio_loop.hpp"
 #include "common/bus/channels.hpp"
+#include "common/bus/lcm_bus.hpp"
 #include "common/experiment/experiment_file.hpp"
 #include "common/experiment/service_placement.hpp"
-#include "common/bus/lcm_bus.hpp"
-#include "runner/live/dashboard_process.hpp"
+#include "common/loop/asio_loop.hpp"
 #include "runner/command_line/exit_code.hpp"
-#include "runner/runs/lab_registry.hpp"
-#include "runner/live/progress_line.hpp"
 #include "runner/hosts/remote_hosts.hpp"
+#include "runner/live/dashboard_process.hpp"
+#include "runner/live/progress_line.hpp"
 #include "runner/live/resumed_experiment.hpp"
 #include "runner/live/supervisor.hpp"
+#include "runner/runs/lab_registry.hpp"
+#include "tracker_svc/camera_devices.hpp"
 
 namespace lab::runner {
 namespace fs = std::filesystem;
@@ -40,21 +40,21 @@ constexpr int kBusSettles_ms = 500;
 class LiveRun {
  public:
   LiveRun(const PreparedRun& run, const LiveOptions& options, const ShowProgress& show,
-          const PilotFactory& pilot)
+          const ProcedureFactory& pilot)
       : run_(run),
         options_(options),
         show_(show),
         bus_(options.url),
         node_(bus_, loop_, {"lab", 0, loop_.now()}),
-        conductor_({node_, loop_, run.experiment, run.directory}, run.effective,
-                   [this](Ending ending, const std::string& why) { over(ending, why); }),
+        controller_({node_, loop_, run.experiment, run.directory}, run.effective,
+                    [this](Ending ending, const std::string& why) { over(ending, why); }),
         supervisor_(run, options) {
     if (pilot) {
-      seat_.emplace(bus_, loop_, cameras_, run, loop_.now(), pilot, conductor_,
-                    [this] { finish(kPilotDone); });
+      seat_.emplace(bus_, loop_, cameras_, run, loop_.now(), pilot, controller_,
+                    [this] { finish(kProcedureDone); });
     }
     node_.subscribe<service_status_t>(channels::kServiceStatus, [this](const auto& status) {
-      supervisor_.noteBeat(status.sender, status.pid, status.state == service_status_t::READY);
+      supervisor_.noteHeartbeat(status.sender, status.pid, status.state == service_status_t::READY);
     });
     if (hosts() != nullptr) {
       node_.subscribe<link_status_t>(channels::kLinkStatus,
@@ -72,18 +72,18 @@ class LiveRun {
     guarded([this] { conduct(); });
     guarded([this] { end(); });
     endProcesses();
-    for (const std::string& fault : conductor_.faults()) outcome_.faults.push_back(fault);
-    supervisor_.sayHeld([this](const std::string& what) { outcome_.faults.push_back(what); });
+    for (const std::string& fault : controller_.faults()) outcome_.faults.push_back(fault);
+    supervisor_.reportHeld([this](const std::string& what) { outcome_.faults.push_back(what); });
     return outcome_;
   }
 
  private:
   void conduct() {
-    conductor_.begin();
+    controller_.begin();
     conducting_ = true;
-    for (const std::string& what : said_of_page_) conductor_.mark(what);
-    loop_.every(kLookAfterPage_us, loop_.now(), [this] { lookAfter(); });
-    loop_.every(kShowEvery_us, loop_.now(), [this] { show_(conductor_.progress()); });
+    for (const std::string& what : said_of_page_) controller_.mark(what);
+    loop_.every(kLookAfterPage_us, loop_.now(), [this] { supervise(); });
+    loop_.every(kShowEvery_us, loop_.now(), [this] { show_(controller_.progress()); });
     loop_.every(kDiskEvery_us, loop_.now(), [this] { watchDisk(); });
     if (hosts() != nullptr) loop_.every(kAttend_us, loop_.now(), [this] { watchHosts(); });
     loop_.run();
@@ -126,39 +126,39 @@ class LiveRun {
   /// It hears of the run from its first word, and nobody waits for it.
   void startPage() {
     if (!options_.web) return;
-    page_.emplace(DashboardOptions{.program = options_.programs / kOnlooker,
+    page_.emplace(DashboardOptions{.program = options_.programs / kObserverService,
                                    .url = options_.url,
                                    .experiment = run_.directory / files::kExperiment,
                                    .runs = fs::absolute(run_.directory).parent_path(),
-                                   .address_file = ownFile(".web"),
+                                   .address_file = registryFile(".web"),
                                    .address_copy = options_.web_address,
                                    .output = supervisor_.logFolder() / "dashboard.txt"});
     page_->start([this](const std::string& what) { sayOfPage(what); });
   }
 
   void lookAfterPage() {
-    if (page_) page_->lookAfter([this](const std::string& what) { sayOfPage(what); });
+    if (page_) page_->supervise([this](const std::string& what) { sayOfPage(what); });
   }
 
   void sayOfPage(const std::string& what) {
     printLine("web      " + what);
-    conducting_ ? conductor_.mark(what) : said_of_page_.push_back(what);
+    conducting_ ? controller_.mark(what) : said_of_page_.push_back(what);
   }
 
   /// Nobody speaks before everybody can hear it.
   void joinBuses() {
     supervisor_.startGateways();
-    waitUntil(
-        [this] { return supervisor_.missing().empty() && hosts()->notJoined().empty(); }, [] {},
-        [this] {
-          const std::string ended = supervisor_.endedWith();
-          const std::string missing = supervisor_.missing();
-          return (!ended.empty()     ? ended
-                  : !missing.empty() ? "not ready: " + missing
-                                     : hosts()->notJoined()) +
-                 lookInto();
-        },
-        kJoinPatience_us);
+    waitUntil([this] { return supervisor_.missing().empty() && hosts()->notJoined().empty(); },
+              [] {},
+              [this] {
+                const std::string ended = supervisor_.endedWith();
+                const std::string missing = supervisor_.missing();
+                return (!ended.empty()     ? ended
+                        : !missing.empty() ? "not ready: " + missing
+                                           : hosts()->notJoined()) +
+                       lookInto();
+              },
+              kJoinPatience_us);
   }
 
   [[nodiscard]] std::string lookInto() const {
@@ -201,27 +201,27 @@ class LiveRun {
       return;
     }
     const std::string over =
-        hosts()->watch({.fault = [this](const std::string& what) { conductor_.fault(what); },
-                        .mark = [this](const std::string& what) { conductor_.mark(what); }});
+        hosts()->watch({.fault = [this](const std::string& what) { controller_.fault(what); },
+                        .mark = [this](const std::string& what) { controller_.mark(what); }});
     if (!over.empty()) closeEarly(over);
   }
 
-  void lookAfter() {
+  void supervise() {
     if (finishing_) return;
     lookAfterPage();
-    const bool all_up = supervisor_.revive(
-        [this](const std::string& what) { conductor_.fault(what); }, [this] { return resume(); });
+    const bool all_up = supervisor_.restartEnded(
+        [this](const std::string& what) { controller_.fault(what); }, [this] { return resume(); });
     if (!all_up) closeEarly("a process would not stay up");
-    supervisor_.feelPulses(
-        loop_.now(), [this](const std::string& what) { conductor_.fault(what); },
-        [this](const std::string& what) { conductor_.mark(what); });
+    supervisor_.checkHeartbeats(
+        loop_.now(), [this](const std::string& what) { controller_.fault(what); },
+        [this](const std::string& what) { controller_.mark(what); });
   }
 
   fs::path resume() {
     ++restarts_;
     const fs::path file = run_.directory / fmt::format("resumed_{:02}.toml", restarts_);
     writeNewFile(file, writeExperiment(
-                           resumedExperiment(run_.experiment, conductor_.lastPoses(), restarts_)));
+                           resumedExperiment(run_.experiment, controller_.lastPoses(), restarts_)));
     return file;
   }
 
@@ -244,7 +244,7 @@ class LiveRun {
       closeEarly(why);
       return;
     }
-    outcome_.interrupted = outcome_.interrupted || ending == Ending::kWished;
+    outcome_.interrupted = outcome_.interrupted || ending == Ending::kRequested;
     outcome_.closed_early = outcome_.closed_early || ending == Ending::kUnmet;
     finish(why);
   }
@@ -252,9 +252,9 @@ class LiveRun {
   void closeEarly(const std::string& why) {
     if (finishing_) return;
     outcome_.closed_early = true;
-    const auto& known = conductor_.faults();
-    if (std::find(known.begin(), known.end(), why) == known.end()) conductor_.fault(why);
-    conductor_.stopRobots(why);
+    const auto& known = controller_.faults();
+    if (std::find(known.begin(), known.end(), why) == known.end()) controller_.fault(why);
+    controller_.stopRobots(why);
     finish(why);
   }
 
@@ -262,7 +262,7 @@ class LiveRun {
     if (finishing_) return;
     finishing_ = true;
     outcome_.ended_because = why;
-    conductor_.conclude(why);
+    controller_.conclude(why);
     // The robots hear it and say so before their services end.
     loop_.at(loop_.now() + kRobotsStandPatience_ms * 1000, [this] { loop_.stop(); });
   }
@@ -270,8 +270,8 @@ class LiveRun {
   /// Publishers first, then a pause, then the logger: a logger that is stopped too early loses its
   /// tail.
   void end() {
-    show_(conductor_.progress());
-    supervisor_.endServices([this](const std::string& what) { conductor_.fault(what); });
+    show_(controller_.progress());
+    supervisor_.endServices([this](const std::string& what) { controller_.fault(what); });
     if (seat_) seat_->end();
     node_.close();
     page_.reset();  // it has shown how the run ended
@@ -289,8 +289,8 @@ class LiveRun {
   LcmBus bus_;
   CameraDevices cameras_{loop_, run_.directory / files::kPorts};
   Node node_;
-  Conductor conductor_;
-  std::optional<PilotSeat> seat_;
+  ExperimentController controller_;
+  std::optional<ProcedureNode> seat_;
   Supervisor supervisor_;
   std::optional<DashboardProcess> page_;
   RunOutcome outcome_;
@@ -304,7 +304,7 @@ class LiveRun {
 }  // namespace
 
 RunOutcome runLive(const PreparedRun& run, const LiveOptions& options, const ShowProgress& show,
-                   const PilotFactory& pilot) {
+                   const ProcedureFactory& pilot) {
   return LiveRun(run, options, show, pilot).execute();
 }
 

@@ -24,6 +24,6 @@ struct LiveOptions {
 /// @param pilot drives the robots instead of their light table; may be empty.
 /// @throws UserError when a service does not get ready; nothing is left running.
 [[nodiscard]] RunOutcome runLive(const PreparedRun& run, const LiveOptions& options,
-                                 const ShowProgress& show, const PilotFactory& pilot = {});
+                                 const ShowProgress& show, const ProcedureFactory& pilot = {});
 
 }  // namespace lab::runner

@@ -47,9 +47,9 @@ void Supervisor::startLogger() {
       std::vector<std::string>{options_.lcm_logger.string(), "-q", "--lcm-url=" + options_.url,
                                logFile().string()},
       logFolder() / "lcm-logger.txt");
-  pulses_.expect(logger_.name);
+  heartbeats_.expect(logger_.name);
   log_size_ = 0;
-  beats_since_growth_ = 0;
+  heartbeats_since_growth_ = 0;
 }
 
 bool Supervisor::loggerWrites() const {
@@ -62,7 +62,7 @@ void Supervisor::add(const std::string& name, const std::string& host, bool uses
   Entry& entry =
       services_.emplace_back(Entry{.name = name, .uses_ports = uses_ports, .host = host});
   entry.process = startService(entry, run_.directory / files::kExperiment);
-  if (host.empty()) pulses_.expect(name);
+  if (host.empty()) heartbeats_.expect(name);
 }
 
 bool Supervisor::joinsBuses() const {
@@ -156,31 +156,31 @@ std::string Supervisor::missing() const {
   return names;
 }
 
-void Supervisor::noteBeat(const std::string& sender, pid_t pid, bool ready) {
+void Supervisor::noteHeartbeat(const std::string& sender, pid_t pid, bool ready) {
   if (ready) ready_.emplace(sender, pid);
   for (const Entry& entry : services_) {
     if (entry.name != sender || !entry.host.empty() || entry.process->localPid() != pid) continue;
-    pulses_.beat(sender);
-    ++beats_since_growth_;
+    heartbeats_.beat(sender);
+    ++heartbeats_since_growth_;
   }
 }
 
 /// A log grows by what the services say. Where they are silent too, nothing is known of the logger.
-void Supervisor::feelLogger() {
+void Supervisor::checkLogGrowth() {
   std::error_code error;
   const auto size = fs::file_size(logFile(), error);
   const bool grew = !error && size != log_size_;
-  if (!grew && beats_since_growth_ > 0) return;
-  pulses_.beat(logger_.name);
-  beats_since_growth_ = 0;
+  if (!grew && heartbeats_since_growth_ > 0) return;
+  heartbeats_.beat(logger_.name);
+  heartbeats_since_growth_ = 0;
   if (!error) log_size_ = size;
 }
 
-void Supervisor::feelPulses(std::int64_t now,
-                            const std::function<void(const std::string&)>& silent,
-                            const std::function<void(const std::string&)>& again) {
-  feelLogger();
-  for (const auto& [name, is_silent, silence_s] : pulses_.look(now)) {
+void Supervisor::checkHeartbeats(std::int64_t now,
+                                 const std::function<void(const std::string&)>& silent,
+                                 const std::function<void(const std::string&)>& again) {
+  checkLogGrowth();
+  for (const auto& [name, is_silent, silence_s] : heartbeats_.look(now)) {
     const bool logger = name == logger_.name;
     if (is_silent) {
       silent(logger ? fmt::format("{} has written nothing for {} s", name, silence_s)
@@ -197,18 +197,18 @@ bool Supervisor::anyEnded() const {
   return ended(logger_) || std::any_of(services_.begin(), services_.end(), ended);
 }
 
-bool Supervisor::revive(const std::function<void(const std::string&)>& report,
-                        const std::function<fs::path()>& resume) {
-  const bool all_up = reviveEach(resume);
-  if (!all_up || loggerWrites()) sayHeld(report);
+bool Supervisor::restartEnded(const std::function<void(const std::string&)>& report,
+                              const std::function<fs::path()>& resume) {
+  const bool all_up = restartEach(resume);
+  if (!all_up || loggerWrites()) reportHeld(report);
   return all_up;
 }
 
-void Supervisor::sayHeld(const std::function<void(const std::string&)>& report) {
+void Supervisor::reportHeld(const std::function<void(const std::string&)>& report) {
   for (const std::string& what : std::exchange(held_, {})) report(what);
 }
 
-bool Supervisor::reviveEach(const std::function<fs::path()>& resume) {
+bool Supervisor::restartEach(const std::function<fs::path()>& resume) {
   const auto died = [this](Entry& entry) {
     if (entry.process->running()) return false;
     const bool own_fault = entry.process->ending() != kWithItsHost;
@@ -226,7 +226,7 @@ bool Supervisor::reviveEach(const std::function<fs::path()>& resume) {
     if (entry.restarts > kMostRestarts) return false;
     const fs::path file = entry.name == "sim_svc" ? resume() : run_.directory / files::kExperiment;
     entry.process = startService(entry, file);
-    if (entry.host.empty()) pulses_.expect(entry.name);
+    if (entry.host.empty()) heartbeats_.expect(entry.name);
   }
   return true;
 }

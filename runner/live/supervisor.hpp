@@ -31,7 +31,7 @@ class Supervisor {
   [[nodiscard]] bool loggerWrites() const;
 
   /// Takes note of a heartbeat, and whether it says READY. Two hosts may have the same pid.
-  void noteBeat(const std::string& sender, pid_t pid, bool ready);
+  void noteHeartbeat(const std::string& sender, pid_t pid, bool ready);
 
   /// Names of the services that were started and have not said READY.
   [[nodiscard]] std::string missing() const;
@@ -49,17 +49,17 @@ class Supervisor {
   /// that hears it.
   /// @param resume the experiment file for a restarted sim_svc, made when it is needed.
   /// @return false when something died so often that it is given up.
-  [[nodiscard]] bool revive(const std::function<void(const std::string&)>& report,
-                            const std::function<std::filesystem::path()>& resume);
+  [[nodiscard]] bool restartEnded(const std::function<void(const std::string&)>& report,
+                                  const std::function<std::filesystem::path()>& resume);
 
-  /// Looks, at least every PulseWatch::kLongestStep_us, whether the services of this machine are
-  /// heard of and the log grows. @param silent called with a sentence when not, once
+  /// Looks, at least every HeartbeatMonitor::kLongestStep_us, whether the services of this machine
+  /// are heard of and the log grows. @param silent called with a sentence when not, once
   /// @param again called with a sentence when they are again
-  void feelPulses(std::int64_t now, const std::function<void(const std::string&)>& silent,
-                  const std::function<void(const std::string&)>& again);
+  void checkHeartbeats(std::int64_t now, const std::function<void(const std::string&)>& silent,
+                       const std::function<void(const std::string&)>& again);
 
   /// Reports what no logger was there to hear.
-  void sayHeld(const std::function<void(const std::string&)>& report);
+  void reportHeld(const std::function<void(const std::string&)>& report);
 
   /// @param report called with a sentence for each that had to be killed
   void endServices(const std::function<void(const std::string&)>& report);
@@ -74,13 +74,13 @@ class Supervisor {
     std::string host{};  ///< "": this machine
   };
 
-  void feelLogger();
+  void checkLogGrowth();
   void add(const std::string& name, const std::string& host, bool uses_ports);
   [[nodiscard]] std::unique_ptr<ServiceProcess> startService(
       const Entry& entry, const std::filesystem::path& file) const;
   [[nodiscard]] std::unique_ptr<ServiceProcess> startThere(const Entry& entry,
                                                            const std::filesystem::path& file) const;
-  [[nodiscard]] bool reviveEach(const std::function<std::filesystem::path()>& resume);
+  [[nodiscard]] bool restartEach(const std::function<std::filesystem::path()>& resume);
   [[nodiscard]] std::filesystem::path logFile() const;
   [[nodiscard]] std::vector<std::string> argumentsOf(const Entry& entry) const;
   [[nodiscard]] bool joinsBuses() const;
@@ -92,9 +92,9 @@ class Supervisor {
   std::vector<Entry> services_;
   std::set<std::pair<std::string, pid_t>> ready_;
   std::vector<std::string> held_;  ///< what is to be reported
-  PulseWatch pulses_;
-  std::uintmax_t log_size_ = 0;  ///< when it was last looked at
-  int beats_since_growth_ = 0;   ///< which the log should have grown by
+  HeartbeatMonitor heartbeats_;
+  std::uintmax_t log_size_ = 0;      ///< when it was last looked at
+  int heartbeats_since_growth_ = 0;  ///< which the log should have grown by
 };
 
 }  // namespace lab::runner

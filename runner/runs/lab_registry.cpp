@@ -142,12 +142,12 @@ RunningLab findLab(const std::string& name) {
                   "; say which with --lab FOLDER: " + listed(meant, &RunningLab::directory));
 }
 
-fs::path ownFile(const std::string& ending) {
+fs::path registryFile(const std::string& ending) {
   claim(registryDirectory());
   return registryDirectory() / (std::to_string(getpid()) + ending);
 }
 
-OwnFile::~OwnFile() {
+RegistryFile::~RegistryFile() {
   std::error_code error;
   fs::remove(path_, error);
 }

@@ -32,16 +32,16 @@ struct RunningLab {
 /// to others. What dead runners left there is removed by runningLabs().
 /// @param ending ".web"
 /// @throws UserError when the folder cannot be made.
-[[nodiscard]] std::filesystem::path ownFile(const std::string& ending);
+[[nodiscard]] std::filesystem::path registryFile(const std::string& ending);
 
-/// An ownFile() that is gone with the object.
-class OwnFile {
+/// An registryFile() that is gone with the object.
+class RegistryFile {
  public:
   /// @throws UserError when the folder cannot be made.
-  explicit OwnFile(const std::string& ending) : path_(ownFile(ending)) {}
-  ~OwnFile();
-  OwnFile(const OwnFile&) = delete;
-  OwnFile& operator=(const OwnFile&) = delete;
+  explicit RegistryFile(const std::string& ending) : path_(registryFile(ending)) {}
+  ~RegistryFile();
+  RegistryFile(const RegistryFile&) = delete;
+  RegistryFile& operator=(const RegistryFile&) = delete;
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
 

@@ -5,8 +5,8 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "common/bus/message_header.hpp"
 #include "common/bus/lcm_bus.hpp"
+#include "common/bus/message_header.hpp"
 #include "runner/command_line/exit_code.hpp"
 
 namespace lab::runner {

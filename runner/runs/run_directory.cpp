@@ -7,11 +7,11 @@
 #include <iterator>
 
 #include "common/calibration/camera_file.hpp"
-#include "common/experiment/experiment_file.hpp"
 #include "common/calibration/light_file.hpp"
-#include "common/experiment/light_messages.hpp"
 #include "common/calibration/motor_file.hpp"
 #include "common/calibration/projector_file.hpp"
+#include "common/experiment/experiment_file.hpp"
+#include "common/experiment/light_messages.hpp"
 #include "light/field/image.hpp"
 #include "light/optics/simulated_camera.hpp"
 #include "projector_ctl/projector_messages.hpp"
@@ -154,7 +154,7 @@ fs::path makeRunDirectory(const fs::path& parent, const std::string& name, std::
 
 void checkScenes(const Experiment& experiment, const fs::path& source) {
   const ExperimentImages images = loadImages(experiment, source);
-  const projector::Surroundings around = projector::surroundingsOf(experiment, images.store);
+  const projector::SceneContext around = projector::sceneContextOf(experiment, images.store);
   for (std::size_t i = 0; i < experiment.light.steps.size(); ++i) {
     const auto layers = toDrivenLayers(experiment.light.steps[i].layers, images);
     if (const auto problem = projector::Scene::problem(layers, around)) {
@@ -208,7 +208,7 @@ PreparedRun prepareRun(Experiment experiment, const fs::path& source, const fs::
   checkProjectorFile(experiment, source);
   const fs::path projector = experiment.projector.calibration;
   const fs::path light = experiment.projector.light_calibration;
-  static_cast<void>(lightInForce(experiment, source));  // or say why not, now
+  static_cast<void>(activeLightCalibration(experiment, source));  // or say why not, now
   checkScenes(experiment, source);
   run.directory = makeRunDirectory(parent, experiment.name, utime);
   if (!motors.empty()) adoptMotors(experiment, source / motors, run.directory);

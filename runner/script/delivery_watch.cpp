@@ -20,8 +20,8 @@ void DeliveryWatch::take(const light_seen_t& seen) {
   // Until it turns again, of itself.
   const std::int64_t end =
       presented_utime_ + units::microseconds(projector::ProjectorCore::kSyncPeriod);
-  const bool shows_it = sync_ >= 0 && seen.sync == sync_ && seen.utime >= presented_utime_ &&
-                        seen.utime < end;
+  const bool shows_it =
+      sync_ >= 0 && seen.sync == sync_ && seen.utime >= presented_utime_ && seen.utime < end;
   if (shows_it && seen_utime_ == 0) seen_utime_ = seen.utime;
 }
 

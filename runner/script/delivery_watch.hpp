@@ -1,5 +1,5 @@
-/// Proof that a step of the light script arrived: shown by the projector, seen by the camera, obeyed
-/// by the robots.
+/// Proof that a step of the light script arrived: shown by the projector, seen by the camera,
+/// obeyed by the robots.
 #pragma once
 
 #include <cstdint>

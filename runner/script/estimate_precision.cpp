@@ -10,12 +10,13 @@
 
 namespace lab::runner {
 
-KnownEstimate::KnownEstimate(const Experiment& experiment, const Until& until) : until_(until) {
+EstimatePrecision::EstimatePrecision(const Experiment& experiment, const Until& until)
+    : until_(until) {
   const auto program = experiment.programs.find(until.program);
   if (program != experiment.programs.end()) program_ = toMessage(program->second);
 }
 
-bool KnownEstimate::take(const analysis_t& analysis) {
+bool EstimatePrecision::take(const analysis_t& analysis) {
   const std::int32_t of = until_.robot == 0 ? analysis_t::POOL : until_.robot;
   if (analysis.robot_id != of || !sameProgram(analysis.program, program_)) return false;
   const auto estimate = std::ranges::find(analysis.estimates, until_.estimate, &estimate_t::name);
@@ -29,12 +30,12 @@ bool KnownEstimate::take(const analysis_t& analysis) {
   return true;
 }
 
-double KnownEstimate::moreData() const {
+double EstimatePrecision::moreData() const {
   const double ratio = error_ / until_.relative_error;
   return std::isnan(ratio) ? ratio : std::max(0.0, ratio * ratio - 1);
 }
 
-std::string KnownEstimate::progress() const {
+std::string EstimatePrecision::progress() const {
   if (!std::isfinite(error_)) {
     return fmt::format("{} was not determined, wanted with a relative error of {:.3g}",
                        until_.estimate, until_.relative_error);

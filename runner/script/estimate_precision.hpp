@@ -11,10 +11,10 @@
 namespace lab::runner {
 
 /// One estimate of one program, as it was heard last.
-class KnownEstimate {
+class EstimatePrecision {
  public:
   /// @param until names the estimate
-  KnownEstimate(const Experiment& experiment, const Until& until);
+  EstimatePrecision(const Experiment& experiment, const Until& until);
 
   /// @return whether the message says something about it
   bool take(const analysis_t& analysis);

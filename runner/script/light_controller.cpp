@@ -17,8 +17,8 @@ constexpr std::int64_t kDeliveryPatience_us = 2'000'000;
 
 }  // namespace
 
-LightPart::LightPart(Node& node, Loop& loop, const Experiment& experiment,
-                     const std::filesystem::path& directory, Hooks hooks)
+LightController::LightController(Node& node, Loop& loop, const Experiment& experiment,
+                                 const std::filesystem::path& directory, Hooks hooks)
     : node_(node),
       loop_(loop),
       experiment_(experiment),
@@ -34,7 +34,7 @@ LightPart::LightPart(Node& node, Loop& loop, const Experiment& experiment,
   });
 }
 
-void LightPart::begin() {
+void LightController::begin() {
   const std::int64_t now = loop_.now();
   loop_.every(kLightPeriod_us, now, [this] { send(); });
   loop_.every(units::kSecond_us, now + units::kSecond_us, [this] {
@@ -43,13 +43,13 @@ void LightPart::begin() {
   });
 }
 
-void LightPart::send() {
+void LightController::send() {
   if (command_.seq == 0) return;
   command_.utime = 0;
   node_.publishCommand(channels::kLightCommand, command_);
 }
 
-void LightPart::showEverywhere(double intensity, const std::string& label) {
+void LightController::showEverywhere(double intensity, const std::string& label) {
   LayerSpec uniform;
   uniform.intensity = intensity;
   ++command_.seq;
@@ -60,37 +60,37 @@ void LightPart::showEverywhere(double intensity, const std::string& label) {
   send();
 }
 
-void LightPart::startScript() {
+void LightController::startScript() {
   playing_ = true;
   player_.begin(loop_.now());
   setTimers();
 }
 
 /// Those set before a pause come too early, and find nothing to do.
-void LightPart::setTimers() {
+void LightController::setTimers() {
   loop_.at(player_.endUtime(), [this] { look(); });
   lookWhenDue();
 }
 
-void LightPart::pause() { player_.pause(loop_.now()); }
+void LightController::pause() { player_.pause(loop_.now()); }
 
-void LightPart::resume() {
+void LightController::resume() {
   player_.resume(loop_.now());
   setTimers();
   look();
 }
 
-void LightPart::close() {
+void LightController::close() {
   playing_ = false;
   closeWatch();
 }
 
-void LightPart::look() {
+void LightController::look() {
   while (playing_) {
     const auto turn = player_.turn(loop_.now());
     if (!turn) return;
     if (!turn->fault.empty()) hooks_.fault(turn->fault);
-    if (turn->kind == Turn::Kind::kStep) {
+    if (turn->kind == ScriptTransition::Kind::kStep) {
       show(*turn);
       lookWhenDue();
     } else {
@@ -99,13 +99,13 @@ void LightPart::look() {
   }
 }
 
-void LightPart::lookWhenDue() {
+void LightController::lookWhenDue() {
   const auto due = player_.due();
   // The end has its own timer.
   if (due && *due < player_.endUtime()) loop_.at(*due, [this] { look(); });
 }
 
-void LightPart::show(const Turn& turn) {
+void LightController::show(const ScriptTransition& turn) {
   closeWatch();
   const LightStep& wanted = experiment_.light.steps[turn.index];
   ++command_.seq;
@@ -130,7 +130,7 @@ void LightPart::show(const Turn& turn) {
   hooks_.began();
 }
 
-std::optional<program_t> LightPart::expectedProgram() const {
+std::optional<program_t> LightController::expectedProgram() const {
   const light::Field field = toField(command_.layers, images_.store);
   const bool steady = command_.ramp == 0 && command_.drives.empty();
   if (!steady || !light::isUniform(field) || !hooks_.chosen_by_light()) return std::nullopt;
@@ -146,37 +146,37 @@ std::optional<program_t> LightPart::expectedProgram() const {
   return expected;
 }
 
-void LightPart::finishWatch() {
+void LightController::finishWatch() {
   if (watch_ && watch_->complete()) closeWatch();
 }
 
-void LightPart::closeWatch() {
+void LightController::closeWatch() {
   if (!watch_) return;
   deliveries_.add(watch_->event());
   hooks_.record(watch_->event());
   watch_.reset();
 }
 
-void LightPart::take(const light_status_t& status) {
+void LightController::take(const light_status_t& status) {
   if (watch_) watch_->take(status);
   finishWatch();
   const bool ours = status.command_instance == node_.identity().instance;
   if (ours && status.command_seq == command_.seq) hooks_.shown();
 }
 
-void LightPart::take(const robot_status_t& status) {
+void LightController::take(const robot_status_t& status) {
   if (watch_) watch_->take(status);
   finishWatch();
   player_.take(status);
   look();
 }
 
-void LightPart::take(const analysis_t& analysis) {
+void LightController::take(const analysis_t& analysis) {
   player_.take(analysis);
   look();
 }
 
-void LightPart::take(const tracked_frame_t& frame) {
+void LightController::take(const tracked_frame_t& frame) {
   player_.take(frame);
   look();
 }

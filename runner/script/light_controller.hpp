@@ -21,21 +21,21 @@
 
 namespace lab::runner {
 
-class LightPart {
+class LightController {
  public:
   /// What the light has to do with the rest of the run.
   struct Hooks {
     std::function<void(const experiment_event_t&)> record;
     std::function<void(const std::string&)> fault;
-    std::function<void()> shown;          ///< a frame of the light commanded last has been shown
-    std::function<void()> began;          ///< a step of the script was commanded
+    std::function<void()> shown;            ///< a frame of the light commanded last has been shown
+    std::function<void()> began;            ///< a step of the script was commanded
     std::function<bool()> chosen_by_light;  ///< whether robots take their programs from the light
-    std::function<void(const Turn&)> end;   ///< of the script: no kStep
+    std::function<void(const ScriptTransition&)> end;  ///< of the script: no kStep
   };
 
   /// @param directory of the images that the experiment names
-  LightPart(Node& node, Loop& loop, const Experiment& experiment,
-            const std::filesystem::path& directory, Hooks hooks);
+  LightController(Node& node, Loop& loop, const Experiment& experiment,
+                  const std::filesystem::path& directory, Hooks hooks);
 
   /// From now on the light commanded last is repeated.
   void begin();
@@ -68,7 +68,7 @@ class LightPart {
   void look();
   void lookWhenDue();
   void setTimers();
-  void show(const Turn& turn);
+  void show(const ScriptTransition& turn);
   void send();
   void finishWatch();
   void closeWatch();

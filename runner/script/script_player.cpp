@@ -59,7 +59,7 @@ std::optional<std::int64_t> ScriptPlayer::stepEnd() const {
   const LightScript& script = experiment_.light;
   if (script.isPlanned()) {
     if (order_.isLast()) return std::nullopt;
-    ScriptOrder next = order_;
+    ScriptCursor next = order_;
     next.advance();
     const double at =
         static_cast<double>(next.pass()) * script.length + script.steps[next.index()].at;
@@ -83,20 +83,22 @@ std::string ScriptPlayer::whyUnmet() const {
                      step().hold, untilText(step().until), condition_->progress(), next);
 }
 
-Turn ScriptPlayer::show(std::int64_t utime, std::string ended_by, std::string fault) {
+ScriptTransition ScriptPlayer::show(std::int64_t utime, std::string ended_by, std::string fault) {
   step_utime_ = utime;
   condition_.reset();
   if (step().until.given()) condition_.emplace(experiment_, step().until, tumbles_, utime);
-  return {Turn::Kind::kStep, number_, order_.index(), std::move(ended_by), std::move(fault)};
+  return {ScriptTransition::Kind::kStep, number_, order_.index(), std::move(ended_by),
+          std::move(fault)};
 }
 
-Turn ScriptPlayer::finish(Turn::Kind kind, std::string ended_by, std::string fault) {
+ScriptTransition ScriptPlayer::finish(ScriptTransition::Kind kind, std::string ended_by,
+                                      std::string fault) {
   state_ = State::kFinished;
   condition_.reset();
   return {kind, number_, order_.index(), std::move(ended_by), std::move(fault)};
 }
 
-std::optional<Turn> ScriptPlayer::turn(std::int64_t now) {
+std::optional<ScriptTransition> ScriptPlayer::turn(std::int64_t now) {
   if (paused()) return std::nullopt;
   if (state_ == State::kStarting && now >= start_utime_) {
     state_ = State::kPlaying;
@@ -116,16 +118,17 @@ std::optional<Turn> ScriptPlayer::turn(std::int64_t now) {
       fault = whyUnmet();
     }
   } else if (now >= end_utime_) {
-    return finish(Turn::Kind::kOver, {}, {});
+    return finish(ScriptTransition::Kind::kOver, {}, {});
   } else {
     return std::nullopt;
   }
   if (!fault.empty() && step().if_not != IfNot::kNext) {
     const bool safe = step().if_not == IfNot::kSafe;
-    return finish(safe ? Turn::Kind::kSafe : Turn::Kind::kEnd, ended_by, fault);
+    return finish(safe ? ScriptTransition::Kind::kSafe : ScriptTransition::Kind::kEnd, ended_by,
+                  fault);
   }
   if (order_.isLast() || next_utime >= end_utime_) {
-    return finish(Turn::Kind::kOver, ended_by, fault);
+    return finish(ScriptTransition::Kind::kOver, ended_by, fault);
   }
   order_.advance();
   ++number_;

@@ -17,7 +17,7 @@
 namespace lab::runner {
 
 /// What comes next in a script.
-struct Turn {
+struct ScriptTransition {
   enum class Kind {
     kStep,  ///< a step begins
     kOver,  ///< the script is over, as it should be
@@ -30,7 +30,7 @@ struct Turn {
   std::string ended_by;   ///< what ended the step before, empty: its time was up
   std::string fault;      ///< the condition that was not met in time, empty: none
 
-  bool operator==(const Turn&) const = default;
+  bool operator==(const ScriptTransition&) const = default;
 };
 
 /// Plays a script once: told the time and what the lab sees, it says what comes next. Times are us
@@ -59,7 +59,7 @@ class ScriptPlayer {
   /// What has become due, one turn a call; nothing: the step goes on.
   /// A step that its condition ended makes the next one begin `now`; one whose time was up, when it
   /// was up, so that late calls do not add up.
-  [[nodiscard]] std::optional<Turn> turn(std::int64_t now);
+  [[nodiscard]] std::optional<ScriptTransition> turn(std::int64_t now);
 
   /// When turn() will have something to say at the latest.
   /// Nothing before begin(), in a pause and behind the last turn.
@@ -82,11 +82,11 @@ class ScriptPlayer {
   /// When the step shown now is over; nothing for the last one of a planned script.
   [[nodiscard]] std::optional<std::int64_t> stepEnd() const;
   [[nodiscard]] std::string whyUnmet() const;
-  Turn show(std::int64_t utime, std::string ended_by, std::string fault);
-  Turn finish(Turn::Kind kind, std::string ended_by, std::string fault);
+  ScriptTransition show(std::int64_t utime, std::string ended_by, std::string fault);
+  ScriptTransition finish(ScriptTransition::Kind kind, std::string ended_by, std::string fault);
 
   const Experiment& experiment_;
-  ScriptOrder order_;
+  ScriptCursor order_;
   TumbleCount tumbles_;
   std::optional<StepCondition> condition_;
   enum class State { kWaiting, kStarting, kPlaying, kFinished };

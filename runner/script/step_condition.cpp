@@ -50,9 +50,8 @@ void StepCondition::take(const tracked_frame_t& frame) {
       inside_[pose.robot_id] = frame.utime;
     }
   }
-  std::erase_if(inside_, [&frame](const auto& robot) {
-    return frame.utime - robot.second > kPoseLasts_us;
-  });
+  std::erase_if(inside_,
+                [&frame](const auto& robot) { return frame.utime - robot.second > kPoseLasts_us; });
   most_inside_ = std::max(most_inside_, inside_.size());
   const bool all = until_.robot == 0 && until_.who == Who::kAll;
   if (inside_.size() >= (all ? robots_.size() : 1)) met_ = frame.utime;

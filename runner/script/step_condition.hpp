@@ -41,7 +41,7 @@ class StepCondition {
   [[nodiscard]] bool concerns(std::int32_t robot) const;
 
   Until until_;
-  KnownEstimate estimate_;
+  EstimatePrecision estimate_;
   std::set<std::int32_t> robots_;  ///< all of the experiment
   std::int64_t begin_utime_;
   std::optional<std::int64_t> met_;

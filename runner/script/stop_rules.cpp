@@ -11,10 +11,9 @@
 
 namespace lab::runner {
 
-StopRules::StopRules(const Experiment& experiment)
-    : any_(experiment.stop_on == StopOn::kAny) {
+StopRules::StopRules(const Experiment& experiment) : any_(experiment.stop_on == StopOn::kAny) {
   for (const StopRule& rule : experiment.stop_when) {
-    rules_.push_back({KnownEstimate(experiment, rule.until), rule.at_least});
+    rules_.push_back({EstimatePrecision(experiment, rule.until), rule.at_least});
   }
 }
 
@@ -42,8 +41,8 @@ std::optional<std::string> StopRules::met() const {
 }
 
 std::string StopRules::unmet() const {
-  std::string text = fmt::format("stop_when was not reached{}",
-                                 any_ && rules_.size() > 1 ? " (any of them)" : "");
+  std::string text =
+      fmt::format("stop_when was not reached{}", any_ && rules_.size() > 1 ? " (any of them)" : "");
   for (const Rule& rule : rules_) {
     if (rule.holds()) continue;
     text += fmt::format("; {}: {}", untilText(rule.estimate.until()), rule.estimate.progress());
@@ -63,7 +62,7 @@ std::string StopRules::progress(const Rule& rule) const {
   const double left = std::max(more * rule.heard, rule.at_least - rule.heard);
   return fmt::format("{} {:.3g} %, wanted {:.3g} %{}", what,
                      rule.estimate.error() / units::kPercent, wanted,
-                     left > 0 ? ": about " + leftText(left) : "");
+                     left > 0 ? ": about " + remainingTimeText(left) : "");
 }
 
 std::string StopRules::progress() const {

@@ -34,10 +34,10 @@ class StopRules {
 
  private:
   struct Rule {
-    KnownEstimate estimate;
-    double at_least = 0;       ///< [s]
-    double heard = 0;          ///< [s] since begin, when it was heard of last
-    std::int64_t utime = 0;    ///< of that sample
+    EstimatePrecision estimate;
+    double at_least = 0;     ///< [s]
+    double heard = 0;        ///< [s] since begin, when it was heard of last
+    std::int64_t utime = 0;  ///< of that sample
     [[nodiscard]] bool holds() const { return utime != 0 && heard >= at_least && estimate.holds(); }
   };
   [[nodiscard]] std::string progress(const Rule& rule) const;

@@ -3,13 +3,13 @@
 #include <lab/clock_t.hpp>
 #include <list>
 
-#include "common/camera/memory_cameras.hpp"
 #include "common/bus/channels.hpp"
 #include "common/bus/log_file.hpp"
 #include "common/bus/memory_bus.hpp"
-#include "common/serial/memory_serial.hpp"
-#include "common/math/units.hpp"
+#include "common/camera/memory_cameras.hpp"
 #include "common/loop/virtual_loop.hpp"
+#include "common/math/units.hpp"
+#include "common/serial/memory_serial.hpp"
 #include "runner/virtual_time/services.hpp"
 
 namespace lab::runner {
@@ -32,7 +32,7 @@ struct Member {
 }  // namespace
 
 RunOutcome runVirtual(const PreparedRun& run, const ShowProgress& show,
-                      const std::function<bool()>& interrupted, const PilotFactory& pilot) {
+                      const std::function<bool()>& interrupted, const ProcedureFactory& pilot) {
   VirtualLoop loop;
   MemoryBus bus([&loop] { return loop.now(); });
   loop.drainWith([&bus] { bus.deliver(); });
@@ -50,18 +50,18 @@ RunOutcome runVirtual(const PreparedRun& run, const ShowProgress& show,
   }
   Node node(bus, loop, {"lab", 0, 1});
   std::string why = "ended by the user";
-  Conductor conductor({node, loop, run.experiment, run.directory}, run.effective,
-                      [&](Ending ending, const std::string& because) {
-                        why = because;
-                        outcome.interrupted = ending == Ending::kWished;
-                        outcome.closed_early =
-                            ending == Ending::kUnmet || ending == Ending::kBroken;
-                        loop.stop();
-                      });
-  std::optional<PilotSeat> seat;
+  ExperimentController controller({node, loop, run.experiment, run.directory}, run.effective,
+                                  [&](Ending ending, const std::string& because) {
+                                    why = because;
+                                    outcome.interrupted = ending == Ending::kRequested;
+                                    outcome.closed_early =
+                                        ending == Ending::kUnmet || ending == Ending::kBroken;
+                                    loop.stop();
+                                  });
+  std::optional<ProcedureNode> seat;
   if (pilot) {
-    seat.emplace(bus, loop, cameras, run, 1, pilot, conductor, [&] {
-      why = kPilotDone;
+    seat.emplace(bus, loop, cameras, run, 1, pilot, controller, [&] {
+      why = kProcedureDone;
       loop.stop();
     });
   }
@@ -76,27 +76,27 @@ RunOutcome runVirtual(const PreparedRun& run, const ShowProgress& show,
   loop.every(units::kSecond_us, loop.now(), [&] {
     clock_t clock{};
     node.publish(channels::kClock, clock);
-    show(conductor.progress());
+    show(controller.progress());
     if (interrupted()) {
       outcome.interrupted = true;
       loop.stop();
     }
   });
   try {
-    conductor.begin();
+    controller.begin();
     loop.run();
     outcome.ended_because = why;
-    conductor.conclude(why);
+    controller.conclude(why);
     loop.runUntil(loop.now() + kSettle_us);
     for (Member& member : members) member.node.close();
     if (seat) seat->end();
     node.close();
     bus.deliver();
     log.flush();
-    outcome.faults = conductor.faults();
+    outcome.faults = controller.faults();
   } catch (const std::exception& error) {
     // The log takes no more: what it has is kept, and the run is marked.
-    outcome.faults = conductor.faults();
+    outcome.faults = controller.faults();
     outcome.faults.emplace_back(error.what());
     outcome.closed_early = true;
   }

@@ -27,6 +27,6 @@ using ShowProgress = std::function<void(const Progress&)>;
 /// @param pilot drives the robots instead of their light table; may be empty.
 [[nodiscard]] RunOutcome runVirtual(const PreparedRun& run, const ShowProgress& show,
                                     const std::function<bool()>& interrupted,
-                                    const PilotFactory& pilot = {});
+                                    const ProcedureFactory& pilot = {});
 
 }  // namespace lab::runner

@@ -15,8 +15,8 @@ namespace lab::runner {
 std::vector<ServiceDescription> labServices(const Experiment& experiment) {
   std::vector<ServiceDescription> services = {
       analysis::serviceDescription(), projector::serviceDescription(),
-      bridge::serviceDescription(), tracker::serviceDescription(), sim::serviceDescription(),
-      gateway::serviceDescription()};
+      bridge::serviceDescription(),   tracker::serviceDescription(),
+      sim::serviceDescription(),      gateway::serviceDescription()};
   std::erase_if(services, [&](const auto& service) { return !service.wanted(experiment); });
   return services;
 }

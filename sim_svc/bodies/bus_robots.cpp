@@ -101,9 +101,8 @@ void BusRobots::obey(Link& link, const robot_order_t& order, const OrderSettings
       break;
     }
     default:
-      world_.order(link.body, [](dynamics::RobotCore& core, std::uint32_t now_ms) {
-        core.stand(now_ms);
-      });
+      world_.order(link.body,
+                   [](dynamics::RobotCore& core, std::uint32_t now_ms) { core.stand(now_ms); });
   }
 }
 

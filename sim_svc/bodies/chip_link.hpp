@@ -18,7 +18,13 @@ inline constexpr int kArenaSocket = 3;
 inline constexpr std::uint32_t kLinkVersion = 1;
 inline constexpr std::size_t kLargestPacket = 128 * 1024;
 
-enum class Packet : std::uint32_t { kSetup = 1, kStep = 2, kReady = 11, kStepped = 12, kFailed = 13 };
+enum class Packet : std::uint32_t {
+  kSetup = 1,
+  kStep = 2,
+  kReady = 11,
+  kStepped = 12,
+  kFailed = 13
+};
 
 /// Begins every packet. After kFailed comes a text until the packet's end: why.
 struct Header {
@@ -33,21 +39,21 @@ struct Header {
 struct ChipSetup {
   std::int32_t id = 0;
   std::uint32_t eeprom_size = 0;
-  std::int64_t boot_us = 0;   ///< when it is switched on, on the arena's clock
-  double clock_rate = 1;      ///< of its oscillator against the arena's clock
+  std::int64_t boot_us = 0;  ///< when it is switched on, on the arena's clock
+  double clock_rate = 1;     ///< of its oscillator against the arena's clock
 };
 
 /// STEP, for each robot; then rx_size bytes that the host has sent. The chip takes them from its
 /// line one after the other at the line's speed.
 struct ChipInput {
-  std::uint16_t ir[6] = {};  ///< counts 0..1023 with the emitters on
+  std::uint16_t ir[6] = {};       ///< counts 0..1023 with the emitters on
   std::uint16_t light_front = 0;  ///< counts
   std::uint16_t light_back = 0;   ///< counts
   std::uint32_t rx_size = 0;
 };
 
 enum class ChipState : std::uint8_t {
-  kOff = 0,      ///< not yet switched on
+  kOff = 0,  ///< not yet switched on
   kRunning = 1,
   kCrashed = 2,  ///< it sleeps with interrupts off, or ran into no program
 };

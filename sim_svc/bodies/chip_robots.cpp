@@ -78,17 +78,16 @@ ChipRobots::ChipRobots(const World& world, std::vector<ChipRobotSetup> setups,
     chip.setup = std::move(setup);
     chips_.push_back(std::move(chip));
   }
-  const std::string who =
-      chips_.empty() ? "robots" : "robot " + std::to_string(chips_.front().id);
+  const std::string who = chips_.empty() ? "robots" : "robot " + std::to_string(chips_.front().id);
   for (const char* file : {"robot_emulator", "robot_firmware.elf"}) {
     if (std::filesystem::exists(programs / file)) continue;
-    throw std::runtime_error(who + " has body = \"firmware\", which needs " +
-                             (programs / file).string() +
-                             ": not there; " +
-                             installation().wayTo(file,
-                                                  "install gcc-avr, avr-libc and libsimavr-dev "
-                                                  "and build again") +
-                             ", or say body = \"wire\"");
+    throw std::runtime_error(
+        who + " has body = \"firmware\", which needs " + (programs / file).string() +
+        ": not there; " +
+        installation().installHint(file,
+                                   "install gcc-avr, avr-libc and libsimavr-dev "
+                                   "and build again") +
+        ", or say body = \"wire\"");
   }
   try {
     start(world.timeUs());
@@ -110,7 +109,7 @@ void ChipRobots::start(std::int64_t now_us) {
     append(packet_, setup);
     packet_.insert(packet_.end(), chip.setup.eeprom.begin(), chip.setup.eeprom.end());
   }
-  Parser answer(emulator_->exchange(packet_, kStartPatience_ms));
+  Parser answer(emulator_->exchange(packet_, kStartTimeout_ms));
   expect(answer, chip::Packet::kReady, chips_.size());
 }
 
@@ -148,7 +147,7 @@ void ChipRobots::step(World& world, std::int64_t until_us) {
     append(packet_, input);
     packet_.insert(packet_.end(), chip.received.begin(), chip.received.end());
   }
-  takeAnswer(world, until_us, emulator_->exchange(packet_, kPatience_ms));
+  takeAnswer(world, until_us, emulator_->exchange(packet_, kStepTimeout_ms));
 }
 
 void ChipRobots::takeAnswer(World& world, std::int64_t until_us,
@@ -181,18 +180,18 @@ void ChipRobots::takeAnswer(World& world, std::int64_t until_us,
 void ChipRobots::fail(World& world, const std::string& why) {
   emulator_.reset();
   const std::int64_t now_us = world.timeUs();
-  if (failures_ > 0 && now_us - failed_us_ > kForgiven_us) failures_ = 0;
+  if (failures_ > 0 && now_us - failed_us_ > kFailureMemory_us) failures_ = 0;
   ++failures_;
   failed_us_ = now_us;
-  restart_us_ = now_us + kOff_us;
+  restart_us_ = now_us + kRestartDelay_us;
   for (Chip& chip : chips_) {
     chip.sent.clear();
     chip.crashed = false;
     world.setMotors(chip.setup.body, {now_us, 0, 0});
   }
-  report_("robot_emulator: " + why + "; its robots stand and " +
-          (failures_ < kMostFailures ? "are switched on anew in 1 s"
-                                     : "stay off: restart the lab"));
+  report_(
+      "robot_emulator: " + why + "; its robots stand and " +
+      (failures_ < kMostFailures ? "are switched on anew in 1 s" : "stay off: restart the lab"));
 }
 
 }  // namespace lab::sim

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "sim_svc/bodies/chip_link.hpp"
 #include "sim_svc/bodies/body_driver.hpp"
+#include "sim_svc/bodies/chip_link.hpp"
 #include "sim_svc/bodies/emulator_process.hpp"
 
 namespace lab::sim {
@@ -23,19 +23,19 @@ struct ChipRobotSetup {
 /// The chips of robot_emulator in lockstep with the world: they run exactly as far as advance()
 /// says, and nobody moves meanwhile.
 ///
-/// When the emulator ends, hangs or answers nonsense, the robots stand, `report` is told once, and a
-/// second later (of the world) the chips are switched on anew, with their EEPROM as at the
+/// When the emulator ends, hangs or answers nonsense, the robots stand, `report` is told once, and
+/// a second later (of the world) the chips are switched on anew, with their EEPROM as at the
 /// beginning. After three failures in a row they stay off.
 class ChipRobots final : public BodyDriver {
  public:
   using Report = std::function<void(const std::string&)>;
 
-  static constexpr int kPatience_ms = 2000;        ///< Real time, for one step.
-  static constexpr int kStartPatience_ms = 10000;  ///< Real time, to load the firmware.
-  static constexpr std::int64_t kOff_us = 1'000'000;
+  static constexpr int kStepTimeout_ms = 2000;    ///< Real time, for one step.
+  static constexpr int kStartTimeout_ms = 10000;  ///< Real time, to load the firmware.
+  static constexpr std::int64_t kRestartDelay_us = 1'000'000;
   static constexpr int kMostFailures = 3;
   /// So long without a failure, and the earlier ones are forgotten.
-  static constexpr std::int64_t kForgiven_us = 30'000'000;
+  static constexpr std::int64_t kFailureMemory_us = 30'000'000;
 
   /// @param programs folder with robot_emulator and robot_firmware.elf
   /// @throws std::runtime_error: one line, what is missing or why the emulator does not start

@@ -11,7 +11,8 @@
 
 namespace lab::sim {
 
-/// robot_emulator as a child that ends with this process. Packets as in sim_svc/bodies/chip_link.hpp.
+/// robot_emulator as a child that ends with this process. Packets as in
+/// sim_svc/bodies/chip_link.hpp.
 class EmulatorProcess {
  public:
   /// Starts `program --arena-socket 3`.

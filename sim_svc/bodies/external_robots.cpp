@@ -10,7 +10,7 @@ std::string lineName(std::int32_t robot_id) {
   return "robot_" + (number.size() < 2 ? "0" + number : number);
 }
 
-void OuterRobots::add(std::unique_ptr<BodyDriver> driver) {
+void ExternalRobots::add(std::unique_ptr<BodyDriver> driver) {
   for (std::size_t k = 0; k < driver->size(); ++k) {
     Robot& robot = robots_[driver->body(k)];
     robot.driver = driver.get();
@@ -21,7 +21,7 @@ void OuterRobots::add(std::unique_ptr<BodyDriver> driver) {
   drivers_.push_back(std::move(driver));
 }
 
-void OuterRobots::takeBytes(Robot& robot) {
+void ExternalRobots::takeBytes(Robot& robot) {
   catch_up_();
   std::array<std::uint8_t, 512> bytes{};
   while (const std::size_t count = robot.port->read(bytes)) {
@@ -29,7 +29,7 @@ void OuterRobots::takeBytes(Robot& robot) {
   }
 }
 
-void OuterRobots::advanceTo(std::int64_t time_us) {
+void ExternalRobots::advanceTo(std::int64_t time_us) {
   if (drivers_.empty()) {
     world_.advanceTo(time_us);
     return;
@@ -49,9 +49,10 @@ void OuterRobots::advanceTo(std::int64_t time_us) {
   }
 }
 
-std::int8_t OuterRobots::kind(std::size_t i) const {
+std::int8_t ExternalRobots::kind(std::size_t i) const {
   const auto robot = robots_.find(i);
-  return robot == robots_.end() ? BodyDriver::kUnknown : robot->second.driver->kind(robot->second.k);
+  return robot == robots_.end() ? BodyDriver::kUnknown
+                                : robot->second.driver->kind(robot->second.k);
 }
 
 }  // namespace lab::sim

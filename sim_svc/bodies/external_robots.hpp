@@ -14,7 +14,7 @@
 namespace lab::sim {
 
 /// Advances drivers and world together and carries bytes between drivers and lines.
-class OuterRobots {
+class ExternalRobots {
  public:
   /// World and programs advance by at most this much at a time: what a program senses is at most
   /// this old (a robot moves 0.54 mm in it), and what it sends is at most this late.
@@ -23,7 +23,7 @@ class OuterRobots {
   /// @param ports where the robots' lines are offered
   /// @param catch_up advances world and robots to the present: called before bytes are taken from a
   /// line, so that they come at their time
-  OuterRobots(World& world, SerialPorts& ports, std::function<void()> catch_up)
+  ExternalRobots(World& world, SerialPorts& ports, std::function<void()> catch_up)
       : world_(world), ports_(ports), catch_up_(std::move(catch_up)) {}
 
   /// Takes in a driver and offers a line for each of its robots, named robot_07 for id 7.

@@ -11,65 +11,65 @@
 
 namespace lab::sim {
 
-Ghosts::Ghosts(World& world, const Experiment& experiment, const std::filesystem::path& directory,
-               std::int64_t start_utime)
+KinematicRobots::KinematicRobots(World& world, const Experiment& experiment,
+                                 const std::filesystem::path& directory, std::int64_t start_utime)
     : world_(world) {
   for (const RobotSpec& robot : experiment.robots) {
-    if (robot.body == Body::kSerial) real_[robot.id].ghost = world_.addGhost();
+    if (robot.body == Body::kSerial) real_[robot.id].ghost = world_.addKinematicDisk();
     if (robot.body != Body::kReplay) continue;
     const std::int32_t recorded = robot.recorded_id == 0 ? robot.id : robot.recorded_id;
     try {
       ReplayRobot replay(loadRecording(directory / robot.log, recorded, robot.from), robot.id,
                          start_utime);
-      replayed_.push_back({world_.addGhost(), std::move(replay)});
+      replayed_.push_back({world_.addKinematicDisk(), std::move(replay)});
     } catch (const std::runtime_error& error) {
       throw std::runtime_error(fmt::format("robot {} is to replay {}", robot.id, error.what()));
     }
   }
 }
 
-void Ghosts::see(const tracked_frame_t& frame, std::int64_t now) {
+void KinematicRobots::see(const tracked_frame_t& frame, std::int64_t now) {
   for (const tracked_pose_t& pose : frame.robots) {
     const auto entry = real_.find(pose.robot_id);
     if (entry == real_.end()) continue;
     entry->second.there = true;
     entry->second.seen_utime = now;
-    world_.moveGhost(entry->second.ghost, {pose.x, pose.y});
+    world_.moveKinematicDisk(entry->second.ghost, {pose.x, pose.y});
   }
 }
 
-void Ghosts::follow(std::int64_t now) {
+void KinematicRobots::follow(std::int64_t now) {
   for (auto& [id, real] : real_) {
     if (!real.there || now - real.seen_utime <= kLost_us) continue;
     real.there = false;
-    world_.hideGhost(real.ghost);
+    world_.hideKinematicDisk(real.ghost);
   }
   for (Replayed& replayed : replayed_) {
     if (const auto pose = replayed.robot.lastPose(now)) {
       replayed.there = true;
-      world_.moveGhost(replayed.ghost, {pose->x, pose->y});
+      world_.moveKinematicDisk(replayed.ghost, {pose->x, pose->y});
     } else if (replayed.there) {
       replayed.there = false;
-      world_.hideGhost(replayed.ghost);
+      world_.hideKinematicDisk(replayed.ghost);
     }
   }
 }
 
-void Ghosts::addTracked(std::int64_t exposure_utime, TrackerModel& tracker) const {
+void KinematicRobots::addTracked(std::int64_t exposure_utime, TrackerModel& tracker) const {
   for (const Replayed& replayed : replayed_) {
     if (const auto pose = replayed.robot.trackedPose(exposure_utime)) tracker.add(*pose);
   }
 }
 
-void Ghosts::addStates(std::int64_t utime, std::vector<robot_state_t>& states) const {
+void KinematicRobots::addStates(std::int64_t utime, std::vector<robot_state_t>& states) const {
   for (const Replayed& replayed : replayed_) {
     if (auto state = replayed.robot.state(utime)) states.push_back(*state);
   }
 }
 
 /// Where the recorded tracker had lost a robot, it stands as it was seen last.
-void Ghosts::addPainted(std::int64_t exposure_utime, double exposure,
-                        std::vector<PaintedRobot>& robots) const {
+void KinematicRobots::addPainted(std::int64_t exposure_utime, double exposure,
+                                 std::vector<PaintedRobot>& robots) const {
   const std::int64_t half = std::max<std::int64_t>(1, units::microseconds(exposure) / 2);
   for (const Replayed& replayed : replayed_) {
     const auto tracked = replayed.robot.trackedPose(exposure_utime);
@@ -88,7 +88,7 @@ void Ghosts::addPainted(std::int64_t exposure_utime, double exposure,
   }
 }
 
-void Ghosts::addTruth(std::int64_t utime, std::vector<true_pose_t>& robots) const {
+void KinematicRobots::addTruth(std::int64_t utime, std::vector<true_pose_t>& robots) const {
   for (const Replayed& replayed : replayed_) {
     const auto pose = replayed.robot.lastPose(utime);
     if (!pose) continue;

@@ -1,5 +1,5 @@
-/// The robots that sim_svc does not move but that its robots meet: real ones, as a camera sees them,
-/// and recorded ones.
+/// The robots that sim_svc does not move but that its robots meet: real ones, as a camera sees
+/// them, and recorded ones.
 #pragma once
 
 #include <cstdint>
@@ -11,15 +11,15 @@
 #include <vector>
 
 #include "common/experiment/experiment.hpp"
-#include "sim_svc/camera_painter.hpp"
 #include "sim_svc/bodies/replay_robot.hpp"
 #include "sim_svc/camera/tracker_model.hpp"
+#include "sim_svc/camera_painter.hpp"
 #include "sim_svc/world.hpp"
 
 namespace lab::sim {
 
 /// Moves the world's ghosts.
-class Ghosts {
+class KinematicRobots {
  public:
   /// A real robot that no frame has shown for this long has been taken away.
   static constexpr std::int64_t kLost_us = 2'000'000;
@@ -27,8 +27,8 @@ class Ghosts {
   /// @param directory of the experiment file: recordings are named from there
   /// @param start_utime when recordings begin to play
   /// @throws std::runtime_error: see loadRecording()
-  Ghosts(World& world, const Experiment& experiment, const std::filesystem::path& directory,
-         std::int64_t start_utime);
+  KinematicRobots(World& world, const Experiment& experiment,
+                  const std::filesystem::path& directory, std::int64_t start_utime);
 
   [[nodiscard]] bool anyReal() const { return !real_.empty(); }
   [[nodiscard]] bool anyReplayed() const { return !replayed_.empty(); }

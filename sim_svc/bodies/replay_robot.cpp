@@ -1,8 +1,9 @@
 #include "sim_svc/bodies/replay_robot.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <fmt/format.h>
 #include <lab/experiment_event_t.hpp>
 #include <lab/robot_status_t.hpp>
 #include <lab/tracked_frame_t.hpp>
@@ -34,8 +35,8 @@ class Collector {
       takeStatus(packet);
     } else if (packet.channel == channels::kExperimentEvent) {
       experiment_event_t event{};
-      const bool first_step = decode(packet.data, event) &&
-                              event.kind == experiment_event_t::STEP && event.step == 0;
+      const bool first_step =
+          decode(packet.data, event) && event.kind == experiment_event_t::STEP && event.step == 0;
       if (first_step) script_start_ = event.commanded_utime;
     }
   }
@@ -103,11 +104,9 @@ Recording loadRecording(const std::filesystem::path& path, std::int32_t robot_id
   readLog(logSeries(log), [&collector](const Packet& packet) { collector.take(packet); });
   Recording& recording = collector.recording;
   if (recording.frames.empty()) {
-    throw std::runtime_error(fmt::format("{}: no camera frame has robot {}; it has {}",
-                                         log.string(), robot_id,
-                                         collector.ids.empty()
-                                             ? "no robots"
-                                             : fmt::format("{}", fmt::join(collector.ids, ", "))));
+    throw std::runtime_error(fmt::format(
+        "{}: no camera frame has robot {}; it has {}", log.string(), robot_id,
+        collector.ids.empty() ? "no robots" : fmt::format("{}", fmt::join(collector.ids, ", "))));
   }
   order(recording.frames, 0);
   const std::int64_t script_start = collector.scriptStart();

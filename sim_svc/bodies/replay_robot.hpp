@@ -16,9 +16,9 @@ struct Recording {
     std::int64_t utime = 0;  ///< Of the exposure.
     tracked_pose_t pose{};
   };
-  std::vector<Frame> frames;           ///< In order of time, each time once; at least two.
-  std::vector<robot_state_t> states;   ///< Likewise; may be empty.
-  double frame_period = 0;             ///< Nominal, s.
+  std::vector<Frame> frames;          ///< In order of time, each time once; at least two.
+  std::vector<robot_state_t> states;  ///< Likewise; may be empty.
+  double frame_period = 0;            ///< Nominal, s.
 };
 
 /// Reads a log, or the log of a run's folder.

@@ -143,8 +143,7 @@ std::uint16_t WireRobot::stackLeft() const { return kEnoughStack; }
 WireRobots::WireRobots(const World& world, const std::vector<WireSetup>& setups) {
   for (const WireSetup& setup : setups) {
     const std::int64_t boot_us = std::llround(1e6 * world.bootTime(setup.body));
-    robots_.push_back(
-        std::make_unique<WireRobot>(setup, boot_us, world.clock(setup.body).rate()));
+    robots_.push_back(std::make_unique<WireRobot>(setup, boot_us, world.clock(setup.body).rate()));
   }
 }
 

@@ -25,9 +25,9 @@ struct WireSetup {
 /// serial line with the speed and the send buffer of the real one, an EEPROM that keeps what is
 /// written while the robot is reset.
 ///
-/// What is simpler than on the chip (docs/bodies.md): a scan of the sensors is taken at one instant,
-/// an EEPROM write takes no time, no byte from the line is ever overrun, and the program itself
-/// takes no time.
+/// What is simpler than on the chip (docs/bodies.md): a scan of the sensors is taken at one
+/// instant, an EEPROM write takes no time, no byte from the line is ever overrun, and the program
+/// itself takes no time.
 class WireRobot final : private firmware::Board {
  public:
   /// What the firmware's send buffer holds, bytes (robot/firmware/avr/uart.cpp).

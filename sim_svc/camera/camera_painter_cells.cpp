@@ -6,13 +6,13 @@ namespace lab::sim::painter {
 namespace {
 
 /// out[i] += tap (a[i] + b[i])
-LAB_PAINTER_CLONES
+LAB_TARGET_CLONES
 void addPair(float tap, const float* __restrict a, const float* __restrict b, float* __restrict out,
              int count) {
   for (int i = 0; i < count; ++i) out[i] += tap * (a[i] + b[i]);
 }
 
-LAB_PAINTER_CLONES
+LAB_TARGET_CLONES
 void split(const float* __restrict both, float* __restrict even, float* __restrict odd, int count) {
   for (int i = 0; i < count; ++i) {
     even[i] = both[2 * i];

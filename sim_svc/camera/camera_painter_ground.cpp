@@ -91,8 +91,8 @@ std::vector<FloorStrip> scuffs(const PainterSettings& settings) {
   return strips;
 }
 
-/// Points of all cells on the floor, or on the sheet that hides it: exact on every second pixel, straight between (an error of 2e-4 px
-/// for a lens of k1 = -0.12).
+/// Points of all cells on the floor, or on the sheet that hides it: exact on every second pixel,
+/// straight between (an error of 2e-4 px for a lens of k1 = -0.12).
 void tracePlaces(const Lattice& lattice, const optics::CameraModel& model, double height,
                  Ground& ground) {
   constexpr int kStep = 4;  // [cells]
@@ -101,8 +101,9 @@ void tracePlaces(const Lattice& lattice, const optics::CameraModel& model, doubl
   const auto places = [&](int node_row) {
     std::vector<optics::Place> row;
     for (int i = 0; i < nodes_x; ++i) {
-      row.push_back(model.toPlane({lattice.pixel(i * kStep), lattice.pixel(node_row * kStep)}, height)
-                        .value_or(optics::Place{kFarAway, kFarAway}));
+      row.push_back(
+          model.toPlane({lattice.pixel(i * kStep), lattice.pixel(node_row * kStep)}, height)
+              .value_or(optics::Place{kFarAway, kFarAway}));
     }
     return row;
   };

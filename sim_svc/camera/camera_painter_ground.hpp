@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "light/optics/camera_model.hpp"
-#include "sim_svc/camera_painter.hpp"
 #include "sim_svc/camera/camera_painter_cells.hpp"
+#include "sim_svc/camera_painter.hpp"
 
 namespace lab::sim::painter {
 

@@ -12,7 +12,7 @@ constexpr float kBend = 5e-4F;      // [1] light that bends less from pixel to p
 constexpr int kTile = 16;           // [px]
 constexpr double kLeastCells = 1.5;  // that an edge is wide
 
-LAB_PAINTER_CLONES
+LAB_TARGET_CLONES
 void dimBy(const float* __restrict share, float* __restrict light, int count) {
   for (int i = 0; i < count; ++i) light[i] *= share[i];
 }
@@ -59,11 +59,12 @@ Projection::Projection(const std::vector<light::Layer>& layers, const PainterSet
   std::vector<light::Layer> soft = layers;
   for (light::Layer& layer : soft) layer.softness = std::max(layer.softness, softest);
   layers_ = light::CompiledLayers(soft);
-  tones_ = settings.tones.arePlain() ? nullptr : std::make_shared<const optics::ToneTable>(settings.tones);
+  tones_ = settings.tones.areIdentity() ? nullptr
+                                        : std::make_shared<const optics::ToneTable>(settings.tones);
 }
 
 /// How far a place lies inside the projector's picture [m].
-double Projection::insideBy(const LitPlaces& places, double x, double y) const {
+double Projection::marginInside(const LitPlaces& places, double x, double y) const {
   if (places.lit != nullptr) return kAnywhere;
   return std::min(std::min(x, width_ - x), std::min(y, height_ - y)) + kOverscan;
 }
@@ -101,7 +102,7 @@ std::vector<Box> Projection::changed(const Projection& before, const Lattice& la
       const Box pixels{x, y, std::min(x + kTile, lattice.columns() / 2),
                        std::min(y + kTile, lattice.rows() / 2)};
       const Tile here = tile(lattice, places, pixels);
-      if (insideBy(places, here.x, here.y) <= -here.radius) continue;
+      if (marginInside(places, here.x, here.y) <= -here.radius) continue;
       if (layersOf(here) == before.layersOf(here)) continue;
       if (!boxes.empty() && boxes.back().y0 == y && boxes.back().x1 == x) {
         boxes.back().x1 = pixels.x1;
@@ -119,7 +120,7 @@ void Projection::light(const Lattice& lattice, const LitPlaces& places, const Bo
     for (int x = cells.x0 / 2; x < cells.x1 / 2; x += kTile) {
       const Box pixels{x, y, std::min(x + kTile, cells.x1 / 2), std::min(y + kTile, cells.y1 / 2)};
       const Tile here = tile(lattice, places, pixels);
-      const double inside = insideBy(places, here.x, here.y);
+      const double inside = marginInside(places, here.x, here.y);
       const bool lit = inside > -here.radius;
       const light::CompiledLayers layers = lit ? layersOf(here) : light::CompiledLayers();
       if (lit && !(layers.isUniform() && inside > here.radius + kBorder)) {
@@ -162,7 +163,7 @@ void Projection::paint(const light::CompiledLayers& layers, const Tile& tile,
                        const Lattice& lattice, const LitPlaces& places,
                        std::vector<float>& out) const {
   Places asked(layers, [&](double x, double y) {
-    return std::min(insideBy(places, x, y) / kBorder, 1.0);
+    return std::min(marginInside(places, x, y) / kBorder, 1.0);
   });
   const auto ask = [&](double floor_x, double floor_y) {
     asked.add(places.shift.scale * floor_x + places.shift.x0,

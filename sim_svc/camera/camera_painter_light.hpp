@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "light/field/field.hpp"
-#include "sim_svc/camera_painter.hpp"
 #include "sim_svc/camera/camera_painter_cells.hpp"
+#include "sim_svc/camera_painter.hpp"
 
 namespace lab::sim::painter {
 
@@ -31,8 +31,8 @@ struct LitPlaces {
   const float* x = nullptr;    ///< [m]
   const float* y = nullptr;    ///< [m]
   PlaneShift shift;            ///< takes (x, y) to the field
-  const float* lit = nullptr;  ///< [1] share that the picture reaches; null: all, and a little beyond
-                               ///< the arena
+  const float* lit = nullptr;  ///< [1] share that the picture reaches; null: all, and a little
+                               ///< beyond the arena
 };
 
 /// A list of layers as a projector shows it: no edge sharper than its lens, nothing outside its
@@ -66,7 +66,7 @@ class Projection {
   [[nodiscard]] light::CompiledLayers layersOf(const Tile& tile) const {
     return layers_.within({tile.x, tile.y, tile.radius});
   }
-  [[nodiscard]] double insideBy(const LitPlaces& places, double x, double y) const;
+  [[nodiscard]] double marginInside(const LitPlaces& places, double x, double y) const;
   void paint(const light::CompiledLayers& layers, const Tile& tile, const Lattice& lattice,
              const LitPlaces& places, std::vector<float>& out) const;
 

@@ -18,7 +18,7 @@ namespace painter {
 namespace {
 
 constexpr std::size_t kTable = 1U << 16U;
-constexpr int kPiece = 256;  // [px] read in one go
+constexpr int kPiece = 256;      // [px] read in one go
 constexpr int kFullScale = 255;  // [DN]
 constexpr int kFine = 64;        // [1/DN] steps of light that is encoded: finer than its noise
 
@@ -44,13 +44,13 @@ template <typename Step>
   }
 }
 
-LAB_PAINTER_CLONES
+LAB_TARGET_CLONES
 void finishBytes(const float* __restrict mean, const float* __restrict normal, Law law,
                  std::uint8_t* __restrict out, int count) {
   finishPiece(mean, normal, law, 1.0F, out, count);
 }
 
-LAB_PAINTER_CLONES
+LAB_TARGET_CLONES
 void finishFinely(const float* __restrict mean, const float* __restrict normal, Law law,
                   std::uint16_t* __restrict out, int count) {
   finishPiece(mean, normal, law, static_cast<float>(kFine), out, count);
@@ -58,7 +58,7 @@ void finishFinely(const float* __restrict mean, const float* __restrict normal, 
 
 }  // namespace
 
-Grain::Grain(std::uint64_t seed, const optics::Response& response)
+SensorNoise::SensorNoise(std::uint64_t seed, const optics::CameraResponse& response)
     : seed_(deriveSeed(seed, 0, "pixel noise")), table_(kTable + kPiece) {
   Random random(seed_);
   double sum = 0;
@@ -83,8 +83,8 @@ Grain::Grain(std::uint64_t seed, const optics::Response& response)
   }
 }
 
-void Grain::finish(std::span<const float> mean, int width, const PixelNoise& noise, double black,
-                   std::int64_t frame, std::span<std::uint8_t> out) const {
+void SensorNoise::finish(std::span<const float> mean, int width, const PixelNoise& noise,
+                         double black, std::int64_t frame, std::span<std::uint8_t> out) const {
   const Law law{static_cast<float>(noise.floor), static_cast<float>(noise.slope),
                 static_cast<float>(black)};
   Random places(seed_, static_cast<std::uint64_t>(frame) + 1);

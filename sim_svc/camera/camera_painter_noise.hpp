@@ -11,10 +11,10 @@
 namespace lab::sim::painter {
 
 /// Normal noise from a table, read from another random place for every piece of every row.
-class Grain {
+class SensorNoise {
  public:
   /// @param response how the bytes follow the light
-  Grain(std::uint64_t seed, const optics::Response& response);
+  SensorNoise(std::uint64_t seed, const optics::CameraResponse& response);
 
   /// @param mean [DN] expected values, linear in light, rows of `width`
   void finish(std::span<const float> mean, int width, const PixelNoise& noise, double black,

@@ -46,7 +46,7 @@ inline float coverOfCylinder(const Cylinder& c, float fx, float fy, float& gx, f
   return clamped((c.radius - __builtin_sqrtf(dx * dx + dy * dy)) * c.per_width + 0.5F);
 }
 
-LAB_PAINTER_CLONES
+LAB_TARGET_CLONES
 void shadowRow(Cylinder cylinder, float ambient, const float* __restrict fx,
                const float* __restrict fy, const float* __restrict albedo, float* __restrict grey,
                int count) {
@@ -58,7 +58,7 @@ void shadowRow(Cylinder cylinder, float ambient, const float* __restrict fx,
   }
 }
 
-LAB_PAINTER_CLONES
+LAB_TARGET_CLONES
 void sideRow(Cylinder cylinder, Side side, const float* __restrict fx, const float* __restrict fy,
              const float* __restrict light, float* __restrict grey, int count) {
   for (int i = 0; i < count; ++i) {
@@ -81,7 +81,7 @@ void sideRow(Cylinder cylinder, Side side, const float* __restrict fx, const flo
   }
 }
 
-LAB_PAINTER_CLONES
+LAB_TARGET_CLONES
 void discRow(Disc disc, const float* __restrict fx, const float* __restrict fy,
              const float* __restrict light, float* __restrict grey, int count) {
   for (int i = 0; i < count; ++i) {
@@ -100,7 +100,7 @@ void discRow(Disc disc, const float* __restrict fx, const float* __restrict fy,
   }
 }
 
-LAB_PAINTER_CLONES
+LAB_TARGET_CLONES
 void solidRow(float albedo, float ambient, const float* __restrict light, float* __restrict grey,
               int count) {
   for (int i = 0; i < count; ++i) grey[i] = albedo * (ambient + light[i]);

@@ -1,10 +1,10 @@
 /// One robot in the cells of the simulated camera.
 #pragma once
 
-#include "sim_svc/camera_painter.hpp"
 #include "sim_svc/camera/camera_painter_cells.hpp"
 #include "sim_svc/camera/camera_painter_ground.hpp"
 #include "sim_svc/camera/camera_painter_light.hpp"
+#include "sim_svc/camera_painter.hpp"
 
 namespace lab::sim::painter {
 

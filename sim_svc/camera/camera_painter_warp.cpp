@@ -20,15 +20,15 @@ Node nodeAt(const PainterSettings& settings, const optics::Place& place) {
     return {place.x, place.y, -1};
   }
   // What lies just outside the picture still has a source: the edge is drawn between the nodes.
-  const std::optional<optics::Place> source = settings.bending.sourceBeyond(place);
+  const std::optional<optics::Place> source = settings.warp.sourceUnclipped(place);
   if (!source) return {place.x, place.y, -1};
-  return {source->x, source->y, std::clamp(settings.bending.insideBy(place), -50.0, 50.0)};
+  return {source->x, source->y, std::clamp(settings.warp.marginInside(place), -50.0, 50.0)};
 }
 
 }  // namespace
 
-BentPlaces::BentPlaces(const PainterSettings& settings, const Lattice& lattice,
-                       const Ground& ground, const PlaneShift& shift)
+WarpedPlaces::WarpedPlaces(const PainterSettings& settings, const Lattice& lattice,
+                           const Ground& ground, const PlaneShift& shift)
     : x_(lattice.size()), y_(lattice.size()), lit_(lattice.size()) {
   const int nodes_x = (lattice.columns() - 1) / kStep + 2;
   const int nodes_y = (lattice.rows() - 1) / kStep + 2;

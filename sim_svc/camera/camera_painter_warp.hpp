@@ -12,11 +12,11 @@ namespace lab::sim::painter {
 
 /// Of a projector that is not what it is believed to be: worked out once, exact on every second
 /// pixel and straight between.
-class BentPlaces {
+class WarpedPlaces {
  public:
   /// @param shift takes the ground's points to where light is meant
-  BentPlaces(const PainterSettings& settings, const Lattice& lattice, const Ground& ground,
-             const PlaneShift& shift);
+  WarpedPlaces(const PainterSettings& settings, const Lattice& lattice, const Ground& ground,
+               const PlaneShift& shift);
 
   [[nodiscard]] LitPlaces view() const { return {x_.data(), y_.data(), {}, lit_.data()}; }
 

@@ -23,7 +23,7 @@ CameraFormat formatOf(const Camera& camera) {
 
 }  // namespace
 
-PainterSettings painterSettings(const Experiment& experiment, const optics::Bending& bending,
+PainterSettings painterSettings(const Experiment& experiment, const optics::ProjectorWarp& warp,
                                 const optics::ProjectorTones& tones) {
   PainterSettings settings;
   settings.camera = optics::simulatedCamera(experiment.camera.width, experiment.camera.height,
@@ -33,7 +33,7 @@ PainterSettings painterSettings(const Experiment& experiment, const optics::Bend
   settings.arena_height = experiment.arena_height;
   settings.projector = {experiment.arena_width / 2, experiment.arena_height + kBehindTheWall,
                         kProjectorHeight};
-  settings.bending = bending;
+  settings.warp = warp;
   settings.tones = tones;
   settings.sheet = experiment.projector.sheet;
   settings.ambient = experiment.camera.ambient;
@@ -44,11 +44,11 @@ PainterSettings painterSettings(const Experiment& experiment, const optics::Bend
 }
 
 PaintedCamera::PaintedCamera(const Experiment& experiment, Cameras& cameras, Loop& loop,
-                             const optics::Bending& bending, const optics::ProjectorTones& tones)
+                             const optics::ProjectorWarp& warp, const optics::ProjectorTones& tones)
     : loop_(loop),
       delay_us_(units::microseconds(experiment.camera.delay)),
       sink_(cameras.offer(formatOf(experiment.camera))),
-      painter_(painterSettings(experiment, bending, tones)) {}
+      painter_(painterSettings(experiment, warp, tones)) {}
 
 void PaintedCamera::show(light::Field field) {
   light_ = std::make_shared<const light::Field>(std::move(field));

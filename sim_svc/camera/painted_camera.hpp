@@ -17,16 +17,16 @@ namespace lab::sim {
 /// gain, the room's light, and the projector 28 cm behind the far wall. The calibration file is
 /// what the tracker believes, not what the camera is, and plays no part here.
 [[nodiscard]] PainterSettings painterSettings(const Experiment& experiment,
-                                              const optics::Bending& bending = {},
-                                             const optics::ProjectorTones& tones = {});
+                                              const optics::ProjectorWarp& warp = {},
+                                              const optics::ProjectorTones& tones = {});
 
 /// Takes scenes and shows pictures of them, a delay later, to whoever watches.
 class PaintedCamera {
  public:
-  /// @param bending, tones of the light in the scenes
+  /// @param warp, tones of the light in the scenes
   /// @throws CameraError when this lab has a simulated camera already.
   PaintedCamera(const Experiment& experiment, Cameras& cameras, Loop& loop,
-                const optics::Bending& bending = {}, const optics::ProjectorTones& tones = {});
+                const optics::ProjectorWarp& warp = {}, const optics::ProjectorTones& tones = {});
 
   /// The light in the scenes from now on.
   void show(light::Field field);

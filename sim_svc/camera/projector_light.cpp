@@ -5,19 +5,23 @@
 
 namespace lab::sim {
 
-optics::Bending bendingOf(const Experiment& experiment, const std::filesystem::path& directory) {
+optics::ProjectorWarp projectorWarpOf(const Experiment& experiment,
+                                      const std::filesystem::path& directory) {
   const Projector& projector = experiment.projector;
   if (projector.display != kHeadless) return {};
   const optics::ProjectorModel real = optics::simulatedProjector(
       experiment.arena_width, experiment.arena_height, projector.width, projector.height,
       {projector.keystone, projector.barrel, projector.offset_x, projector.offset_y});
-  return {projectorInForce(experiment, directory, projector.width, projector.height).model, real};
+  return {
+      activeProjectorCalibration(experiment, directory, projector.width, projector.height).model,
+      real};
 }
 
-optics::ProjectorTones tonesOf(const Experiment& experiment, const std::filesystem::path& directory) {
+optics::ProjectorTones tonesOf(const Experiment& experiment,
+                               const std::filesystem::path& directory) {
   const Projector& projector = experiment.projector;
   if (projector.display != kHeadless) return {};
-  const std::optional<LightCalibration> calibration = lightInForce(experiment, directory);
+  const std::optional<LightCalibration> calibration = activeLightCalibration(experiment, directory);
   // The light of a corner is less by `vignetting` than that of the middle.
   const double side = -projector.vignetting / 2;
   return {

@@ -4,8 +4,8 @@
 #include <filesystem>
 
 #include "common/experiment/experiment.hpp"
-#include "light/photometry/projector_tone.hpp"
 #include "light/optics/simulated_projector.hpp"
+#include "light/photometry/projector_tone.hpp"
 
 namespace lab::sim {
 
@@ -13,11 +13,11 @@ namespace lab::sim {
 /// projector is. A real display's projector is not simulated: its light is where it is wanted.
 /// @param directory that the calibration's path is relative to
 /// @throws ExperimentError when the calibration cannot be used.
-[[nodiscard]] optics::Bending bendingOf(const Experiment& experiment,
-                                        const std::filesystem::path& directory);
+[[nodiscard]] optics::ProjectorWarp projectorWarpOf(const Experiment& experiment,
+                                                    const std::filesystem::path& directory);
 
-/// As bendingOf(): the calibration of light, and what the experiment says.
+/// As projectorWarpOf(): the calibration of light, and what the experiment says.
 [[nodiscard]] optics::ProjectorTones tonesOf(const Experiment& experiment,
-                                     const std::filesystem::path& directory);
+                                             const std::filesystem::path& directory);
 
 }  // namespace lab::sim

@@ -30,7 +30,7 @@ Module* findModule(avr_t* avr, const char* kind) {
       return reinterpret_cast<Module*>(io);
     }
   }
-  throw ProgramError(std::string("this libsimavr's ATmega328P has no ") + kind);
+  throw FirmwareImageError(std::string("this libsimavr's ATmega328P has no ") + kind);
 }
 
 }  // namespace
@@ -38,7 +38,7 @@ Module* findModule(avr_t* avr, const char* kind) {
 Chip::Simavr::Simavr(Chip& chip) {
   avr = avr_make_mcu_by_name("atmega328p");
   if (avr == nullptr) {
-    throw ProgramError("this libsimavr knows no ATmega328P");
+    throw FirmwareImageError("this libsimavr knows no ATmega328P");
   }
   avr_init(avr);
   avr->custom.data = &chip;
@@ -48,7 +48,7 @@ Chip::Simavr::Simavr(Chip& chip) {
   core_reset = avr->reset;
   avr->reset = onReset;
 
-  const Program& program = *chip.program_;
+  const FirmwareImage& program = *chip.program_;
   std::copy(program.flash().begin(), program.flash().end(), avr->flash + program.flashBase());
   avr->codeend = program.flashBase() + static_cast<std::uint32_t>(program.flash().size());
 
@@ -103,7 +103,7 @@ avr_cycle_count_t Chip::Simavr::onSettled(avr_t*, avr_cycle_count_t when, void* 
   return 0;
 }
 
-Chip::Chip(std::shared_ptr<const Program> program, const ChipSettings& settings)
+Chip::Chip(std::shared_ptr<const FirmwareImage> program, const ChipSettings& settings)
     : program_(std::move(program)), settings_(settings), simavr_(std::make_unique<Simavr>(*this)) {
   setLineBaud(settings.line_baud);
 }

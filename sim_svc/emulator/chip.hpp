@@ -8,8 +8,8 @@
 #include <span>
 #include <vector>
 
-#include "sim_svc/emulator/line_faults.hpp"
 #include "sim_svc/emulator/firmware_image.hpp"
+#include "sim_svc/emulator/line_faults.hpp"
 
 namespace lab::emulator {
 
@@ -87,7 +87,7 @@ struct ChipSettings {
 /// detector does not exist.
 class Chip {
  public:
-  explicit Chip(std::shared_ptr<const Program> program, const ChipSettings& settings = {});
+  explicit Chip(std::shared_ptr<const FirmwareImage> program, const ChipSettings& settings = {});
   ~Chip();
   Chip(const Chip&) = delete;
   Chip& operator=(const Chip&) = delete;
@@ -154,7 +154,7 @@ class Chip {
   void deliver(LineByte byte);
   void takeDuty(std::uint64_t cycle);
 
-  std::shared_ptr<const Program> program_;
+  std::shared_ptr<const FirmwareImage> program_;
   ChipSettings settings_;
   std::unique_ptr<Simavr> simavr_;
   ChipPower power_ = ChipPower::kOff;

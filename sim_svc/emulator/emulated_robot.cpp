@@ -18,8 +18,8 @@ ChipSettings chipSettings(const RobotSettings& settings) {
 
 }  // namespace
 
-EmulatedRobot::EmulatedRobot(std::shared_ptr<const Program> program, const RobotSettings& settings,
-                             std::int64_t now_us)
+EmulatedRobot::EmulatedRobot(std::shared_ptr<const FirmwareImage> program,
+                             const RobotSettings& settings, std::int64_t now_us)
     : settings_(settings),
       start_us_(now_us),
       before_us_(now_us),

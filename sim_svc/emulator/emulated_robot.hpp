@@ -29,7 +29,7 @@ struct DutyAt {
 /// Times are microseconds of the arena's clock. Nothing in here waits or reads a clock.
 class EmulatedRobot {
  public:
-  EmulatedRobot(std::shared_ptr<const Program> program, const RobotSettings& settings,
+  EmulatedRobot(std::shared_ptr<const FirmwareImage> program, const RobotSettings& settings,
                 std::int64_t now_us);
 
   void sense(const AnalogInputs& inputs) { chip_.setInputs(inputs); }

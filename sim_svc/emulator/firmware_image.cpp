@@ -23,21 +23,22 @@ void ignoreLog(avr_t*, const int, const char*, va_list) {}
 void checkHeader(const std::filesystem::path& elf) {
   std::ifstream file(elf, std::ios::binary);
   if (!file) {
-    throw ProgramError(elf.string() + ": cannot be read; expected the firmware's ELF file (build " +
-                       "the target `firmware`)");
+    throw FirmwareImageError(elf.string() +
+                             ": cannot be read; expected the firmware's ELF file (build " +
+                             "the target `firmware`)");
   }
   std::array<char, 20> header{};
   file.read(header.data(), header.size());
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(header[i]); };
   if (file.gcount() != static_cast<std::streamsize>(header.size()) ||
       std::memcmp(header.data(), "\177ELF", 4) != 0) {
-    throw ProgramError(elf.string() +
-                       ": not an ELF file; expected the firmware's robot_firmware.elf");
+    throw FirmwareImageError(elf.string() +
+                             ": not an ELF file; expected the firmware's robot_firmware.elf");
   }
   const unsigned machine = byte(18) + 256U * byte(19);
   if (machine != kElfMachineAvr) {
-    throw ProgramError(elf.string() + ": an ELF file for machine " + std::to_string(machine) +
-                       "; expected one for the AVR (" + std::to_string(kElfMachineAvr) + ")");
+    throw FirmwareImageError(elf.string() + ": an ELF file for machine " + std::to_string(machine) +
+                             "; expected one for the AVR (" + std::to_string(kElfMachineAvr) + ")");
   }
 }
 
@@ -55,13 +56,13 @@ void release(elf_firmware_t& firmware) {
 
 }  // namespace
 
-Program::Program(const std::filesystem::path& elf) {
+FirmwareImage::FirmwareImage(const std::filesystem::path& elf) {
   checkHeader(elf);
   avr_global_logger_set(ignoreLog);
   elf_firmware_t firmware{};
   if (elf_read_firmware(elf.c_str(), &firmware) != 0 || firmware.flashsize == 0) {
-    throw ProgramError(elf.string() +
-                       ": no program in it; expected the firmware's robot_firmware.elf");
+    throw FirmwareImageError(elf.string() +
+                             ": no program in it; expected the firmware's robot_firmware.elf");
   }
   flash_base_ = firmware.flashbase;
   flash_.assign(firmware.flash, firmware.flash + firmware.flashsize);
@@ -73,18 +74,19 @@ Program::Program(const std::filesystem::path& elf) {
   }
   release(firmware);
   if (flash_base_ + flash_.size() > kFlashSize) {
-    throw ProgramError(elf.string() + ": " + std::to_string(flash_base_ + flash_.size()) +
-                       " bytes of program; the chip's flash holds " + std::to_string(kFlashSize));
+    throw FirmwareImageError(elf.string() + ": " + std::to_string(flash_base_ + flash_.size()) +
+                             " bytes of program; the chip's flash holds " +
+                             std::to_string(kFlashSize));
   }
 }
 
-std::uint32_t Program::endlessLoop() const {
+std::uint32_t FirmwareImage::endlessLoop() const {
   for (std::size_t i = 0; i + 1 < flash_.size(); i += 2) {
     if ((flash_[i] | (flash_[i + 1] << 8)) == kJumpToItself) {
       return flash_base_ + static_cast<std::uint32_t>(i);
     }
   }
-  throw ProgramError("the program has no endless loop to hang in");
+  throw FirmwareImageError("the program has no endless loop to hang in");
 }
 
 }  // namespace lab::emulator

@@ -10,7 +10,7 @@
 namespace lab::emulator {
 
 /// A file that holds no program for this chip: which, what was found, what was expected.
-class ProgramError : public std::runtime_error {
+class FirmwareImageError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
@@ -19,10 +19,11 @@ inline constexpr std::uint32_t kFlashSize = 32 * 1024;
 inline constexpr std::uint16_t kEepromSize = 1024;
 
 /// The contents of an ELF file for an ATmega328P; shared by all chips that run it.
-class Program {
+class FirmwareImage {
  public:
-  /// @throws ProgramError when the file is not there, is no AVR ELF, or does not fit in the flash.
-  explicit Program(const std::filesystem::path& elf);
+  /// @throws FirmwareImageError when the file is not there, is no AVR ELF, or does not fit in the
+  /// flash.
+  explicit FirmwareImage(const std::filesystem::path& elf);
 
   [[nodiscard]] const std::vector<std::uint8_t>& flash() const { return flash_; }
   [[nodiscard]] std::uint32_t flashBase() const { return flash_base_; }
@@ -31,7 +32,7 @@ class Program {
   [[nodiscard]] std::uint16_t ramEnd() const { return ram_end_; }
 
   /// The byte address of an instruction that jumps to itself (the end of exit() is one).
-  /// @throws ProgramError when there is none.
+  /// @throws FirmwareImageError when there is none.
   [[nodiscard]] std::uint32_t endlessLoop() const;
 
  private:

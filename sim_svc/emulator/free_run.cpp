@@ -42,14 +42,14 @@ LineFaultSettings lineFaults(const FreeRunSettings& settings, int id, std::int64
 
 FreeRun::FreeRun(AsioLoop& loop, const FreeRunSettings& settings)
     : loop_(loop), settings_(settings), devices_(loop, settings.ports), start_us_(loop.now()) {
-  const auto program = std::make_shared<const Program>(settings.elf);
+  const auto program = std::make_shared<const FirmwareImage>(settings.elf);
   for (int id = 1; id <= settings.robots; ++id) {
     add(id, program);
   }
   loop.every(kSliceUs, loop.now() + kSliceUs, [this] { tick(); });
 }
 
-void FreeRun::add(int id, std::shared_ptr<const Program> program) {
+void FreeRun::add(int id, std::shared_ptr<const FirmwareImage> program) {
   Unit unit;
   unit.name = (id < 10 ? "robot_0" : "robot_") + std::to_string(id);
   RobotSettings robot;

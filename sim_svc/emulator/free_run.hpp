@@ -33,7 +33,7 @@ struct FreeRunSettings {
 /// Each robot has the number simulatedUid(id) unless its EEPROM file says otherwise.
 class FreeRun {
  public:
-  /// @throws ProgramError, SerialError
+  /// @throws FirmwareImageError, SerialError
   FreeRun(AsioLoop& loop, const FreeRunSettings& settings);
 
   /// The EEPROMs to their files. @throws std::runtime_error
@@ -50,7 +50,7 @@ class FreeRun {
     std::int64_t on_again_us = -1;
   };
 
-  void add(int id, std::shared_ptr<const Program> program);
+  void add(int id, std::shared_ptr<const FirmwareImage> program);
   [[nodiscard]] std::filesystem::path eepromFile(const std::string& name) const;
   void tick();
   void serve(Unit& unit, std::int64_t until_us);

@@ -213,7 +213,7 @@ bool receivePacket(int socket, std::vector<std::uint8_t>& packet) {
 
 int serveArena(int socket, const std::filesystem::path& elf) {
   try {
-    Lockstep lockstep(std::make_shared<const Program>(elf));
+    Lockstep lockstep(std::make_shared<const FirmwareImage>(elf));
     std::vector<std::uint8_t> packet;
     while (receivePacket(socket, packet)) {
       sendPacket(socket, lockstep.answer(packet));

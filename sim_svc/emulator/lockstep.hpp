@@ -20,7 +20,7 @@ class LinkError : public std::runtime_error {
 /// All chips of one arena.
 class Lockstep {
  public:
-  explicit Lockstep(std::shared_ptr<const Program> program) : program_(std::move(program)) {}
+  explicit Lockstep(std::shared_ptr<const FirmwareImage> program) : program_(std::move(program)) {}
 
   /// Obeys one packet. @return the answer to it.
   /// @throws LinkError
@@ -33,7 +33,7 @@ class Lockstep {
   void step(Reader& reader, std::int64_t until_us);
   [[nodiscard]] std::vector<std::uint8_t> outputs(std::int64_t until_us);
 
-  std::shared_ptr<const Program> program_;
+  std::shared_ptr<const FirmwareImage> program_;
   std::vector<std::unique_ptr<EmulatedRobot>> robots_;
   bool set_up_ = false;
 };

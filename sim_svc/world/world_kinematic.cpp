@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim_svc/world/collision.hpp"
 #include "sim_svc/world.hpp"
+#include "sim_svc/world/collision.hpp"
 
 namespace lab::sim {
 namespace {
@@ -17,7 +17,7 @@ bool isHidden(Vec centre) { return centre.x <= -1e6; }
 
 }  // namespace
 
-std::size_t World::addGhost() {
+std::size_t World::addKinematicDisk() {
   const std::size_t ghost = bodies_.size() - size();
   bodies_.emplace_back();
   centres_.push_back(hidingPlace(bodies_.size()));
@@ -25,21 +25,21 @@ std::size_t World::addGhost() {
   return ghost;
 }
 
-void World::moveGhost(std::size_t ghost, Vec centre) {
+void World::moveKinematicDisk(std::size_t ghost, Vec centre) {
   if (!std::isfinite(centre.x) || !std::isfinite(centre.y)) {
-    hideGhost(ghost);
+    hideKinematicDisk(ghost);
     return;
   }
   const std::size_t body = size() + ghost;
-  if (isHidden(centres_[body])) ++shown_ghosts_;
+  if (isHidden(centres_[body])) ++shown_kinematic_;
   centres_[body] = centre;
   relistIfMoved(body);
   makeRoom(body);
 }
 
-void World::hideGhost(std::size_t ghost) {
+void World::hideKinematicDisk(std::size_t ghost) {
   const std::size_t body = size() + ghost;
-  if (!isHidden(centres_[body])) --shown_ghosts_;
+  if (!isHidden(centres_[body])) --shown_kinematic_;
   centres_[body] = hidingPlace(body);
 }
 

@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim_svc/world/ir_scan.hpp"
 #include "sim_svc/world.hpp"
+#include "sim_svc/world/ir_scan.hpp"
 
 namespace lab::sim {
 namespace {

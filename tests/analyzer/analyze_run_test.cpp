@@ -7,8 +7,8 @@
 #include <cstdlib>
 #include <fstream>
 
-#include "common/bus/channels.hpp"
 #include "analyzer/report_error.hpp"
+#include "common/bus/channels.hpp"
 #include "tests/analyzer/report/synthetic_lab.hpp"
 
 namespace lab::report {
@@ -54,9 +54,9 @@ TEST(AnalyzeRun, WritesEverythingBesideTheLog) {
   EXPECT_EQ(dut.report, run.path() / "report.html");
   EXPECT_THAT(namesIn(run.path()),
               testing::ElementsAre("angular_msd_abp.svg", "figures", "light.svg", "log.lcmlog",
-                                   "msd_abp.svg",
-                                   "report.html", "segments.csv", "speed.svg", "summary.json", "trajectories.csv",
-                                   "trajectory_program.svg", "trajectory_time.svg"));
+                                   "msd_abp.svg", "report.html", "segments.csv", "speed.svg",
+                                   "summary.json", "trajectories.csv", "trajectory_program.svg",
+                                   "trajectory_time.svg"));
   ASSERT_FALSE(dut.headline.empty());
   EXPECT_THAT(dut.headline[0], HasSubstr("abp: "));
   EXPECT_THAT(readFile(dut.report), HasSubstr("<svg"));

@@ -62,9 +62,9 @@ TEST(ExactLaw, AgreesWithTheHighPrecisionTable) {
         << row[0] << " epsilon " << epsilon << " tau " << tau;
 
     // Windows that begin with a draw, and in the middle of a hold.
-    const HeldNoise noise =
-        row[0] == "ABP" ? HeldNoise::uniformTurning(law.v, law.eta, epsilon)
-                        : HeldNoise::uniformWheels(law.va, law.V, law.wheel_base, epsilon);
+    const HeldNoise noise = row[0] == "ABP"
+                                ? HeldNoise::uniformTurning(law.v, law.eta, epsilon)
+                                : HeldNoise::uniformWheels(law.va, law.V, law.wheel_base, epsilon);
     const PhasedNoise phased(noise);
     ASSERT_EQ(row.size(), 11U);
     EXPECT_NEAR(phased.msd(tau, epsilon) * 1e4, std::stod(row[9]), tolerance(std::stod(row[9])))
@@ -207,8 +207,8 @@ TEST(ExactLaw, GivesTheDiffusivityOfEveryParameterSet) {
     // large numbers.
     const double far = 60 / rotationalDiffusivity(law);
     const double intercept = dut.msd(far) * 1e4 - 4 * dut.diffusivity() * 1e4 * far;
-    EXPECT_NEAR(intercept, std::stod(row[10]), 1e-9 * std::abs(std::stod(row[10])) +
-                                                   1e-12 * dut.msd(far) * 1e4 + 1e-9)
+    EXPECT_NEAR(intercept, std::stod(row[10]),
+                1e-9 * std::abs(std::stod(row[10])) + 1e-12 * dut.msd(far) * 1e4 + 1e-9)
         << row[0];
     const double angular = dut.angularMsd(far) - 2 * rotationalDiffusivity(law) * far;
     EXPECT_NEAR(angular, std::stod(row[13]), 1e-9) << row[0];

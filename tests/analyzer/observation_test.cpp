@@ -5,8 +5,8 @@
 #include <cmath>
 #include <random>
 
-#include "tests/analyzer/paper_programs.hpp"
 #include "tests/analyzer/laws/window_moments.hpp"
+#include "tests/analyzer/paper_programs.hpp"
 
 namespace lab::analysis {
 namespace {
@@ -28,8 +28,8 @@ TEST(Observation, IsTheDoubleIntegralOverBothExposures) {
     }
     return sum / (static_cast<double>(kSteps) * kSteps);
   };
-  for (const ProgramLaw& program :
-       {abpLaw(6, 0.25, 0.03), noisyLaw(0.01, 0.1, 0.1), noisyLaw(0, 0.07, 0.2), rtpLaw(3, 0.5, 0.05)}) {
+  for (const ProgramLaw& program : {abpLaw(6, 0.25, 0.03), noisyLaw(0.01, 0.1, 0.1),
+                                    noisyLaw(0, 0.07, 0.2), rtpLaw(3, 0.5, 0.05)}) {
     const ExactLaw law(program);
     for (const double exposure : {0.01, 0.1, 0.37, 1.2}) {
       for (const double tau : {0.02, 0.1, 0.3, 1.0, 10.0}) {

@@ -8,14 +8,14 @@
 #include <string>
 #include <vector>
 
-#include "analyzer/service/program_analysis.hpp"
 #include "analyzer/curves/statistics.hpp"
+#include "analyzer/service/program_analysis.hpp"
 #include "tests/analyzer/walker.hpp"
 
 namespace lab::analysis {
 
 /// A film after stitching.
-struct StitchedFilm {
+struct StitchedRecording {
   std::vector<Sample> samples;
   StitcherCounters counters;
   ProgramTally tally;
@@ -42,8 +42,8 @@ inline void cut(std::vector<Sample>& samples, double every, std::mt19937_64& ran
   samples = std::move(left);
 }
 
-inline StitchedFilm stitch(const Film& film) {
-  StitchedFilm result;
+inline StitchedRecording stitch(const WalkerRecording& film) {
+  StitchedRecording result;
   TrackStitcher stitcher{StitcherConfig{}};
   Walker walker(film);
   std::mt19937_64 random(film.seed + 1);
@@ -66,8 +66,8 @@ inline StitchedFilm stitch(const Film& film) {
   return result;
 }
 
-inline ProgramResult analyseFilm(const Film& film, const StitchedFilm& stitched,
-                                 double max_lag = 100) {
+inline ProgramResult analyseRecording(const WalkerRecording& film,
+                                      const StitchedRecording& stitched, double max_lag = 100) {
   ProgramAnalysis analysis(film.law, 1 / film.fps, max_lag);
   for (const Sample& sample : stitched.samples) {
     analysis.add(sample);
@@ -151,12 +151,12 @@ struct Coverage {
   }
 };
 
-inline Coverage cover(Film film, int films, double max_lag) {
+inline Coverage cover(WalkerRecording film, int films, double max_lag) {
   Coverage result;
   result.films = films;
   for (int i = 0; i < films; ++i) {
     film.seed = 7000U + static_cast<unsigned>(i);
-    const ProgramResult analysed = analyseFilm(film, stitch(film), max_lag);
+    const ProgramResult analysed = analyseRecording(film, stitch(film), max_lag);
     for (const Estimate& estimate : analysed.estimates) {
       const bool inside = estimate.low95 <= estimate.theory && estimate.theory <= estimate.high95;
       result.covered[estimate.name] += inside ? 1 : 0;
@@ -196,8 +196,8 @@ inline void expectTrueErrors(const std::vector<LagScatter>& lags, double film) {
 }
 
 /// A short film with the noise of a good tracker.
-inline Film shortFilm(const ProgramLaw& law) {
-  Film film;
+inline WalkerRecording shortRecording(const ProgramLaw& law) {
+  WalkerRecording film;
   film.law = law;
   film.duration = 120;
   film.sigma = 0.0005;

@@ -14,16 +14,16 @@ namespace lab::analysis {
 
 /// A film of one robot, for tests. A frame rate that no hold time is a multiple of lets the
 /// observation phase sweep, as real clocks do.
-struct Film {
+struct WalkerRecording {
   ProgramLaw law;
   double duration = 600;  ///< s.
   double fps = 49.7;
   double telemetry_rate = 50;  ///< 1/s.
   double sigma = 0;            ///< Tracker noise per axis, m.
   double sigma_theta = 0;      ///< rad.
-  double missing = 0;         ///< Share of frames that are lost,
-  double missing_length = 1;  ///< so many in a row, on average.
-  double cut_every = 0;       ///< s between cuts, as by contacts, on average; 0: none.
+  double missing = 0;          ///< Share of frames that are lost,
+  double missing_length = 1;   ///< so many in a row, on average.
+  double cut_every = 0;        ///< s between cuts, as by contacts, on average; 0: none.
   bool walls = false;          ///< 0.9 m x 1.2 m with reversals; otherwise an endless plane.
   std::uint64_t seed = 1;
 };
@@ -32,7 +32,7 @@ struct Film {
 /// (or to the opposite wall) at 10 cm/s and then resumes exactly where it was interrupted.
 class Walker {
  public:
-  explicit Walker(const Film& film) : film_(film), random_(film.seed) {}
+  explicit Walker(const WalkerRecording& film) : film_(film), random_(film.seed) {}
 
   std::function<void(const TrackPoint&)> on_frame;
   std::function<void(const RobotTelemetry&)> on_telemetry;
@@ -186,7 +186,7 @@ class Walker {
 
   static constexpr double kMargin = 0.0875;  // rim plus 5 cm, m
 
-  Film film_;
+  WalkerRecording film_;
   std::mt19937_64 random_;
   double time_ = 0;
   double x_ = 0;

@@ -92,8 +92,8 @@ void fourier(std::vector<Complex>& data) {
   }
   std::vector<Complex> roots(n / 2);
   for (std::size_t k = 0; k < n / 2; ++k) {
-    roots[k] = std::polar(1.0, -2 * std::numbers::pi * static_cast<double>(k) /
-                                   static_cast<double>(n));
+    roots[k] =
+        std::polar(1.0, -2 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(n));
   }
   for (std::size_t length = 2; length <= n; length *= 2) {
     const std::size_t step = n / length;
@@ -205,7 +205,10 @@ void BM_SecondOfHundredRobots(benchmark::State& state) {
       1, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 BENCHMARK(BM_SecondOfHundredRobots)
-    ->ArgName("results")->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond);
+    ->ArgName("results")
+    ->Arg(0)
+    ->Arg(1)
+    ->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace lab::analysis

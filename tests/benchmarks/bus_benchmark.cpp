@@ -7,8 +7,8 @@
 
 #include "common/bus/channels.hpp"
 #include "common/bus/memory_bus.hpp"
-#include "common/service/node.hpp"
 #include "common/loop/virtual_loop.hpp"
+#include "common/service/node.hpp"
 
 namespace {
 

@@ -13,8 +13,8 @@
 
 namespace {
 
-using lab::tracker::CapTracker;
 using lab::detector::Detection;
+using lab::tracker::CapTracker;
 using lab::tracker::WheelReport;
 
 constexpr double kFps = 30;

@@ -6,8 +6,8 @@
 #include <random>
 #include <vector>
 
-#include "tracker_svc/circle_fit.hpp"
 #include "tests/support/circle_picture.hpp"
+#include "tracker_svc/circle_fit.hpp"
 
 namespace {
 

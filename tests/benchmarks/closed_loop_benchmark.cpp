@@ -18,8 +18,8 @@ constexpr std::int64_t kStart = 1'000'000'000'000;  // [us]
 constexpr std::int64_t kFrame_us = 16'667;
 constexpr int kRobots = 20;
 
-lab::projector::SeenFrame frameAt(std::int64_t utime, std::int64_t number) {
-  lab::projector::SeenFrame frame{1, number, utime, {}};
+lab::projector::ObservedFrame frameAt(std::int64_t utime, std::int64_t number) {
+  lab::projector::ObservedFrame frame{1, number, utime, {}};
   const double t = 1e-6 * static_cast<double>(utime - kStart);
   for (int id = 1; id <= kRobots; ++id) {
     const double angle = t + id;

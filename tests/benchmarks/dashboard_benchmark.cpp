@@ -1,5 +1,5 @@
-// What the page costs the machine: one second of a lab of 100 robots (status and frames at 20 Hz, the
-// light at 10 Hz), from packets to topics, beside the bare decoding of the same packets.
+// What the page costs the machine: one second of a lab of 100 robots (status and frames at 20 Hz,
+// the light at 10 Hz), from packets to topics, beside the bare decoding of the same packets.
 #include <benchmark/benchmark.h>
 
 #include <cmath>
@@ -133,7 +133,7 @@ void packetsToTopics(benchmark::State& state) {
       now += kTick_us / 2;
       view.publishMoving(now, true);
     }
-    view.publishSums(now, {});
+    view.publishTotals(now, {});
   }
 }
 BENCHMARK(packetsToTopics)->ArgName("C_l")->Arg(0)->Arg(1)->Unit(benchmark::kMicrosecond);

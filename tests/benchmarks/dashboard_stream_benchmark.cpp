@@ -27,8 +27,8 @@ constexpr int kFrames = 100;
 constexpr int kRobots = 100;
 constexpr auto kPeriod = 50ms;
 
-struct NoLab final : LabPort {
-  std::string wish(const Wish&) override { return {}; }
+struct NoLab final : LabRequestHandler {
+  std::string wish(const OperatorRequest&) override { return {}; }
   std::optional<std::string> ask(std::string_view, std::string_view) override { return {}; }
 };
 

@@ -10,16 +10,16 @@
 #include <random>
 #include <vector>
 
-#include "tracker_svc/detector.hpp"
 #include "light/optics/simulated_camera.hpp"
 #include "sim_svc/camera_painter.hpp"
+#include "tracker_svc/detector.hpp"
 
 namespace {
 
-using lab::optics::GreyView;
 using lab::detector::Detection;
 using lab::detector::Detector;
 using lab::detector::Expected;
+using lab::optics::GreyView;
 
 constexpr int kRing = 64;
 constexpr int kScenes = 4;
@@ -110,8 +110,7 @@ void readOnce(benchmark::State& state) {
 BENCHMARK(readOnce)->Arg(720)->Arg(1080)->Unit(benchmark::kMicrosecond);
 
 void search(benchmark::State& state) {
-  const Film& pictures =
-      film(static_cast<int>(state.range(0)), static_cast<int>(state.range(1)));
+  const Film& pictures = film(static_cast<int>(state.range(0)), static_cast<int>(state.range(1)));
   Detector detector = pictures.detector();
   std::int64_t number = 0;
   std::size_t found = 0;
@@ -124,8 +123,7 @@ BENCHMARK(search)
     ->Unit(benchmark::kMicrosecond);
 
 void follow(benchmark::State& state) {
-  const Film& pictures =
-      film(static_cast<int>(state.range(0)), static_cast<int>(state.range(1)));
+  const Film& pictures = film(static_cast<int>(state.range(0)), static_cast<int>(state.range(1)));
   Detector detector = pictures.detector();
   std::vector<std::vector<Expected>> expected(kScenes);
   for (std::size_t scene = 0; scene < kScenes; ++scene) {

@@ -188,7 +188,7 @@ void measure(const Set& set, int films, std::uint64_t seed) {
     curves.lags.push_back(lag * curves.frame_period);
     curves.joined.push_back(1);
   }
-  const FilmPlan plan{set.law, kHour, curves.frame_period, set.sigma, set.sigma_theta, 0};
+  const RecordingPlan plan{set.law, kHour, curves.frame_period, set.sigma, set.sigma_theta, 0};
   const double truth =
       set.angular ? 2 * rotationalDiffusivity(set.law) : 4 * translationalDiffusivity(set.law);
   const std::vector<Estimator> list = estimators();
@@ -197,11 +197,11 @@ void measure(const Set& set, int films, std::uint64_t seed) {
   int covered = 0;
   const FitOptions options;
   SimulatedCurves covariance;
-  FilmPoses poses;
+  RecordingPoses poses;
   const auto n = static_cast<std::ptrdiff_t>(lags.size());
   for (int i = 0; i < films; ++i) {
-    simulateFilm(plan, seed * 1'000'000 + static_cast<std::uint64_t>(i), poses);
-    const std::vector<double> both = filmCurves(poses, lags);
+    simulateRecording(plan, seed * 1'000'000 + static_cast<std::uint64_t>(i), poses);
+    const std::vector<double> both = recordingCurves(poses, lags);
     curves.msd.assign(both.begin(), both.begin() + n);
     curves.angular_msd.assign(both.begin() + n, both.end());
     for (std::size_t e = 0; e < list.size(); ++e) {

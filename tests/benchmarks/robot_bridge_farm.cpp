@@ -9,13 +9,13 @@
 #include <map>
 #include <string>
 
-#include "common/loop/asio_loop.hpp"
 #include "common/bus/channels.hpp"
+#include "common/bus/lcm_bus.hpp"
 #include "common/experiment/experiment_file.hpp"
 #include "common/experiment/experiment_messages.hpp"
-#include "common/bus/lcm_bus.hpp"
-#include "common/service/node.hpp"
+#include "common/loop/asio_loop.hpp"
 #include "common/serial/serial_devices.hpp"
+#include "common/service/node.hpp"
 #include "tests/support/wire_robot.hpp"
 
 namespace {

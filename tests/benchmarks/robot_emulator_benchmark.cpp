@@ -11,9 +11,9 @@
 
 #include "common/math/random.hpp"
 #include "robot/firmware/settings.hpp"
-#include "sim_svc/emulator/chip.hpp"
 #include "robot/wire/config.hpp"
 #include "robot/wire/fields.hpp"
+#include "sim_svc/emulator/chip.hpp"
 
 namespace {
 
@@ -23,8 +23,8 @@ using emulator::Chip;
 constexpr double kCyclesPerMs = emulator::kChipHz / 1000;
 constexpr double kHostBaud = 38400;
 
-std::shared_ptr<const emulator::Program> program() {
-  static const auto shipped = std::make_shared<const emulator::Program>(LAB_FIRMWARE_ELF);
+std::shared_ptr<const emulator::FirmwareImage> program() {
+  static const auto shipped = std::make_shared<const emulator::FirmwareImage>(LAB_FIRMWARE_ELF);
   return shipped;
 }
 

@@ -24,12 +24,12 @@ class TwoHalves : public lab::sim::LightSampler {
 };
 
 CoreSettings abpAndRtp() {
-  lab::dynamics::ProgramPhysics abp;
+  lab::dynamics::RobotProgram abp;
   abp.kind = lab::dynamics::kAbp;
   abp.v = 0.03;
   abp.epsilon = 0.5;
   abp.eta = 3;
-  lab::dynamics::ProgramPhysics rtp;
+  lab::dynamics::RobotProgram rtp;
   rtp.kind = lab::dynamics::kRtp;
   rtp.v = 0.05;
   rtp.gamma = 1;
@@ -39,8 +39,8 @@ CoreSettings abpAndRtp() {
   settings.light.bands[0] = {0, 512, 0};
   settings.light.bands[1] = {512, 1024, 1};
   settings.light.hysteresis = 20;
-  settings.programs[0] = lab::dynamics::paramsFromPhysics(abp).params;
-  settings.programs[1] = lab::dynamics::paramsFromPhysics(rtp).params;
+  settings.programs[0] = lab::dynamics::toProgramParams(abp).params;
+  settings.programs[1] = lab::dynamics::toProgramParams(rtp).params;
   return settings;
 }
 

@@ -8,8 +8,8 @@
 #include <cmath>
 #include <filesystem>
 
-#include "common/serial/memory_serial.hpp"
 #include "common/loop/virtual_loop.hpp"
+#include "common/serial/memory_serial.hpp"
 #include "sim_svc/bodies/chip_robots.hpp"
 #include "sim_svc/bodies/external_robots.hpp"
 #include "sim_svc/bodies/wire_robots.hpp"
@@ -27,7 +27,7 @@ class Bench {
  public:
   explicit Bench(std::size_t robots) : world_(settings(robots), setups(robots)) {
     world_.setLight(&light_);
-    loop_.every(OuterRobots::kSlice_us, start_, [this] { follow(); });
+    loop_.every(ExternalRobots::kSlice_us, start_, [this] { follow(); });
   }
 
   World& world() { return world_; }
@@ -75,7 +75,7 @@ class Bench {
   MemorySerial ports_{loop_};
   StepLight light_{0.6, 0.3, 0.7};
   World world_;
-  OuterRobots outer_{world_, ports_, [this] { follow(); }};
+  ExternalRobots outer_{world_, ports_, [this] { follow(); }};
   std::vector<std::unique_ptr<WireHost>> hosts_;
 };
 
@@ -84,10 +84,10 @@ void measure(benchmark::State& state, Bench& bench, std::size_t robots) {
   std::int64_t slices = 0;
   for (auto _ : state) {
     bench.run(100'000);
-    slices += 100'000 / OuterRobots::kSlice_us;
+    slices += 100'000 / ExternalRobots::kSlice_us;
   }
   using benchmark::Counter;
-  const double slice_s = static_cast<double>(OuterRobots::kSlice_us) * 1e-6;
+  const double slice_s = static_cast<double>(ExternalRobots::kSlice_us) * 1e-6;
   const double seconds = static_cast<double>(slices) * slice_s;
   state.counters["robot_s_per_s"] =
       Counter(seconds * static_cast<double>(robots), Counter::kIsRate);

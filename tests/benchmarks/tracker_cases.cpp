@@ -1,7 +1,10 @@
 // tracker_cases CASES_DIR [--out DIR] [--only TEXT] [--encode GAMMA]
 // Runs the detector, and the plain OpenCV trackers where OpenCV is at hand, over every folder of
-// pictures with truth, and prints how they do. With --out, <case>.csv of our poses is left there. With
+// pictures with truth, and prints how they do. With --out, <case>.csv of our poses is left there.
+// With
 // --encode, light is encoded as by a camera with that gamma, which the detector is not told.
+#include <stb/stb_image.h>
+
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -13,7 +16,6 @@
 #include <fstream>
 #include <functional>
 #include <optional>
-#include <stb/stb_image.h>
 #include <string>
 #include <vector>
 
@@ -29,9 +31,9 @@
 namespace {
 
 namespace fs = std::filesystem;
+using lab::detector::Detection;
 using lab::optics::GreyImage;
 using lab::optics::GreyView;
-using lab::detector::Detection;
 
 constexpr int kRounds = 5;  // the fastest counts
 
@@ -51,8 +53,8 @@ std::optional<GreyImage> readPicture(const fs::path& file) {
   GreyImage image(width, height);
   for (std::size_t i = 0; i < image.pixels.size(); ++i) {
     const unsigned char* at = pixels + i * static_cast<std::size_t>(channels);
-    image.pixels[i] = channels < 3 ? at[0]
-                                   : static_cast<std::uint8_t>((at[0] + 2 * at[1] + at[2]) / 4);
+    image.pixels[i] =
+        channels < 3 ? at[0] : static_cast<std::uint8_t>((at[0] + 2 * at[1] + at[2]) / 4);
   }
   stbi_image_free(pixels);
   return image;
@@ -80,7 +82,7 @@ std::vector<Method> methodsFor(const lab::CameraCalibration& calibration,
 }
 
 void encode(GreyImage& image, double gamma, double black) {
-  const lab::optics::Response camera(gamma, black);
+  const lab::optics::CameraResponse camera(gamma, black);
   std::array<std::uint8_t, 256> steps;
   for (std::size_t light = 0; light < steps.size(); ++light) {
     steps[light] = static_cast<std::uint8_t>(std::lround(camera.grey(static_cast<double>(light))));
@@ -93,7 +95,7 @@ void runCase(const fs::path& folder, const std::optional<fs::path>& out,
   const lab::CameraCalibration calibration = lab::readCameraFile(folder / "calib.json");
   const lab::optics::Imaging imaging = calibration.imaging.value_or(lab::optics::Imaging{});
   lab::detector::Detector detector(lab::optics::CameraModel(calibration.camera), calibration.cap,
-                                  imaging);
+                                   imaging);
   lab::detector::ResponseFinder response(detector.camera(), calibration.cap, imaging);
   auto truth = lab::cases::readTruth(folder / "truth.csv");
   std::vector<Method> methods = methodsFor(calibration, detector);
@@ -162,7 +164,8 @@ int run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   if (argc < 2 || !fs::is_directory(argv[1])) {
-    std::fprintf(stderr, "usage: tracker_cases CASES_DIR [--out DIR] [--only TEXT] [--encode GAMMA]\n");
+    std::fprintf(stderr,
+                 "usage: tracker_cases CASES_DIR [--out DIR] [--only TEXT] [--encode GAMMA]\n");
     return 2;
   }
   try {

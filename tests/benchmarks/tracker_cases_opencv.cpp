@@ -9,11 +9,11 @@
 namespace lab::cases {
 namespace {
 
-constexpr double kBlock = 0.026;      // [m] of the mean that is the threshold
-constexpr double kBelow = 8;          // [DN]
+constexpr double kBlock = 0.026;       // [m] of the mean that is the threshold
+constexpr double kBelow = 8;           // [DN]
 constexpr double kTolerance = 0.0025;  // [m] of the spacing
-constexpr double kLeastShare = 0.6;   // [1] of the small circle's radius
-constexpr double kMostShare = 1.5;    // [1] of the big circle's radius
+constexpr double kLeastShare = 0.6;    // [1] of the small circle's radius
+constexpr double kMostShare = 1.5;     // [1] of the big circle's radius
 constexpr double kLeastCircularity = 0.7;
 
 struct Disc {
@@ -85,8 +85,8 @@ std::vector<Disc> byBlobs(const cv::Mat& grey, const optics::CameraModel& camera
 }  // namespace
 
 std::vector<detector::Detection> findPlainly(Plain kind, const optics::GreyView& picture,
-                                            const optics::CameraModel& camera,
-                                            const optics::CapGeometry& cap) {
+                                             const optics::CameraModel& camera,
+                                             const optics::CapGeometry& cap) {
   const cv::Mat grey(picture.height, picture.width, CV_8UC1,
                      const_cast<std::uint8_t*>(picture.data),
                      static_cast<std::size_t>(picture.stride));
@@ -102,9 +102,9 @@ std::vector<detector::Detection> findPlainly(Plain kind, const optics::GreyView&
   for (std::size_t i = 0; i < discs.size(); ++i) {
     for (std::size_t j = 0; j < discs.size(); ++j) {
       if (discs[i].radius < discs[j].radius * between) continue;
-      const double off = std::abs(std::hypot(discs[i].place.x - discs[j].place.x,
-                                             discs[i].place.y - discs[j].place.y) -
-                                  cap.spacing());
+      const double off = std::abs(
+          std::hypot(discs[i].place.x - discs[j].place.x, discs[i].place.y - discs[j].place.y) -
+          cap.spacing());
       if (off < kTolerance) pairs.push_back({off, i, j});
     }
   }

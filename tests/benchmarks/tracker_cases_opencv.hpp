@@ -14,7 +14,7 @@ enum class Plain {
 
 // Poses without covariance.
 std::vector<detector::Detection> findPlainly(Plain kind, const optics::GreyView& picture,
-                                            const optics::CameraModel& camera,
-                                            const optics::CapGeometry& cap);
+                                             const optics::CameraModel& camera,
+                                             const optics::CapGeometry& cap);
 
 }  // namespace lab::cases

@@ -14,16 +14,16 @@
 #include <string_view>
 #include <vector>
 
-#include "tracker_svc/detector.hpp"
 #include "tests/support/tracker_scenes/acceptance_limits.hpp"
 #include "tests/support/tracker_scenes/scenes.hpp"
 #include "tests/support/tracker_scenes/score.hpp"
+#include "tracker_svc/detector.hpp"
 
 namespace {
 
 namespace fs = std::filesystem;
-using lab::cases::Kind;
-using lab::cases::Look;
+using lab::cases::DetectedScene;
+using lab::cases::SceneKind;
 using lab::detector::Detection;
 using lab::detector::Rejection;
 
@@ -48,7 +48,7 @@ void sayRefused(const std::vector<Rejection>& rejected, lab::optics::Pixel where
   }
 }
 
-void sayUnmatched(const Kind& kind, std::uint64_t seed, const Look& look) {
+void sayUnmatched(const SceneKind& kind, std::uint64_t seed, const DetectedScene& look) {
   const lab::optics::CameraModel camera(look.scene.settings.camera);
   const lab::optics::CapGeometry& cap = look.scene.settings.cap;
   for (const std::size_t i : look.left.missed) {
@@ -76,10 +76,10 @@ void leave(const lab::optics::GreyImage& image, const fs::path& file) {
 }
 
 /// @return whether all bars were reached, but for those that are known not to be
-bool runKind(const Kind& kind, const Options& options, std::ofstream& results) {
+bool runKind(const SceneKind& kind, const Options& options, std::ofstream& results) {
   lab::cases::Score score;
   for (std::uint64_t seed = options.first; seed < options.first + options.seeds; ++seed) {
-    const Look look = lab::cases::look(kind, seed, options.missed, score);
+    const DetectedScene look = lab::cases::look(kind, seed, options.missed, score);
     if (options.out) {
       leave(look.image,
             *options.out / (std::string(kind.name) + '_' + std::to_string(seed) + ".pgm"));
@@ -143,7 +143,7 @@ int main(int argc, char** argv) {
   std::printf("%-22s %s\n", "kind", lab::cases::Score::header().c_str());
   bool any = false;
   bool all = true;
-  for (const Kind& kind : lab::cases::kinds()) {
+  for (const SceneKind& kind : lab::cases::kinds()) {
     if (std::string_view(kind.name).find(options->only) == std::string_view::npos) continue;
     any = true;
     all = runKind(kind, *options, results) && all;

@@ -1,4 +1,6 @@
 /// The service between a bus and the hub, in virtual time; its inbox between threads.
+#include "dashboard/dashboard_service.hpp"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <poll.h>
@@ -13,7 +15,6 @@
 #include "common/bus/memory_bus.hpp"
 #include "common/loop/virtual_loop.hpp"
 #include "dashboard/web/address_file.hpp"
-#include "dashboard/dashboard_service.hpp"
 #include "tests/dashboard/message_samples.hpp"
 
 namespace lab::dashboard::dashboard_bus_test {
@@ -35,9 +36,8 @@ struct Bench {
         robot.flags = stop.clear != 0 ? 0 : robot_state_t::FLAG_STOPPED;
       }
     });
-    owner.subscribe<light_command_t>(channels::kLightCommand, [this](const light_command_t& light) {
-      lights.push_back(light);
-    });
+    owner.subscribe<light_command_t>(
+        channels::kLightCommand, [this](const light_command_t& light) { lights.push_back(light); });
     loop.every(50'000, loop.now(), [this] {
       robot_status_t status = statusOf(robots);
       status.utime = 0;
@@ -45,9 +45,7 @@ struct Bench {
     });
   }
 
-  void run(double seconds) {
-    loop.runUntil(loop.now() + static_cast<std::int64_t>(seconds * 1e6));
-  }
+  void run(double seconds) { loop.runUntil(loop.now() + static_cast<std::int64_t>(seconds * 1e6)); }
   Json topic(const char* name) {
     const Hub::Text text = hub.newest(name);
     return text ? Json::parse(*text) : Json();
@@ -64,8 +62,8 @@ struct Bench {
   Experiment none;
   ServiceContext context{node, loop, none, ""};
   Hub hub;
-  DashboardBus dut{context, hub, "runs",
-                   {.viewers = [] { return 1; }, .facts = [] { return ServerFacts{}; }}};
+  DashboardBus dut{
+      context, hub, "runs", {.viewers = [] { return 1; }, .facts = [] { return ServerFacts{}; }}};
 };
 
 TEST(DashboardBus, AStopReachesEveryRobotWithinAFifthOfASecondAndThePageSaysSo) {
@@ -132,17 +130,18 @@ TEST(DashboardBus, TellsInItsHeartbeatWhatItHeardAndNeverComplains) {
 
 std::optional<std::string> nothing(std::string_view, std::string_view) { return std::nullopt; }
 
-TEST(LabInbox, AnswersFromTheLoopsThread) {
+TEST(RequestQueue, AnswersFromTheLoopsThread) {
   const auto loop_thread = std::this_thread::get_id();
   std::thread::id answered;
-  LabInbox dut({.wish =
-                    [&](const Wish&) {
-                      answered = std::this_thread::get_id();
-                      return std::string("no");
-                    },
-                .ask = [](std::string_view what, std::string_view which) {
-                  return std::optional(std::string(what) + "/" + std::string(which));
-                }});
+  RequestQueue dut({.wish =
+                        [&](const OperatorRequest&) {
+                          answered = std::this_thread::get_id();
+                          return std::string("no");
+                        },
+                    .ask =
+                        [](std::string_view what, std::string_view which) {
+                          return std::optional(std::string(what) + "/" + std::string(which));
+                        }});
   std::string refusal;
   std::optional<std::string> answer;
   std::thread web([&] {
@@ -160,19 +159,19 @@ TEST(LabInbox, AnswersFromTheLoopsThread) {
   EXPECT_EQ(answered, loop_thread);
 }
 
-TEST(LabInbox, NoWishWaitsBehindMoreThanOneQuestion) {
+TEST(RequestQueue, NoWishWaitsBehindMoreThanOneQuestion) {
   std::string order;
-  LabInbox dut({.wish =
-                    [&](const Wish&) {
-                      order += 'w';
-                      return std::string();
-                    },
-                .ask =
-                    [&](std::string_view, std::string_view) {
-                      order += 'q';
-                      return std::optional<std::string>("");
-                    }},
-               std::chrono::seconds(20));
+  RequestQueue dut({.wish =
+                        [&](const OperatorRequest&) {
+                          order += 'w';
+                          return std::string();
+                        },
+                    .ask =
+                        [&](std::string_view, std::string_view) {
+                          order += 'q';
+                          return std::optional<std::string>("");
+                        }},
+                   std::chrono::seconds(20));
   std::vector<std::thread> web;
   eventfd_t rings = 0;
   const auto waitFor = [&](eventfd_t count) {
@@ -200,24 +199,23 @@ TEST(LabInbox, NoWishWaitsBehindMoreThanOneQuestion) {
   EXPECT_EQ(order, "wqqq");
 }
 
-TEST(LabInbox, WhatWaitedTooLongIsNeverDone) {
+TEST(RequestQueue, WhatWaitedTooLongIsNeverDone) {
   int done = 0;
-  LabInbox dut({.wish =
-                    [&](const Wish&) {
-                      ++done;
-                      return std::string();
-                    },
-                .ask = nothing},
-               std::chrono::milliseconds(20));
+  RequestQueue dut({.wish =
+                        [&](const OperatorRequest&) {
+                          ++done;
+                          return std::string();
+                        },
+                    .ask = nothing},
+                   std::chrono::milliseconds(20));
   EXPECT_THAT(dut.wish(StopRobots{}), HasSubstr("nothing was done"));
   dut.serve();
   EXPECT_EQ(done, 0);
 }
 
-TEST(LabInbox, ClosedItRefusesAtOnce) {
-  LabInbox dut({.wish = [](const Wish&) { return std::string(); },
-                .ask = nothing},
-               std::chrono::hours(1));
+TEST(RequestQueue, ClosedItRefusesAtOnce) {
+  RequestQueue dut({.wish = [](const OperatorRequest&) { return std::string(); }, .ask = nothing},
+                   std::chrono::hours(1));
   std::string refusal;
   std::thread web([&] { refusal = dut.wish(PauseScript{}); });
   dut.close();

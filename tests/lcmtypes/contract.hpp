@@ -37,20 +37,17 @@ template <class... Types>
 struct TypeList {};
 
 /// What travels on a channel.
-using ChannelTypes = TypeList<analysis_t, clock_t, experiment_command_t, experiment_event_t,
-                              experiment_status_t, light_command_t,
-                              light_delivery_t, light_seen_t, light_status_t, link_status_t,
-                              robot_calibration_t, robot_command_t,
-                              robot_status_t, robot_steps_t, robot_stop_t, service_status_t,
-                              sim_truth_t, tracked_details_t, tracked_frame_t,
-                              tracker_status_t>;
+using ChannelTypes =
+    TypeList<analysis_t, clock_t, experiment_command_t, experiment_event_t, experiment_status_t,
+             light_command_t, light_delivery_t, light_seen_t, light_status_t, link_status_t,
+             robot_calibration_t, robot_command_t, robot_status_t, robot_steps_t, robot_stop_t,
+             service_status_t, sim_truth_t, tracked_details_t, tracked_frame_t, tracker_status_t>;
 
 /// What travels inside those.
-using PartTypes =
-    TypeList<cap_detail_t, channel_count_t, curve_t, estimate_t, light_band_t,
-             light_delay_t, light_drive_t, light_layer_t, link_peer_t,
-             motor_calibration_t, program_t, robot_order_t, robot_state_t, robot_step_t,
-             stream_count_t, tracked_pose_t, true_pose_t>;
+using PartTypes = TypeList<cap_detail_t, channel_count_t, curve_t, estimate_t, light_band_t,
+                           light_delay_t, light_drive_t, light_layer_t, link_peer_t,
+                           motor_calibration_t, program_t, robot_order_t, robot_state_t,
+                           robot_step_t, stream_count_t, tracked_pose_t, true_pose_t>;
 
 /// Calls `visit.operator()<Type>()` for every type of both lists.
 template <class Visit, class... Types>
@@ -162,9 +159,9 @@ inline auto fields(light_seen_t& m) {
 inline auto fields(light_status_t& m) {
   return std::tie(m.utime, m.sender, m.instance, m.seq, m.frame, m.frame_period, m.commander,
                   m.command_instance, m.command_seq, m.label, m.first_shown_utime, m.moving,
-                  m.calibration_id, m.last_refusal, m.display, m.vsync, m.latency, m.sync, m.trouble,
-                  m.tracker_instance, m.num_tracked_frames, m.tracked_frames, m.mix, m.num_previous, m.previous, m.num_layers,
-                  m.layers);
+                  m.calibration_id, m.last_refusal, m.display, m.vsync, m.latency, m.sync,
+                  m.trouble, m.tracker_instance, m.num_tracked_frames, m.tracked_frames, m.mix,
+                  m.num_previous, m.previous, m.num_layers, m.layers);
 }
 inline auto fields(robot_calibration_t& m) {
   return std::tie(m.utime, m.sender, m.instance, m.seq, m.num_robots, m.robots);
@@ -202,8 +199,7 @@ inline auto fields(tracker_status_t& m) {
                   m.height, m.fps, m.exposure, m.gain, m.pixels, m.locked, m.calibration_id,
                   m.frames, m.dropped, m.dark, m.saturated, m.brightness, m.caps, m.unbound,
                   m.bindings, m.unbindings, m.flips, m.lost, m.spacings, m.spacing_error,
-                  m.spacing_sigma, m.moved, m.warning, m.latency_p50, m.latency_p95,
-                  m.latency_p99);
+                  m.spacing_sigma, m.moved, m.warning, m.latency_p50, m.latency_p95, m.latency_p99);
 }
 
 /// Fills a message so that no two neighbours are equal: numbers count up, every array has `length`

@@ -118,7 +118,7 @@ TEST(Contract, StartsEveryChannelTypeWithTheHeader) {
     message.instance = 1'700'000'000'000'001;
     message.seq = 42;
     const std::vector<std::uint8_t> bytes = encode(message);
-    const std::optional<Header> header = peekHeader(bytes);
+    const std::optional<MessageHeader> header = peekHeader(bytes);
     ASSERT_TRUE(header);
     EXPECT_EQ(header->fingerprint, Message::getHash());
     EXPECT_EQ(header->utime, message.utime);

@@ -63,7 +63,7 @@ using ProjectorCoreOrder = ProjectorCoreTest;
 using ProjectorCoreRefusal = ProjectorCoreTest;
 
 TEST_F(ProjectorCoreTest, ShowsTheSafeFieldBeforeAnyCommand) {
-  const Shown& shown = dut.frame(at(0));
+  const ShownFrame& shown = dut.frame(at(0));
   EXPECT_EQ(evaluate(shown.field, 0, 0), kSafe);
   EXPECT_EQ(shown.commander, "");
   EXPECT_EQ(shown.label, "safe field: no command yet");
@@ -77,7 +77,7 @@ TEST_F(ProjectorCoreTest, ShowsACommandFromTheNextFrameOnAndEchoesIt) {
   command.label = "bright";
   EXPECT_EQ(give(command, 0.010), Verdict::kAccepted);
 
-  const Shown& shown = dut.frame(at(0.016667));
+  const ShownFrame& shown = dut.frame(at(0.016667));
   EXPECT_EQ(evaluate(shown.field, 0, 0), 0.6);
   EXPECT_TRUE(shown.changed);
   EXPECT_FALSE(shown.moving);
@@ -94,7 +94,7 @@ TEST_F(ProjectorCoreTest, SaysChangedOnceAndKeepsWhenItWasFirstShown) {
   EXPECT_FALSE(dut.frame(at(0.1)).changed);
   give(script(1, 0.6), 0.11);
   EXPECT_TRUE(dut.frame(at(0.2)).changed);
-  const Shown& later = dut.frame(at(0.3));
+  const ShownFrame& later = dut.frame(at(0.3));
   EXPECT_FALSE(later.changed);
   EXPECT_EQ(later.first_shown_utime, at(0.2));
   EXPECT_EQ(later.frame, 4);
@@ -143,7 +143,7 @@ TEST_F(ProjectorCoreRamp, FadesInAStraightLineOfTime) {
   EXPECT_NEAR(shownAt(1.5), 0.35, kExact);
   EXPECT_NEAR(shownAt(2.0), 0.5, kExact);
   EXPECT_NEAR(shownAt(3.0), 0.8, kExact);
-  const Shown& over = dut.frame(at(3.05));
+  const ShownFrame& over = dut.frame(at(3.05));
   EXPECT_FALSE(over.moving);
   EXPECT_FALSE(over.changed);
   EXPECT_TRUE(over.field.previous.empty());
@@ -154,7 +154,7 @@ TEST_F(ProjectorCoreRamp, MovesUntilItsLastFrameWhichStillIsAChange) {
   command.ramp = 1;
   give(command, 0);
   EXPECT_TRUE(dut.frame(at(0.9)).moving);
-  const Shown& last = dut.frame(at(1.0));
+  const ShownFrame& last = dut.frame(at(1.0));
   EXPECT_TRUE(last.changed);
   EXPECT_FALSE(last.moving);
 }
@@ -297,7 +297,7 @@ TEST_F(ProjectorCorePriority, MayBeLoweredByItsOwner) {
 TEST_F(ProjectorCoreSilence, EndsACommandAtTheTimeoutAndSaysSo) {
   give(script(1, 0.6), 0);
   EXPECT_EQ(shownAt(2.499), 0.6);
-  const Shown& shown = dut.frame(at(2.5));
+  const ShownFrame& shown = dut.frame(at(2.5));
   EXPECT_EQ(evaluate(shown.field, 0, 0), kSafe);
   EXPECT_TRUE(shown.changed);
   EXPECT_EQ(shown.commander, "");
@@ -323,7 +323,7 @@ TEST_F(ProjectorCoreSilence, IsForgivenWhenTheSenderIsHeardAgain) {
   give(script(1, 0.6), 0);
   EXPECT_EQ(shownAt(5), kSafe);
   EXPECT_EQ(give(script(1, 0.6), 5.1), Verdict::kRepeated);
-  const Shown& shown = dut.frame(at(5.2));
+  const ShownFrame& shown = dut.frame(at(5.2));
   EXPECT_EQ(evaluate(shown.field, 0, 0), 0.6);
   EXPECT_EQ(shown.first_shown_utime, at(5.2));
 }
@@ -345,7 +345,7 @@ TEST_F(ProjectorCoreOrder, TakesARepetitionForWhatItRepeats) {
   give(script(5, 0.6), 0);
   EXPECT_EQ(shownAt(0.1), 0.6);
   EXPECT_EQ(give(script(5, 0.6), 0.2), Verdict::kRepeated);
-  const Shown& shown = dut.frame(at(0.3));
+  const ShownFrame& shown = dut.frame(at(0.3));
   EXPECT_FALSE(shown.changed);
   EXPECT_EQ(shown.first_shown_utime, at(0.1));
 }
@@ -378,7 +378,7 @@ TEST_F(ProjectorCoreRefusal, ChangesNothingAndGivesTheReason) {
   const Answer answer = dut.apply(wrong, at(0.2));
   EXPECT_EQ(answer.verdict, Verdict::kRefused);
   EXPECT_EQ(answer.reason, "layers[0].intensity = 1.2, allowed: 0 to 1");
-  const Shown& shown = dut.frame(at(0.3));
+  const ShownFrame& shown = dut.frame(at(0.3));
   EXPECT_FALSE(shown.changed);
   EXPECT_EQ(shown.seq, 1);
   EXPECT_EQ(give(script(2, 0.7), 0.4), Verdict::kAccepted);

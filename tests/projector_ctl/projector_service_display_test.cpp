@@ -14,8 +14,8 @@
 #include <vector>
 
 #include "common/bus/channels.hpp"
-#include "common/experiment/light_messages.hpp"
 #include "common/bus/memory_bus.hpp"
+#include "common/experiment/light_messages.hpp"
 #include "common/loop/virtual_loop.hpp"
 #include "projector_ctl/projector_service.hpp"
 #include "tests/projector_ctl/scripted_display.hpp"
@@ -26,7 +26,7 @@ namespace {
 using testing::HasSubstr;
 using testing::Not;
 
-constexpr int kSafe = 51;    // 0.2 of white
+constexpr int kSafe = 51;     // 0.2 of white
 constexpr int kBright = 204;  // 0.8
 
 class DisplayServiceTest : public testing::Test {

@@ -13,10 +13,10 @@
 #include <vector>
 
 #include "common/bus/channels.hpp"
-#include "common/experiment/experiment_messages.hpp"
 #include "common/bus/memory_bus.hpp"
-#include "common/math/units.hpp"
+#include "common/experiment/experiment_messages.hpp"
 #include "common/loop/virtual_loop.hpp"
+#include "common/math/units.hpp"
 #include "light/field/raster.hpp"
 
 namespace lab::projector {

@@ -36,7 +36,7 @@ std::vector<DrivenLayer> layers() {
 class ReplayTest : public testing::Test {
  protected:
   ReplayTest() {
-    config.surroundings.robots = {1, 2};
+    config.scene_context.robots = {1, 2};
     config.latency = 0.04;
   }
 
@@ -44,7 +44,7 @@ class ReplayTest : public testing::Test {
     ProjectorCore core(config);
     std::mt19937_64 random(11);
     std::uniform_real_distribution<double> uniform;
-    std::vector<std::pair<std::int64_t, SeenFrame>> under_way;
+    std::vector<std::pair<std::int64_t, ObservedFrame>> under_way;
     for (int i = 0; i < pictures; ++i) {
       const std::int64_t now = kStart + i * kFrame_us;
       for (const LightCommand& command : commands) {
@@ -62,7 +62,7 @@ class ReplayTest : public testing::Test {
       std::erase_if(under_way, [](const auto& entry) {
         return entry.first == std::numeric_limits<std::int64_t>::max();
       });
-      const Shown& shown = core.frame(now);
+      const ShownFrame& shown = core.frame(now);
       ShownRecord& record = records.emplace_back();
       record.projector = 1;
       record.utime = shown.presentation_utime;
@@ -76,7 +76,7 @@ class ReplayTest : public testing::Test {
     }
   }
 
-  static SeenFrame frameAt(std::int64_t utime, int i) {
+  static ObservedFrame frameAt(std::int64_t utime, int i) {
     const double t = 1e-6 * static_cast<double>(utime - kStart);
     return {4,
             i + 100,
@@ -123,15 +123,15 @@ class ReplayTest : public testing::Test {
                                       .ramp = 2,
                                       .hold_until_utime = kStart + 100'000'000,
                                       .layers = layers()}};
-  std::vector<SeenFrame> frames;
+  std::vector<ObservedFrame> frames;
   std::vector<ShownRecord> records;
 };
 
 TEST_F(ReplayTest, GivesTheFieldOfEveryStatusToTheBit) {
   run();
-  Replay dut(config.surroundings);
+  Replay dut(config.scene_context);
   for (const LightCommand& command : commands) dut.take(command);
-  for (const SeenFrame& frame : frames) dut.take(frame);
+  for (const ObservedFrame& frame : frames) dut.take(frame);
   int compared = 0;
   int brightest = 0;
   for (const ShownRecord& record : records) {
@@ -152,10 +152,10 @@ TEST_F(ReplayTest, GivesTheFieldOfEveryStatusToTheBit) {
 
 TEST_F(ReplayTest, SaysSoWhereTheLogLacksAFrame) {
   run(1200);
-  Replay dut(config.surroundings);
+  Replay dut(config.scene_context);
   for (const LightCommand& command : commands) dut.take(command);
   frames.erase(frames.begin() + 500);
-  for (const SeenFrame& frame : frames) dut.take(frame);
+  for (const ObservedFrame& frame : frames) dut.take(frame);
   int without = 0;
   for (const ShownRecord& record : records) {
     if (!dut.layersOf(record) && !record.commander.empty()) ++without;
@@ -165,8 +165,8 @@ TEST_F(ReplayTest, SaysSoWhereTheLogLacksAFrame) {
 
 TEST_F(ReplayTest, NeedsTheCommand) {
   run(300);
-  Replay dut(config.surroundings);
-  for (const SeenFrame& frame : frames) dut.take(frame);
+  Replay dut(config.scene_context);
+  for (const ObservedFrame& frame : frames) dut.take(frame);
   for (const ShownRecord& record : records) ASSERT_FALSE(dut.layersOf(record).has_value());
 }
 

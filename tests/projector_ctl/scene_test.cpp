@@ -52,8 +52,8 @@ class SceneTest : public testing::Test {
     ASSERT_EQ(Scene::problem(layers, around), std::nullopt);
     dut = std::make_unique<Scene>(std::move(layers), at(0), around);
   }
-  void see(double time, std::vector<SeenRobot> seen) {
-    const SeenFrame frame{1, ++number, at(time), std::move(seen)};
+  void see(double time, std::vector<ObservedRobot> seen) {
+    const ObservedFrame frame{1, ++number, at(time), std::move(seen)};
     robots.take(frame);
     if (dut) dut->take(frame, robots);
   }
@@ -62,7 +62,7 @@ class SceneTest : public testing::Test {
   }
   const Scene::Picture& pictureAt(double time) { return dut->at({at(time), at(time)}, robots); }
 
-  Surroundings around{.robots = {1, 2}, .programs = {"abp", "bp"}};
+  SceneContext around{.robots = {1, 2}, .programs = {"abp", "bp"}};
   Robots robots;
   std::unique_ptr<Scene> dut;
   std::int64_t number = 0;
@@ -230,7 +230,7 @@ TEST_F(SceneTest, IsStillWithoutDrives) {
 }
 
 TEST(SceneProblem, NamesLayerFieldAndWhatIsAllowed) {
-  Surroundings around{.robots = {}, .programs = {"abp"}};
+  SceneContext around{.robots = {}, .programs = {"abp"}};
   for (int id = 1; id <= 20; ++id) around.robots.push_back(id);
   const auto problem = [&](const std::vector<DrivenLayer>& layers) {
     return Scene::problem(layers, around).value_or("");
@@ -275,7 +275,7 @@ class DrivenCore : public testing::Test {
   static ProjectorCore::Config config() {
     ProjectorCore::Config result;
     result.safe_field = {Layer{.intensity = 0.05}};
-    result.surroundings.robots = {1};
+    result.scene_context.robots = {1};
     return result;
   }
   static DrivenLayer moving(double speed) {
@@ -296,7 +296,7 @@ TEST_F(DrivenCore, ResolvesBothEndsOfAFadeInEveryFrame) {
   second.ramp = 1;
   second.from_utime = at(1);
   EXPECT_EQ(dut.apply(second, at(0.5)).verdict, Verdict::kAccepted);
-  const Shown& shown = dut.frame(at(1.5));
+  const ShownFrame& shown = dut.frame(at(1.5));
   ASSERT_EQ(shown.field.previous.size(), 1U);
   EXPECT_NEAR(shown.field.previous[0].x, 0.35, kClose);
   EXPECT_NEAR(shown.field.layers[0].x, 0.15, kClose);
@@ -324,7 +324,7 @@ TEST_F(DrivenCore, KeepsAStillSceneAsItIs) {
   EXPECT_TRUE(dut.frame(at(0.1)).changed);
   for (int i = 2; i < 60; ++i) {
     see(0.1 * i, 0.2);
-    const Shown& shown = dut.frame(at(0.1 * i));
+    const ShownFrame& shown = dut.frame(at(0.1 * i));
     EXPECT_FALSE(shown.changed);
     EXPECT_FALSE(shown.moving);
     EXPECT_EQ(shown.tracker_instance, 0);
@@ -346,7 +346,7 @@ TEST_F(DrivenCore, WorksOutTheMomentOfTheLight) {
   LightCommand wanted = command(1, {moving(0.1)});
   wanted.from_utime = at(0);
   EXPECT_EQ(core.apply(wanted, at(0)).verdict, Verdict::kAccepted);
-  const Shown& shown = core.frame(at(0.5));
+  const ShownFrame& shown = core.frame(at(0.5));
   EXPECT_EQ(shown.presentation_utime, at(0.54));
   EXPECT_NEAR(shown.field.layers[0].x, 0.254, kClose);
 }
@@ -357,7 +357,7 @@ TEST_F(DrivenCore, KnowsHowRobotsMoveWhenACommandBeginsToFollowThem) {
     dut.frame(at(i / 60.0 + 0.01));
   }
   EXPECT_EQ(dut.apply(command(1, {spot()}), at(0.52)).verdict, Verdict::kAccepted);
-  const Shown& shown = dut.frame(at(0.55));
+  const ShownFrame& shown = dut.frame(at(0.55));
   ASSERT_EQ(shown.field.layers.size(), 1U);
   EXPECT_NEAR(shown.field.layers[0].x, 0.255, 1e-5);
   EXPECT_EQ(shown.tracker_instance, 9);
@@ -374,7 +374,7 @@ TEST_F(DrivenCore, ShowsTheSafeFieldWhileWhoIsFollowedIsLost) {
   EXPECT_EQ(evaluate(dut.frame(at(0.1)).field, 0, 0), 0.05);
   EXPECT_THAT(dut.frame(at(0.1)).trouble, HasSubstr("safe field: lost robot 1"));
   see(0.1, 0.3);
-  const Shown& found = dut.frame(at(0.2));
+  const ShownFrame& found = dut.frame(at(0.2));
   EXPECT_TRUE(found.changed);
   EXPECT_EQ(found.trouble, "");
   EXPECT_EQ(evaluate(found.field, 0, 0), 0);
@@ -403,7 +403,7 @@ TEST_F(DrivenCore, StaysBelowAMessageWhenFadesOfTrailsAreInterrupted) {
     const double now = 0.25 * step;
     EXPECT_EQ(dut.apply(next, at(now)).verdict, Verdict::kAccepted);
     see(now, 0.3);
-    const Shown& shown = dut.frame(at(now + 0.01));
+    const ShownFrame& shown = dut.frame(at(now + 0.01));
     EXPECT_LE(Scene::bytesOf(shown.field.previous), Scene::kMostBytes);
     EXPECT_EQ(validate(shown.field.previous), std::nullopt);
   }
@@ -413,7 +413,7 @@ TEST_F(DrivenCore, TurnsTheSyncPatchWithEveryCommandShownAlsoThroughRamps) {
   ProjectorCore::Config with_patch = config();
   with_patch.sync_patch = 0.025;
   ProjectorCore core(with_patch);
-  const auto patch = [&](const Shown& shown) {
+  const auto patch = [&](const ShownFrame& shown) {
     EXPECT_EQ(validate(shown.field.layers), std::nullopt);
     EXPECT_EQ(evaluate(shown.field, 0.0249, 0.0249), shown.sync);
     EXPECT_EQ(evaluate(shown.field, 0.0251, 0.0249), evaluate(shown.field, 0.0375, 0.0375));

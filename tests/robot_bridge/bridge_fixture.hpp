@@ -17,10 +17,10 @@
 #include <vector>
 
 #include "common/bus/channels.hpp"
-#include "common/experiment/experiment_file.hpp"
 #include "common/bus/memory_bus.hpp"
-#include "common/serial/memory_serial.hpp"
+#include "common/experiment/experiment_file.hpp"
 #include "common/loop/virtual_loop.hpp"
+#include "common/serial/memory_serial.hpp"
 #include "robot_bridge/bridge_service.hpp"
 #include "tests/support/wire_robot.hpp"
 

@@ -10,11 +10,11 @@
 #include <memory>
 
 #include "common/bus/channels.hpp"
-#include "common/experiment/experiment_file.hpp"
 #include "common/bus/log_file.hpp"
 #include "common/bus/memory_bus.hpp"
-#include "common/serial/memory_serial.hpp"
+#include "common/experiment/experiment_file.hpp"
 #include "common/loop/virtual_loop.hpp"
+#include "common/serial/memory_serial.hpp"
 #include "sim_svc/sim_service.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/support/wire_host.hpp"
@@ -106,16 +106,16 @@ class BodiesTest : public testing::Test {
     record(folder / "recorded.lcmlog");
     dut = std::make_unique<SimService>(
         ServiceContext{node, loop, experiment, folder / "", ports, folder / ""});
-    other.subscribe<robot_status_t>(
-        channels::kRobotStatus, [this](const auto& message) { statuses.push_back(message); });
+    other.subscribe<robot_status_t>(channels::kRobotStatus,
+                                    [this](const auto& message) { statuses.push_back(message); });
     other.subscribe<tracked_frame_t>(channels::kTrackedFrame, [this](const auto& message) {
       if (message.sender == "sim_svc") frames.push_back(message);
     });
     other.subscribe<sim_truth_t>(channels::kSimTruth,
                                  [this](const auto& message) { truths.push_back(message); });
-    other.subscribe<robot_calibration_t>(
-        channels::kCalibrationStatus,
-        [this](const auto& message) { calibrations.push_back(message); });
+    other.subscribe<robot_calibration_t>(channels::kCalibrationStatus, [this](const auto& message) {
+      calibrations.push_back(message);
+    });
   }
 
   void run(double seconds) { loop.runUntil(loop.now() + static_cast<std::int64_t>(seconds * 1e6)); }

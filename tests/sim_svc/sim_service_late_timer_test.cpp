@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "common/bus/channels.hpp"
-#include "common/experiment/experiment_messages.hpp"
 #include "common/bus/memory_bus.hpp"
+#include "common/experiment/experiment_messages.hpp"
 #include "sim_svc/sim_service.hpp"
 
 namespace lab::sim {
@@ -60,7 +60,8 @@ TEST(LateTimer, ShowsNoFrameWhatHappenedAfterIt) {
   Node other(bus, loop, {"lab", 0, 1});
   std::vector<tracked_frame_t> frames;
   other.subscribe<tracked_frame_t>(
-      channels::kTrackedFrame, [&frames](const tracked_frame_t& frame) { frames.push_back(frame); });
+      channels::kTrackedFrame,
+      [&frames](const tracked_frame_t& frame) { frames.push_back(frame); });
   const Experiment experiment = oneRobot();
   const SimService dut({node, loop, experiment, {}});
   const std::int64_t start = loop.now();

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "common/bus/channels.hpp"
+#include "common/bus/memory_bus.hpp"
 #include "common/experiment/experiment_file.hpp"
 #include "common/experiment/experiment_messages.hpp"
-#include "common/bus/memory_bus.hpp"
 #include "common/loop/virtual_loop.hpp"
 
 namespace lab::sim::sim_service_test {

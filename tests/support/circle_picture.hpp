@@ -7,9 +7,9 @@
 #include <random>
 #include <vector>
 
-#include "tracker_svc/circle_fit.hpp"
 #include "light/optics/grey_image.hpp"
 #include "light/photometry/imaging.hpp"
+#include "tracker_svc/circle_fit.hpp"
 
 namespace lab::detector::testing {
 

@@ -22,8 +22,8 @@
 #include <vector>
 
 #include "common/bus/channels.hpp"
-#include "common/bus/message_header.hpp"
 #include "common/bus/lcm_bus.hpp"
+#include "common/bus/message_header.hpp"
 
 namespace lab::gateway {
 
@@ -50,21 +50,21 @@ inline std::int64_t wallUtime() {
 }
 
 /// In another network as long as it lives: what is opened meanwhile stays there.
-class Within {
+class NetworkNamespaceScope {
  public:
-  explicit Within(const std::string& process)
+  explicit NetworkNamespaceScope(const std::string& process)
       : home_(open("/proc/self/ns/net", O_RDONLY | O_CLOEXEC)) {
     const int there = open(("/proc/" + process + "/ns/net").c_str(), O_RDONLY | O_CLOEXEC);
     const bool in = there >= 0 && setns(there, CLONE_NEWNET) == 0;
     close(there);
     if (!in) throw std::runtime_error("no way into the network of process " + process);
   }
-  ~Within() {
+  ~NetworkNamespaceScope() {
     static_cast<void>(setns(home_, CLONE_NEWNET));
     close(home_);
   }
-  Within(const Within&) = delete;
-  Within& operator=(const Within&) = delete;
+  NetworkNamespaceScope(const NetworkNamespaceScope&) = delete;
+  NetworkNamespaceScope& operator=(const NetworkNamespaceScope&) = delete;
 
  private:
   int home_;
@@ -123,7 +123,7 @@ class Host {
       : name("host" + letter),
         process(required("HOST_" + letter)),
         address(required("ADDRESS_" + letter)) {
-    const Within there(process);
+    const NetworkNamespaceScope there(process);
     bus = std::make_unique<LcmBus>(kUrl);
     bus->subscribeAll([this](const Packet& packet) { hear(packet); });
   }

@@ -19,8 +19,7 @@ class RawClient {
  public:
   /// @param receive_buffer [byte], 0: as the system has it
   /// @param address in the network's byte order
-  explicit RawClient(int port, int receive_buffer = 0,
-                     in_addr_t address = htonl(INADDR_LOOPBACK))
+  explicit RawClient(int port, int receive_buffer = 0, in_addr_t address = htonl(INADDR_LOOPBACK))
       : socket_(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
     if (receive_buffer > 0) {
       setsockopt(socket_, SOL_SOCKET, SO_RCVBUF, &receive_buffer, sizeof receive_buffer);

@@ -30,8 +30,8 @@ class VirtualX {
       dup2(open("/dev/null", O_WRONLY), STDERR_FILENO);
       // -noreset: else the server begins anew when its last client leaves, and turns away the
       // window that the next test opens at that moment.
-      execlp("Xvfb", "Xvfb", "-displayfd", number.c_str(), "-screen", "0", size.c_str(),
-             "-noreset", "-nolisten", "tcp", static_cast<char*>(nullptr));
+      execlp("Xvfb", "Xvfb", "-displayfd", number.c_str(), "-screen", "0", size.c_str(), "-noreset",
+             "-nolisten", "tcp", static_cast<char*>(nullptr));
       _exit(127);
     }
     close(ends[1]);
@@ -65,13 +65,12 @@ class VirtualX {
     const Window root = DefaultRootWindow(display);
     XWindowAttributes size{};
     XGetWindowAttributes(display, root, &size);
-    XImage* const image =
-        XGetImage(display, root, 0, 0, static_cast<unsigned>(size.width),
-                  static_cast<unsigned>(size.height), AllPlanes, ZPixmap);
+    XImage* const image = XGetImage(display, root, 0, 0, static_cast<unsigned>(size.width),
+                                    static_cast<unsigned>(size.height), AllPlanes, ZPixmap);
     std::vector<unsigned> pixels;
     for (int y = 0; image != nullptr && y < size.height; ++y) {
-      const auto* const row =
-          reinterpret_cast<const unsigned*>(image->data + std::ptrdiff_t{y} * image->bytes_per_line);
+      const auto* const row = reinterpret_cast<const unsigned*>(
+          image->data + std::ptrdiff_t{y} * image->bytes_per_line);
       for (int x = 0; x < size.width; ++x) pixels.push_back(row[x] & 0xFFFFFF);
     }
     if (image != nullptr) XDestroyImage(image);

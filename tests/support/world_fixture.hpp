@@ -11,38 +11,38 @@ namespace lab::sim {
 inline constexpr std::int64_t kSecond = 1000000;  // microseconds
 
 inline dynamics::ProgramParams abpProgram(double v = 0.03, double epsilon = 0.5, double eta = 3) {
-  dynamics::ProgramPhysics p;
+  dynamics::RobotProgram p;
   p.kind = dynamics::kAbp;
   p.v = v;
   p.epsilon = epsilon;
   p.eta = eta;
-  return dynamics::paramsFromPhysics(p).params;
+  return dynamics::toProgramParams(p).params;
 }
 
 inline dynamics::ProgramParams rtpProgram(double v, double gamma, double tau_t) {
-  dynamics::ProgramPhysics p;
+  dynamics::RobotProgram p;
   p.kind = dynamics::kRtp;
   p.v = v;
   p.gamma = gamma;
   p.tau_t = tau_t;
-  return dynamics::paramsFromPhysics(p).params;
+  return dynamics::toProgramParams(p).params;
 }
 
 inline dynamics::ProgramParams bpProgram(double va, double V, double epsilon) {
-  dynamics::ProgramPhysics p;
+  dynamics::RobotProgram p;
   p.kind = dynamics::kNoisyAbp;
   p.va = va;
   p.V = V;
   p.epsilon = epsilon;
-  return dynamics::paramsFromPhysics(p).params;
+  return dynamics::toProgramParams(p).params;
 }
 
 inline dynamics::ProgramParams wheelsProgram(double left, double right) {
-  dynamics::ProgramPhysics p;
+  dynamics::RobotProgram p;
   p.kind = dynamics::kWheels;
   p.wheel_left = left;
   p.wheel_right = right;
-  return dynamics::paramsFromPhysics(p).params;
+  return dynamics::toProgramParams(p).params;
 }
 
 /// One program whatever the light.

@@ -167,9 +167,9 @@ TEST_F(CircleFitTest, CovarianceFollowsNoiseThatNobodyTold) {
 
 // A smeared outline is another shape, but the same on both sides of the centre.
 TEST_F(CircleFitTest, CovarianceForgivesWhatIsTheSameOnOppositeSides) {
-  const Pool pool = fitMany(4.1, 80, [](CirclePicture&) {}, [&](const CirclePicture& p) {
-    return smeared(p, 2.2, even(0, 2 * std::numbers::pi));
-  });
+  const Pool pool = fitMany(
+      4.1, 80, [](CirclePicture&) {},
+      [&](const CirclePicture& p) { return smeared(p, 2.2, even(0, 2 * std::numbers::pi)); });
   EXPECT_EQ(pool.refused, 0);
   EXPECT_NEAR(pool.nees(), 1, pool.neesTolerance());
 }

@@ -46,9 +46,9 @@ struct Scene {
 
 struct Score {
   int found = 0;
-  int wrong = 0;          ///< detections that belong to no robot
-  double position = 0;    ///< [m] root mean square, 2-D
-  double heading = 0;     ///< [rad] root mean square
+  int wrong = 0;        ///< detections that belong to no robot
+  double position = 0;  ///< [m] root mean square, 2-D
+  double heading = 0;   ///< [rad] root mean square
 };
 
 double wrapped(double angle) { return std::remainder(angle, 2 * std::numbers::pi); }
@@ -98,13 +98,26 @@ TEST(Detector, FindsEveryCapToAFewMicrometres) {
 }
 
 TEST(Detector, FindsCapsThatLightEdgesCross) {
-  for (const light::Layer& layer :
-       {light::Layer{.kind = light::LayerKind::kStripes, .x = 0.013, .angle = 0.35, .size = 0.08,
-                     .inner = 0.5, .softness = 0.001, .intensity = 1, .intensity2 = 0.35},
-        light::Layer{.kind = light::LayerKind::kHalfPlane, .x = 0.6, .y = 0.45, .angle = 0.44,
-                     .softness = 0.001, .intensity = 1},
-        light::Layer{.kind = light::LayerKind::kLinearGradient, .x = 0.6, .y = 0.45, .size = 1.2,
-                     .intensity = 0.12, .intensity2 = 1}}) {
+  for (const light::Layer& layer : {light::Layer{.kind = light::LayerKind::kStripes,
+                                   .x = 0.013,
+                                   .angle = 0.35,
+                                   .size = 0.08,
+                                   .inner = 0.5,
+                                   .softness = 0.001,
+                                   .intensity = 1,
+                                   .intensity2 = 0.35},
+                                    light::Layer{.kind = light::LayerKind::kHalfPlane,
+                                    .x = 0.6,
+                                    .y = 0.45,
+                                    .angle = 0.44,
+                                    .softness = 0.001,
+                                    .intensity = 1},
+                                    light::Layer{.kind = light::LayerKind::kLinearGradient,
+                                    .x = 0.6,
+                                    .y = 0.45,
+                                    .size = 1.2,
+                                    .intensity = 0.12,
+                                    .intensity2 = 1}}) {
     Scene scene(20, 3);
     scene.field.layers = {{.kind = light::LayerKind::kUniform, .intensity = 0.12}, layer};
     Detector detector = scene.detector();
@@ -130,8 +143,7 @@ TEST(Detector, RefusesDiscsOnTheBareFloorAndSaysWhy) {
   for (const double scale : {1.0, 1.03}) {
     const double x = scale > 1 ? 0.8 : 0.4;
     const optics::CapGeometry& cap = scene.settings.cap;
-    scene.settings.discs.push_back(
-        {x + scale * cap.big_offset, 0.4, scale * cap.big_radius, 0.07});
+    scene.settings.discs.push_back({x + scale * cap.big_offset, 0.4, scale * cap.big_radius, 0.07});
     scene.settings.discs.push_back(
         {x + scale * cap.small_offset, 0.4, scale * cap.small_radius, 0.07});
   }
@@ -165,8 +177,12 @@ TEST(Detector, KeepsNeighboursInContactApart) {
 
 TEST(Detector, FollowsToTheSameBits) {
   Scene scene(30, 5);
-  scene.field.layers.push_back({.kind = light::LayerKind::kHalfPlane, .x = 0.6, .y = 0.45,
-                                .angle = 1, .softness = 0.001, .intensity = 0.3});
+  scene.field.layers.push_back({.kind = light::LayerKind::kHalfPlane,
+                                .x = 0.6,
+                                .y = 0.45,
+                                .angle = 1,
+                                .softness = 0.001,
+                                .intensity = 0.3});
   const optics::GreyImage image = scene.paint();
   const optics::GreyView picture{image.pixels.data(), kWidth, kHeight, kWidth};
   Detector detector = scene.detector();
@@ -176,9 +192,9 @@ TEST(Detector, FollowsToTheSameBits) {
   for (const Detection& one : all) {
     expected.push_back({one.x + 0.004, one.y - 0.003, one.theta + 0.2, 0.01, 0.5});
   }
-  expected.push_back(expected.front());                 // asked for twice, given once
-  expected.push_back({0.6, 0.45, 0, 0, 0});             // nobody stands exactly there
-  expected.push_back({5, 5, 0, 0.01, 0.5});             // outside of the picture
+  expected.push_back(expected.front());      // asked for twice, given once
+  expected.push_back({0.6, 0.45, 0, 0, 0});  // nobody stands exactly there
+  expected.push_back({5, 5, 0, 0.01, 0.5});  // outside of the picture
   const std::vector<Detection>& followed = detector.follow(picture, expected);
   ASSERT_EQ(followed.size(), expected.size());
   for (std::size_t i = 0; i < all.size(); ++i) EXPECT_TRUE(sameBits(all[i], followed[i])) << i;

@@ -6,9 +6,9 @@
 
 #include <vector>
 
-#include "tracker_svc/cameras/grey.hpp"
 #include "tests/support/film_samples.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "tracker_svc/cameras/grey.hpp"
 
 namespace lab {
 namespace {
@@ -137,7 +137,9 @@ TEST_F(Pictures, TakeTheirTimesFromATable) {
 TEST_F(Pictures, TakeTheirTimesFromATableAsSpreadsheetsWriteThem) {
   writePng(folder_ / "f0.png", pictureOf(0));
   writePng(folder_ / "f1.png", pictureOf(1));
-  write("frames.csv", "\xEF\xBB\xBF" "frame, t_s\r\n0, 1.5\r\n1, 1.75\r\n");
+  write("frames.csv",
+        "\xEF\xBB\xBF"
+        "frame, t_s\r\n0, 1.5\r\n1, 1.75\r\n");
 
   EXPECT_EQ(read(folder_ / "").at(1).utime, 250'000);
 }

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <memory>
 
-#include "light/optics/simulated_camera.hpp"
 #include "light/optics/canvas.hpp"
+#include "light/optics/simulated_camera.hpp"
 
 namespace lab::tracker {
 namespace {

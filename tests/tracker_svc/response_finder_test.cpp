@@ -12,14 +12,14 @@
 namespace lab::detector::response_finder_test {
 namespace {
 
-using cases::Kind;
 using cases::Scene;
-using cases::Shown;
+using cases::SceneKind;
+using cases::SceneLight;
 using testing::HasSubstr;
 
 struct Seen {
   const char* name;
-  Kind kind;
+  SceneKind kind;
 };
 
 ResponseFinder finderOf(const Scene& scene) {
@@ -39,17 +39,19 @@ TEST_P(ResponseOf, IsToldFromOnePictureOfManyCaps) {
 
 INSTANTIATE_TEST_SUITE_P(
     Pictures, ResponseOf,
-    testing::Values(Seen{"linear", {}}, Seen{"linear_half", {.shown = Shown::kHalf, .low = 0.12}},
+    testing::Values(Seen{"linear", {}},
+                    Seen{"linear_half", {.shown = SceneLight::kHalf, .low = 0.12}},
                     Seen{"linear_worn", {.glares = 4, .jpeg = 50}}, Seen{"video", {.gamma = 2.2}},
                     Seen{"video_dim", {.high = 0.12, .gamma = 2.2}},
-                    Seen{"video_half", {.shown = Shown::kHalf, .low = 0.05, .gamma = 2.2}},
+                    Seen{"video_half", {.shown = SceneLight::kHalf, .low = 0.05, .gamma = 2.2}},
                     Seen{"webcam", {.gamma = 2.2, .sharpened = 1, .jpeg = 75}},
                     Seen{"webcam_sharp", {.gamma = 2.2, .sharpened = 2, .jpeg = 75}},
                     Seen{"webcam_small", {.rows = 480, .gamma = 2.2, .sharpened = 1, .jpeg = 75}}),
     [](const auto& each) { return std::string(each.param.name); });
 
 TEST(ResponseFinder, SaysNothingWithoutCapsOrWhereAllShowInLittleLight) {
-  for (const Kind& kind : {Kind{.robots = 0, .debris = 25, .floor_pairs = 5}, Kind{.high = 0.22}}) {
+  for (const SceneKind& kind :
+       {SceneKind{.robots = 0, .debris = 25, .floor_pairs = 5}, SceneKind{.high = 0.22}}) {
     const Scene scene = cases::sceneOf(kind, 1);
     ResponseFinder finder = finderOf(scene);
     finder.take(cases::paint(scene).view());
@@ -94,13 +96,13 @@ TEST(ResponseFinder, GoesByThePaintWhereAllCapsShow) {
   }
 }
 
-// Light that the whole cap sends back besides: black paint is grey then, as if it were encoded. Either
-// way may be the better one then.
+// Light that the whole cap sends back besides: black paint is grey then, as if it were encoded.
+// Either way may be the better one then.
 TEST(ResponseFinder, TakesTheWayThatFindsMoreInHaze) {
   for (const double haze : {0.1, 0.2}) {
-    for (const Kind& kind :
-         {Kind{.shown = Shown::kStripes, .low = 0.35, .size = 0.08, .brightness = 0.8},
-          Kind{.high = 0.3}, Kind{.brightness = 0.8}}) {
+    for (const SceneKind& kind :
+         {SceneKind{.shown = SceneLight::kStripes, .low = 0.35, .size = 0.08, .brightness = 0.8},
+          SceneKind{.high = 0.3}, SceneKind{.brightness = 0.8}}) {
       Scene scene = cases::sceneOf(kind, 1);
       scene.settings.glares = {{0.6, 0.45, 5, haze}};
       const optics::GreyImage picture = cases::paint(scene);

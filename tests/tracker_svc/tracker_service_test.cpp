@@ -98,8 +98,9 @@ class TrackerServiceTest : public testing::Test {
     painter = std::make_unique<sim::CameraPainter>(settings);
     light(1);
     ServiceContext context{node, loop, experiment, testing::TempDir()};
-    ServiceContext with{context.node, context.loop, context.experiment, context.directory,
-                        context.ports, context.programs, cameras};
+    ServiceContext with{
+        context.node,     context.loop, context.experiment, context.directory, context.ports,
+        context.programs, cameras};
     dut = std::make_unique<TrackerService>(with);
     node.start();
   }
@@ -136,8 +137,8 @@ class TrackerServiceTest : public testing::Test {
       const std::int64_t end = loop.now() + kFrame_us;
       for (; loop.now() < end; loop.runUntil(loop.now() + kReport_us)) sayWheels();
       for (sim::PaintedRobot& robot : robots) {
-        robot.theta = std::remainder(robot.theta + robot.omega * kFrame_us * 1e-6,
-                                     2 * std::numbers::pi);
+        robot.theta =
+            std::remainder(robot.theta + robot.omega * kFrame_us * 1e-6, 2 * std::numbers::pi);
       }
       optics::GreyImage image(experiment.camera.width, experiment.camera.height);
       painter->paint(robots, number, image.pixels);
@@ -169,7 +170,7 @@ class TrackerServiceTest : public testing::Test {
   std::unique_ptr<TrackerService> dut;
   std::vector<sim::PaintedRobot> robots;
   std::vector<detector::Cover> covers;  ///< that lie over them
-  double gamma = 1;           ///< of the camera's grey steps
+  double gamma = 1;                     ///< of the camera's grey steps
   std::int64_t number = 0;
   std::vector<tracked_frame_t> frames;
   std::vector<tracked_details_t> details;
@@ -177,8 +178,7 @@ class TrackerServiceTest : public testing::Test {
   std::vector<service_status_t> heartbeats;
 };
 
-const std::vector<sim::PaintedRobot> kThree = {
-    {0.3, 0.3, 0.5}, {0.7, 0.3, 2.0}, {0.6, 0.65, -1.0}};
+const std::vector<sim::PaintedRobot> kThree = {{0.3, 0.3, 0.5}, {0.7, 0.3, 2.0}, {0.6, 0.65, -1.0}};
 
 TEST_F(TrackerServiceTest, SaysUnknownRobotsUntilEachHasTurned) {
   start(kThree);
@@ -196,7 +196,8 @@ TEST_F(TrackerServiceTest, SaysUnknownRobotsUntilEachHasTurned) {
     EXPECT_EQ(last.robots[i].robot_id, static_cast<std::int32_t>(i) + 1);
     EXPECT_NEAR(last.robots[i].x, robots[i].x, 3e-4);
     EXPECT_NEAR(last.robots[i].y, robots[i].y, 3e-4);
-    EXPECT_NEAR(std::remainder(last.robots[i].theta - robots[i].theta, 2 * std::numbers::pi), 0, 0.01);
+    EXPECT_NEAR(std::remainder(last.robots[i].theta - robots[i].theta, 2 * std::numbers::pi), 0,
+                0.01);
     EXPECT_GT(last.robots[i].confidence, 0.5);
     EXPECT_GT(last.robots[i].covariance[0], 0);
   }
@@ -225,8 +226,8 @@ TEST_F(TrackerServiceTest, KeepsARobotWithOneCircleCoveredAndSaysSo) {
     EXPECT_LT(pose.confidence, 0.5);
     EXPECT_GT(pose.covariance[0], frames.back().robots[0].covariance[0]);
     const cap_detail_t& detail = details.back().caps[1];
-    EXPECT_EQ(detail.used, cap_detail_t::USED_RIM |
-                               (big ? cap_detail_t::USED_SMALL : cap_detail_t::USED_BIG));
+    EXPECT_EQ(detail.used,
+              cap_detail_t::USED_RIM | (big ? cap_detail_t::USED_SMALL : cap_detail_t::USED_BIG));
     EXPECT_EQ(detail.spacing, 0);
     EXPECT_GT(frames.back().robots[0].confidence, 0.5);
   }
@@ -323,8 +324,8 @@ TEST_F(TrackerServiceTest, RefusesPicturesOfAnotherSizeAndGoesOnWhenTheyFit) {
   loop.runUntil(loop.now() + kFrame_us);
   show(optics::GreyImage(1280, 720, 100));
   EXPECT_THAT(frames, IsEmpty());
-  EXPECT_THAT(statuses.back().trouble, AllOf(HasSubstr("1280 x 720"), HasSubstr("640 x 480"),
-                                             HasSubstr("calibrate")));
+  EXPECT_THAT(statuses.back().trouble,
+              AllOf(HasSubstr("1280 x 720"), HasSubstr("640 x 480"), HasSubstr("calibrate")));
   EXPECT_EQ(heartbeats.back().state, service_status_t::FAULT);
   const std::size_t said = statuses.size();
   show(optics::GreyImage(1280, 720, 100));

@@ -19,15 +19,16 @@ BoardSpec boardFrom(const std::string& text) {
   BoardSpec board;
   double spacing_cm = 0;
   int used = 0;
-  const int read = std::sscanf(text.c_str(), "%dx%d,%lf%n", &board.columns, &board.rows, &spacing_cm,
-                               &used);
+  const int read =
+      std::sscanf(text.c_str(), "%dx%d,%lf%n", &board.columns, &board.rows, &spacing_cm, &used);
   const auto fits = [](int count) { return count >= kFewest && count <= kMost; };
   if (read != 3 || used != static_cast<int>(text.size()) || !fits(board.columns) ||
       !fits(board.rows) || !(spacing_cm >= 0.5 && spacing_cm <= 50)) {
-    throw std::invalid_argument(fmt::format(
-        "found \"{}\", expected columns x rows, spacing in cm, as 9x6,3; {} to {} columns and rows, "
-        "0.5 to 50 cm",
-        text, kFewest, kMost));
+    throw std::invalid_argument(
+        fmt::format("found \"{}\", expected columns x rows, spacing in cm, as 9x6,3; {} to {} "
+                    "columns and rows, "
+                    "0.5 to 50 cm",
+                    text, kFewest, kMost));
   }
   board.spacing = spacing_cm / 100;
   return board;

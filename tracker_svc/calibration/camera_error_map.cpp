@@ -20,8 +20,8 @@ double variance(const optics::PlaneScale& scale, const Eigen::Vector2d& along, d
 
 }  // namespace
 
-std::optional<double> spacingMiss(const optics::CameraModel& model, const optics::CapGeometry& cap,
-                                  const CapSight& sight) {
+std::optional<double> spacingResidual(const optics::CameraModel& model,
+                                      const optics::CapGeometry& cap, const CapObservation& sight) {
   const auto big = model.toPlane(sight.big, cap.height);
   const auto small = model.toPlane(sight.small, cap.height);
   if (!big || !small) return std::nullopt;
@@ -29,19 +29,18 @@ std::optional<double> spacingMiss(const optics::CameraModel& model, const optics
 }
 
 std::optional<double> spacingSigma(const optics::CameraModel& model, const optics::CapGeometry& cap,
-                                   const CapSight& sight) {
+                                   const CapObservation& sight) {
   const auto big = model.toPlane(sight.big, cap.height);
   const auto small = model.toPlane(sight.small, cap.height);
   if (!big || !small) return std::nullopt;
-  const Eigen::Vector2d along =
-      Eigen::Vector2d(big->x - small->x, big->y - small->y).normalized();
+  const Eigen::Vector2d along = Eigen::Vector2d(big->x - small->x, big->y - small->y).normalized();
   const double sigma2 = variance(model.scaleAt(*big, cap.height), along, sight.sigma) +
                         variance(model.scaleAt(*small, cap.height), along, sight.sigma);
   return sigma2 > 0 && std::isfinite(sigma2) ? std::optional(std::sqrt(sigma2)) : std::nullopt;
 }
 
 ErrorMap errorMap(const CameraState& state, const MatrixXd& covariance,
-                  const CameraSights& sights) {
+                  const CameraObservations& sights) {
   ErrorMap map;
   const auto count = static_cast<Index>(map.places.size());
   const optics::CameraModel model(state.camera);
@@ -61,13 +60,14 @@ ErrorMap errorMap(const CameraState& state, const MatrixXd& covariance,
     const optics::CameraModel other(at.camera);
     VectorXd out(2 * static_cast<Index>(pixels.size()));
     for (std::size_t i = 0; i < pixels.size(); ++i) {
-      const auto place = other.toPlane(pixels[i], sights.cap.height).value_or(optics::Place{1e3, 1e3});
+      const auto place =
+          other.toPlane(pixels[i], sights.cap.height).value_or(optics::Place{1e3, 1e3});
       out[2 * static_cast<Index>(i)] = place.x;
       out[2 * static_cast<Index>(i) + 1] = place.y;
     }
     return out;
   };
-  const MatrixXd slopes = slopesOf(block, state);
+  const MatrixXd slopes = jacobianOf(block, state);
   const MatrixXd errors =
       slopes * covariance.topLeftCorner(kSpacing, kSpacing) * slopes.transpose();
   double sum = 0;
@@ -87,14 +87,14 @@ ErrorMap errorMap(const CameraState& state, const MatrixXd& covariance,
     rigid.row(2 * i + 1) << 0, 1, place.x - sights.arena_width / 2;
   }
   const Eigen::Matrix3d normal = rigid.transpose() * rigid;
-  const MatrixXd rest = MatrixXd::Identity(2 * count, 2 * count) -
-                        rigid * normal.inverse() * rigid.transpose();
+  const MatrixXd rest =
+      MatrixXd::Identity(2 * count, 2 * count) - rigid * normal.inverse() * rigid.transpose();
   map.shape = std::sqrt((rest * errors * rest).trace() / static_cast<double>(count));
   return map;
 }
 
 void addSpacings(ErrorMap& map, const std::vector<SpacingAt>& spacings,
-                 const CameraSights& sights) {
+                 const CameraObservations& sights) {
   const auto nearest = [](double at, double length, int count) {
     return std::clamp(static_cast<int>(std::lround(at / length * (count - 1))), 0, count - 1);
   };

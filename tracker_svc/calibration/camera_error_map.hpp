@@ -4,24 +4,24 @@
 #include <optional>
 #include <vector>
 
-#include "tracker_svc/calibration/camera_fit.hpp"
 #include "light/optics/bundle_adjustment.hpp"
+#include "tracker_svc/calibration/camera_fit.hpp"
 
 namespace lab::calibration {
 
 /// Measured less known spacing of a cap [m]; empty where the camera cannot see it.
-[[nodiscard]] std::optional<double> spacingMiss(const optics::CameraModel& model,
-                                                const optics::CapGeometry& cap,
-                                                const CapSight& sight);
+[[nodiscard]] std::optional<double> spacingResidual(const optics::CameraModel& model,
+                                                    const optics::CapGeometry& cap,
+                                                    const CapObservation& sight);
 
 /// Standard deviation of the measured spacing [m] that the sigma of its circles makes.
 [[nodiscard]] std::optional<double> spacingSigma(const optics::CameraModel& model,
                                                  const optics::CapGeometry& cap,
-                                                 const CapSight& sight);
+                                                 const CapObservation& sight);
 
 /// Standard errors of positions over the arena, for a covariance of the camera's unknowns.
 [[nodiscard]] ErrorMap errorMap(const CameraState& state, const Eigen::MatrixXd& covariance,
-                                const CameraSights& sights);
+                                const CameraObservations& sights);
 
 /// By how much a spacing was missed, and where [m].
 struct SpacingAt {
@@ -30,6 +30,7 @@ struct SpacingAt {
 };
 
 /// Fills in the means of the spacings about each place.
-void addSpacings(ErrorMap& map, const std::vector<SpacingAt>& spacings, const CameraSights& sights);
+void addSpacings(ErrorMap& map, const std::vector<SpacingAt>& spacings,
+                 const CameraObservations& sights);
 
 }  // namespace lab::calibration

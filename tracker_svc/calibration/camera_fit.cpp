@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numeric>
 
-#include "tracker_svc/calibration/camera_error_map.hpp"
 #include "light/optics/bundle_adjustment.hpp"
+#include "tracker_svc/calibration/camera_error_map.hpp"
 #include "tracker_svc/calibration/camera_fit_start.hpp"
 #include "tracker_svc/calibration/camera_fit_verdict.hpp"
 
@@ -16,8 +16,8 @@ namespace {
 using Eigen::VectorXd;
 
 constexpr int kRounds = 4;
-constexpr double kOutlying = 5;       // standard deviations
-constexpr double kUnseen = 100;       // standard deviations, of what no camera like this can see
+constexpr double kOutlying = 5;  // standard deviations
+constexpr double kUnseen = 100;  // standard deviations, of what no camera like this can see
 constexpr double kNormalMedian = 1.4826;
 constexpr double kLeastNoise = 0.1;  // of what was said: no camera is better
 
@@ -35,14 +35,14 @@ std::vector<int> upTo(int end) {
   return all;
 }
 
-std::array<optics::Place, 4> cornersOf(const CameraSights& sights) {
+std::array<optics::Place, 4> cornersOf(const CameraObservations& sights) {
   const double w = sights.arena_width;
   const double h = sights.arena_height;
   return {{{0, 0}, {w, 0}, {w, h}, {0, h}}};
 }
 
 /// Seen less marked [px].
-VectorXd cornerMisses(const CameraSights& sights, const optics::CameraParameters& camera) {
+VectorXd cornerMisses(const CameraObservations& sights, const optics::CameraParameters& camera) {
   const optics::CameraModel model(camera);
   const auto places = cornersOf(sights);
   VectorXd out(8);
@@ -55,7 +55,7 @@ VectorXd cornerMisses(const CameraSights& sights, const optics::CameraParameters
   return out;
 }
 
-ResidualBlock cornerBlock(const CameraSights& sights) {
+ResidualBlock cornerBlock(const CameraObservations& sights) {
   return {upTo(kSpacing),
           [&sights](const CameraState& at) -> VectorXd {
             return cornerMisses(sights, at.camera) / sights.corner_sigma;
@@ -63,7 +63,7 @@ ResidualBlock cornerBlock(const CameraSights& sights) {
           false};
 }
 
-ResidualBlock priorBlock(const CameraSights& sights) {
+ResidualBlock priorBlock(const CameraObservations& sights) {
   const auto residuals = [&sights](const CameraState& at) {
     const optics::CameraParameters& p = at.camera;
     const double middle = kMiddle * sights.width;
@@ -71,7 +71,7 @@ ResidualBlock priorBlock(const CameraSights& sights) {
     out << (p.fy / p.fx - 1) / kSquare, (p.cx - (sights.width - 1) / 2.0) / middle,
         (p.cy - (sights.height - 1) / 2.0) / middle, p.p1 / kTangential, p.p2 / kTangential,
         p.k2 / kSecond, p.k3 / (sights.with_k3 ? kSecond : kHeldAtZero), at.spacing / kCapMake,
-        heightMiss(sights, p);
+        heightResidual(sights, p);
     return out;
   };
   return {upTo(kCameraUnknowns), residuals, false};
@@ -79,18 +79,18 @@ ResidualBlock priorBlock(const CameraSights& sights) {
 
 /// One cap, and how well its spacing is known if its sigma is right.
 struct WeighedCap {
-  CapSight seen;     // the ellipses' centres
-  CapSight centres;  // the circles'
-  double sigma = 0;  // [m]
+  CapObservation seen;     // the ellipses' centres
+  CapObservation centres;  // the circles'
+  double sigma = 0;        // [m]
 };
 
-ResidualBlock capBlock(const CameraSights& sights, const std::vector<WeighedCap>& caps,
+ResidualBlock capBlock(const CameraObservations& sights, const std::vector<WeighedCap>& caps,
                        double noise) {
   const auto residuals = [&sights, &caps, noise](const CameraState& at) {
     const optics::CameraModel model(at.camera);
     VectorXd out(static_cast<Eigen::Index>(caps.size()));
     for (std::size_t i = 0; i < caps.size(); ++i) {
-      const std::optional<double> miss = spacingMiss(model, sights.cap, caps[i].centres);
+      const std::optional<double> miss = spacingResidual(model, sights.cap, caps[i].centres);
       out[static_cast<Eigen::Index>(i)] =
           miss ? (*miss - at.spacing * sights.cap.spacing()) / (noise * caps[i].sigma) : kUnseen;
     }
@@ -163,8 +163,8 @@ ResidualBlock boardBlock(const BoardView& board, std::size_t index, double noise
           true};
 }
 
-/// Standard deviation from the median of the sizes, which a few strangers do not change; `freedom` is
-/// the share of the numbers that the fit has not used up.
+/// Standard deviation from the median of the sizes, which a few caps_may_be_replaced do not change;
+/// `freedom` is the share of the numbers that the fit has not used up.
 double robustSigma(std::vector<double> sizes, double freedom) {
   if (sizes.empty()) return 1;
   const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
@@ -172,7 +172,8 @@ double robustSigma(std::vector<double> sizes, double freedom) {
   return std::max(kNormalMedian * *middle / std::sqrt(std::max(0.05, freedom)), kLeastNoise);
 }
 
-/// Where the centre of a circle of a cap appears, from the centre of the ellipse that it appears as.
+/// Where the centre of a circle of a cap appears, from the centre of the ellipse that it appears
+/// as.
 optics::Pixel circleCentre(const optics::CameraModel& model, const optics::CapGeometry& cap,
                            const optics::Pixel& ellipse, double radius) {
   const auto place = model.toPlane(ellipse, cap.height);
@@ -182,12 +183,13 @@ optics::Pixel circleCentre(const optics::CameraModel& model, const optics::CapGe
   return {ellipse.x - (seen.x - middle.x), ellipse.y - (seen.y - middle.y)};
 }
 
-std::vector<WeighedCap> weighed(const CameraSights& sights, const optics::CameraParameters& camera,
-                                const std::vector<CapSight>& caps) {
+std::vector<WeighedCap> weighed(const CameraObservations& sights,
+                                const optics::CameraParameters& camera,
+                                const std::vector<CapObservation>& caps) {
   const optics::CameraModel model(camera);
   std::vector<WeighedCap> out;
-  for (const CapSight& sight : caps) {
-    CapSight centres = sight;
+  for (const CapObservation& sight : caps) {
+    CapObservation centres = sight;
     centres.big = circleCentre(model, sights.cap, sight.big, sights.cap.big_radius);
     centres.small = circleCentre(model, sights.cap, sight.small, sights.cap.small_radius);
     const auto sigma = spacingSigma(model, sights.cap, centres);
@@ -197,11 +199,11 @@ std::vector<WeighedCap> weighed(const CameraSights& sights, const optics::Camera
 }
 
 double rms(const VectorXd& values) {
-  return values.size() == 0 ? 0 : std::sqrt(values.squaredNorm() /
-                                            static_cast<double>(values.size()));
+  return values.size() == 0 ? 0
+                            : std::sqrt(values.squaredNorm() / static_cast<double>(values.size()));
 }
 
-CameraState startFrom(const CameraSights& sights,
+CameraState startFrom(const CameraObservations& sights,
                       const std::optional<optics::CameraParameters>& start) {
   CameraState state;
   state.pivot = {sights.arena_width / 2, sights.arena_height / 2, 0};
@@ -227,12 +229,12 @@ CameraState startFrom(const CameraSights& sights,
 struct Fitted {
   CameraSolution solution;
   std::vector<WeighedCap> caps;
-  double noise = 1;        // of the caps, in units of their sigma
+  double noise = 1;  // of the caps, in units of their sigma
   double board_noise = 1;
   int outlying = 0;
 };
 
-std::vector<ResidualBlock> blocksOf(const CameraSights& sights, const Fitted& fitted) {
+std::vector<ResidualBlock> blocksOf(const CameraObservations& sights, const Fitted& fitted) {
   std::vector<ResidualBlock> blocks = {cornerBlock(sights), priorBlock(sights)};
   if (!fitted.caps.empty()) blocks.push_back(capBlock(sights, fitted.caps, fitted.noise));
   for (std::size_t i = 0; i < sights.boards.size(); ++i) {
@@ -241,7 +243,7 @@ std::vector<ResidualBlock> blocksOf(const CameraSights& sights, const Fitted& fi
   return blocks;
 }
 
-void estimateNoise(const CameraSights& sights, Fitted& fitted) {
+void estimateNoise(const CameraObservations& sights, Fitted& fitted) {
   const CameraState& state = fitted.solution.state;
   std::vector<double> sizes;
   if (!fitted.caps.empty()) {
@@ -260,10 +262,10 @@ void estimateNoise(const CameraSights& sights, Fitted& fitted) {
   fitted.board_noise = robustSigma(sizes, (count - used) / count);
 }
 
-Fitted fitAll(const CameraSights& sights, const CameraState& start) {
+Fitted fitAll(const CameraObservations& sights, const CameraState& start) {
   Fitted fitted;
   fitted.solution.state = start;
-  std::vector<CapSight> sightings = sights.caps;
+  std::vector<CapObservation> sightings = sights.caps;
   fitted.noise = 10;  // the first look is a rough one: weights count from afar
   fitted.board_noise = 10;
   for (int round = 0; round < kRounds; ++round) {
@@ -307,14 +309,14 @@ void placeErrors(const CameraState& state, const Eigen::MatrixXd& covariance, Ca
     const auto centre = optics::CameraModel(at.camera).centre();
     return Eigen::Vector3d(centre[0], centre[1], centre[2]);
   };
-  const Eigen::MatrixXd slopes = slopesOf(block, state);
+  const Eigen::MatrixXd slopes = jacobianOf(block, state);
   const Eigen::Matrix3d errors =
       slopes * covariance.topLeftCorner(kCameraUnknowns, kCameraUnknowns) * slopes.transpose();
   fit.height_error = std::sqrt(errors(2, 2));
   fit.foot_error = std::sqrt(errors(0, 0) + errors(1, 1));
 }
 
-CameraFit summary(const CameraSights& sights, const Fitted& fitted) {
+CameraFit summary(const CameraObservations& sights, const Fitted& fitted) {
   const CameraState& state = fitted.solution.state;
   CameraFit fit;
   fit.camera = state.camera;
@@ -352,7 +354,7 @@ CameraFit summary(const CameraSights& sights, const Fitted& fitted) {
   std::vector<SpacingAt> spacings;
   const optics::CameraModel model(state.camera);
   for (std::size_t i = 0; i < fitted.caps.size(); ++i) {
-    const CapSight& sight = fitted.caps[i].centres;
+    const CapObservation& sight = fitted.caps[i].centres;
     const auto place = model.toPlane(sight.big, sights.cap.height);
     if (place) spacings.push_back({*place, misses[static_cast<Eigen::Index>(i)]});
   }
@@ -362,7 +364,7 @@ CameraFit summary(const CameraSights& sights, const Fitted& fitted) {
 
 }  // namespace
 
-CameraFit fitCamera(const CameraSights& sights,
+CameraFit fitCamera(const CameraObservations& sights,
                     const std::optional<optics::CameraParameters>& start,
                     const CameraFitLimits& limits) {
   CameraFit fit;

@@ -18,7 +18,7 @@ namespace lab::calibration {
 using Corners = std::array<optics::Pixel, 4>;
 
 /// The two circles of one cap in one picture: the centres of the ellipses that they appear as.
-struct CapSight {
+struct CapObservation {
   optics::Pixel big;
   optics::Pixel small;
   double sigma = 0.02;  ///< [px] of each centre, along each axis; only ratios matter
@@ -38,39 +38,39 @@ struct BoardView {
   std::vector<BoardPoint> points;
 };
 
-struct CameraSights {
-  int width = 0;   ///< [px] of the pictures
-  int height = 0;  ///< [px]
+struct CameraObservations {
+  int width = 0;               ///< [px] of the pictures
+  int height = 0;              ///< [px]
   double arena_width = 1.20;   ///< [m]
   double arena_height = 0.90;  ///< [m]
   optics::CapGeometry cap;
   Corners corners;
   double corner_sigma = 0.5;  ///< [px] along each axis
-  std::vector<CapSight> caps;
+  std::vector<CapObservation> caps;
   std::vector<BoardView> boards;
   std::optional<double> camera_height;  ///< [m] above the floor, where somebody measured it
   double camera_height_sigma = 0.01;    ///< [m] how well
-  bool with_k3 = false;  ///< fit k3 too: for lenses of short focal length
+  bool with_k3 = false;                 ///< fit k3 too: for lenses of short focal length
 };
 
 /// What makes a fit a calibration.
 struct CameraFitLimits {
-  int caps = 60;                   ///< sightings at least, without a board
-  int caps_in_part = 3;            ///< in each ninth of the arena
+  int caps = 60;                      ///< sightings at least, without a board
+  int caps_in_part = 3;               ///< in each ninth of the arena
   double spacing_residual = 0.15e-3;  ///< [m] rms at most
-  double board_residual = 0.2;     ///< [px] rms at most
-  double corner_residual = 3;      ///< [1] rms at most, in units of corner_sigma
-  double height_residual = 3;      ///< [1] at most, in units of camera_height_sigma
-  double outlying = 0.2;           ///< share of the caps at most
-  double position_error = 1.5e-3;  ///< [m] standard error, rms over the arena, at most
+  double board_residual = 0.2;        ///< [px] rms at most
+  double corner_residual = 3;         ///< [1] rms at most, in units of corner_sigma
+  double height_residual = 3;         ///< [1] at most, in units of camera_height_sigma
+  double outlying = 0.2;              ///< share of the caps at most
+  double position_error = 1.5e-3;     ///< [m] standard error, rms over the arena, at most
 };
 
 /// Standard error of positions on the cap plane at one place of the arena.
 struct PlaceError {
-  double x = 0;        ///< [m]
-  double y = 0;        ///< [m]
-  double frame = 0;    ///< [m] of the position in the arena frame
-  double spacing = 0;  ///< [m] mean of measured less known spacing of the caps about there
+  double x = 0;              ///< [m]
+  double y = 0;              ///< [m]
+  double frame = 0;          ///< [m] of the position in the arena frame
+  double spacing = 0;        ///< [m] mean of measured less known spacing of the caps about there
   double spacing_sigma = 0;  ///< [m] its standard error; 0: no caps there
   int caps = 0;
 };
@@ -79,24 +79,24 @@ struct ErrorMap {
   static constexpr int kColumns = 5;
   static constexpr int kRows = 5;
   std::array<PlaceError, kColumns * kRows> places;  ///< from (0, 0), row by row
-  double rms = 0;      ///< [m] of the standard errors over the arena
-  double largest = 0;  ///< [m]
-  double shape = 0;    ///< [m] rms of what is left when the whole is shifted and turned at will:
-                       ///< distances and motion, which do not depend on the corners' clicks
+  double rms = 0;                                   ///< [m] of the standard errors over the arena
+  double largest = 0;                               ///< [m]
+  double shape = 0;  ///< [m] rms of what is left when the whole is shifted and turned at will:
+                     ///< distances and motion, which do not depend on the corners' clicks
 };
 
 struct CameraFit {
   optics::CameraParameters camera;
   optics::CameraParameters error;  ///< standard errors; of the pose: `height_error`, `foot_error`
-  double height = 0;        ///< [m] of the camera above the floor
-  double height_error = 0;  ///< [m]
-  double foot_error = 0;    ///< [m] of the point of the floor below the camera
-  int caps = 0;             ///< sightings used
-  int outlying = 0;         ///< sightings that fit to nothing, left out
-  double cap_noise = 0;     ///< [px] of a circle's centre along an axis, as estimated
-  double spacing_residual = 0;  ///< [m] rms
-  double board_residual = 0;    ///< [px] rms along each axis
-  double corner_residual = 0;   ///< [px] rms along each axis
+  double height = 0;               ///< [m] of the camera above the floor
+  double height_error = 0;         ///< [m]
+  double foot_error = 0;           ///< [m] of the point of the floor below the camera
+  int caps = 0;                    ///< sightings used
+  int outlying = 0;                ///< sightings that fit to nothing, left out
+  double cap_noise = 0;            ///< [px] of a circle's centre along an axis, as estimated
+  double spacing_residual = 0;     ///< [m] rms
+  double board_residual = 0;       ///< [px] rms along each axis
+  double corner_residual = 0;      ///< [px] rms along each axis
   ErrorMap map;
   std::string refusal;  ///< not empty: why this is no calibration
 };
@@ -109,7 +109,7 @@ struct CameraFit {
 /// middle, and the camera at the given height. Lengths on the cap plane are right to 2 % for a
 /// height that is right to half of it, and for the right k1.
 /// @param camera_height [m] above the floor, 0: 1.4 times the longer side of the arena
-[[nodiscard]] optics::CameraParameters guessFromCorners(const CameraSights& sights,
+[[nodiscard]] optics::CameraParameters guessFromCorners(const CameraObservations& sights,
                                                         double camera_height = 0, double k1 = 0);
 
 /// Bundle adjustment of everything at once: fx, fy, cx, cy, k1, k2, p1, p2 (and k3), the camera's
@@ -118,9 +118,9 @@ struct CameraFit {
 /// of caps and boards is estimated from the residuals.
 ///
 /// Not everything can be told from one flat arena. These are held near what cameras are, with these
-/// standard deviations: fy = fx to 0.2 %, cx and cy in the middle to 2 % of the width, p1 and p2 0 to
-/// 0.001, k2 0 to 0.3, caps as wide as said to 0.05 %. The standard errors contain them.
-[[nodiscard]] CameraFit fitCamera(const CameraSights& sights,
+/// standard deviations: fy = fx to 0.2 %, cx and cy in the middle to 2 % of the width, p1 and p2 0
+/// to 0.001, k2 0 to 0.3, caps as wide as said to 0.05 %. The standard errors contain them.
+[[nodiscard]] CameraFit fitCamera(const CameraObservations& sights,
                                   const std::optional<optics::CameraParameters>& start = {},
                                   const CameraFitLimits& limits = {});
 

@@ -23,22 +23,21 @@ double distance(const optics::Pixel& a, const optics::Pixel& b) {
 }
 
 /// Looking straight down from `height`, turned and shifted so that the corners fit.
-optics::CameraParameters straightDown(const CameraSights& sights, double height) {
+optics::CameraParameters straightDown(const CameraObservations& sights, double height) {
   optics::CameraParameters p;
   p.width = sights.width;
   p.height = sights.height;
   p.cx = (sights.width - 1) / 2.0;
   p.cy = (sights.height - 1) / 2.0;
   const auto& c = sights.corners;
-  const double scale = (distance(c[0], c[1]) / sights.arena_width +
-                        distance(c[1], c[2]) / sights.arena_height +
-                        distance(c[2], c[3]) / sights.arena_width +
-                        distance(c[3], c[0]) / sights.arena_height) /
-                       4;
+  const double scale =
+      (distance(c[0], c[1]) / sights.arena_width + distance(c[1], c[2]) / sights.arena_height +
+       distance(c[2], c[3]) / sights.arena_width + distance(c[3], c[0]) / sights.arena_height) /
+      4;
   p.fx = p.fy = scale * height;
   // The direction of x in the picture, over both long sides; y of the arena is up in it.
-  const double angle = std::atan2(c[1].y - c[0].y + c[2].y - c[3].y,
-                                  c[1].x - c[0].x + c[2].x - c[3].x);
+  const double angle =
+      std::atan2(c[1].y - c[0].y + c[2].y - c[3].y, c[1].x - c[0].x + c[2].x - c[3].x);
   const double cosine = std::cos(angle);
   const double sine = std::sin(angle);
   p.rotation = {cosine, sine, 0, sine, -cosine, 0, 0, 0, -1};
@@ -59,13 +58,14 @@ std::string cornerFault(const Corners& corners, int width, int height, double ar
   for (std::size_t i = 0; i < 4; ++i) {
     const optics::Pixel& c = corners[i];
     if (!(c.x > -0.5 * width && c.x < 1.5 * width && c.y > -0.5 * height && c.y < 1.5 * height)) {
-      return fmt::format("corner {}: found {:g},{:g} px, the pictures have {} x {}", i + 1, c.x, c.y,
-                         width, height);
+      return fmt::format("corner {}: found {:g},{:g} px, the pictures have {} x {}", i + 1, c.x,
+                         c.y, width, height);
     }
     left_turns += cross(c, corners[(i + 1) % 4], corners[(i + 2) % 4]) < 0 ? 1 : 0;
   }
   constexpr const char* kOrder =
-      "expected (0, 0), (width, 0), (width, height), (0, height) of the arena, counter-clockwise as "
+      "expected (0, 0), (width, 0), (width, height), (0, height) of the arena, counter-clockwise "
+      "as "
       "seen from above";
   if (left_turns == 0) {
     return fmt::format("corners: found them clockwise in the picture, {}; or is it mirrored?",
@@ -76,9 +76,10 @@ std::string cornerFault(const Corners& corners, int width, int height, double ar
                        (distance(corners[1], corners[2]) + distance(corners[3], corners[0]));
   const double expected = arena_width / arena_height;
   if (std::abs(std::log(ratio / expected)) > std::log(1.2)) {
-    return fmt::format("corners: found sides of {:.2f} : 1, expected {:.2f} : 1; do they begin at "
-                       "(0, 0), and is --arena-cm right?",
-                       ratio, expected);
+    return fmt::format(
+        "corners: found sides of {:.2f} : 1, expected {:.2f} : 1; do they begin at "
+        "(0, 0), and is --arena-cm right?",
+        ratio, expected);
   }
   return {};
 }
@@ -87,7 +88,8 @@ std::optional<Matrix3d> homographyOf(const std::vector<BoardPoint>& points) {
   if (points.size() < 6) return std::nullopt;
   const auto count = static_cast<double>(points.size());
   Eigen::Vector4d mean = Eigen::Vector4d::Zero();
-  for (const BoardPoint& p : points) mean += Eigen::Vector4d(p.x, p.y, p.pixel.x, p.pixel.y) / count;
+  for (const BoardPoint& p : points)
+    mean += Eigen::Vector4d(p.x, p.y, p.pixel.x, p.pixel.y) / count;
   double board = 0;
   double picture = 0;
   for (const BoardPoint& p : points) {
@@ -97,7 +99,8 @@ std::optional<Matrix3d> homographyOf(const std::vector<BoardPoint>& points) {
   if (!(board > 0) || !(picture > 0)) return std::nullopt;
   Eigen::MatrixXd rows(2 * static_cast<Eigen::Index>(points.size()), 9);
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const Eigen::RowVector3d at((points[i].x - mean[0]) / board, (points[i].y - mean[1]) / board, 1);
+    const Eigen::RowVector3d at((points[i].x - mean[0]) / board, (points[i].y - mean[1]) / board,
+                                1);
     const double u = (points[i].pixel.x - mean[2]) / picture;
     const double v = (points[i].pixel.y - mean[3]) / picture;
     const auto row = 2 * static_cast<Eigen::Index>(i);
@@ -142,8 +145,8 @@ std::optional<double> focalLengthOf(const std::vector<Matrix3d>& homographies, i
 
 BoardPose boardPose(const Matrix3d& homography, const optics::CameraParameters& camera) {
   Matrix3d inverse_k;
-  inverse_k << 1 / camera.fx, 0, -camera.cx / camera.fx, 0, 1 / camera.fy, -camera.cy / camera.fy, 0,
-      0, 1;
+  inverse_k << 1 / camera.fx, 0, -camera.cx / camera.fx, 0, 1 / camera.fy, -camera.cy / camera.fy,
+      0, 0, 1;
   Matrix3d h = inverse_k * homography;
   h /= std::sqrt(h.col(0).norm() * h.col(1).norm());
   if (h(2, 2) < 0) h = -h;  // in front of the camera
@@ -153,7 +156,7 @@ BoardPose boardPose(const Matrix3d& homography, const optics::CameraParameters& 
   return {svd.matrixU() * svd.matrixV().transpose(), h.col(2)};
 }
 
-optics::CameraParameters guessFromCorners(const CameraSights& sights, double camera_height,
+optics::CameraParameters guessFromCorners(const CameraObservations& sights, double camera_height,
                                           double k1) {
   if (!(camera_height > 0)) {
     camera_height = 1.4 * std::max(sights.arena_width, sights.arena_height);

@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
-#include "tracker_svc/calibration/camera_fit.hpp"
 #include "light/optics/bundle_adjustment.hpp"
+#include "tracker_svc/calibration/camera_fit.hpp"
 
 namespace lab::calibration {
 

@@ -16,14 +16,15 @@ constexpr double kUnsure = 0.06;  // [px] of a circle's centre: usual are 0.005 
 std::string partName(int column, int row) {
   if (column == 1 && row == 1) return "the middle";
   std::string name = row == 0 ? "low y" : row == 2 ? "high y" : "";
-  if (column != 1) name += std::string(name.empty() ? "" : ", ") + (column == 0 ? "low x" : "high x");
+  if (column != 1)
+    name += std::string(name.empty() ? "" : ", ") + (column == 0 ? "low x" : "high x");
   return (column == 1 || row == 1 ? "the side of " : "the corner of ") + name;
 }
 
 /// What makes circles' spacing miss.
-std::string spacingAdvice(const CameraSights& sights) {
+std::string spacingAdvice(const CameraObservations& sights) {
   std::vector<double> sigmas;
-  for (const CapSight& cap : sights.caps) sigmas.push_back(cap.sigma);
+  for (const CapObservation& cap : sights.caps) sigmas.push_back(cap.sigma);
   if (!sigmas.empty()) {
     const auto middle = sigmas.begin() + static_cast<std::ptrdiff_t>(sigmas.size() / 2);
     std::ranges::nth_element(sigmas, middle);
@@ -39,23 +40,24 @@ std::string spacingAdvice(const CameraSights& sights) {
 
 }  // namespace
 
-double heightMiss(const CameraSights& sights, const optics::CameraParameters& camera) {
+double heightResidual(const CameraObservations& sights, const optics::CameraParameters& camera) {
   if (!sights.camera_height) return 0;
   return (optics::CameraModel(camera).centre()[2] - *sights.camera_height) /
          sights.camera_height_sigma;
 }
 
-std::string coverageFault(const CameraSights& sights, const optics::CameraParameters& camera,
+std::string coverageFault(const CameraObservations& sights, const optics::CameraParameters& camera,
                           const CameraFitLimits& limits) {
   const auto found = static_cast<int>(sights.caps.size());
   if (found < limits.caps) {
-    return fmt::format("found {} caps (sightings at places of their own), needed {}: film longer, "
-                       "with robots that drive all over the arena",
-                       found, limits.caps);
+    return fmt::format(
+        "found {} caps (sightings at places of their own), needed {}: film longer, "
+        "with robots that drive all over the arena",
+        found, limits.caps);
   }
   const optics::CameraModel model(camera);
   std::array<int, 9> parts{};
-  for (const CapSight& sight : sights.caps) {
+  for (const CapObservation& sight : sights.caps) {
     const auto place = model.toPlane(sight.big, sights.cap.height);
     if (!place) continue;
     const int column = std::clamp(static_cast<int>(3 * place->x / sights.arena_width), 0, 2);
@@ -67,35 +69,38 @@ std::string coverageFault(const CameraSights& sights, const optics::CameraParame
     if (here >= limits.caps_in_part) continue;
     const int column = part % 3;
     const int row = part / 3;
-    return fmt::format("found {} caps in {} (x {:.0f} to {:.0f} cm, y {:.0f} to {:.0f} cm), needed "
-                       "{}: film robots there too",
-                       here, partName(column, row), 100 * sights.arena_width * column / 3,
-                       100 * sights.arena_width * (column + 1) / 3,
-                       100 * sights.arena_height * row / 3,
-                       100 * sights.arena_height * (row + 1) / 3, limits.caps_in_part);
+    return fmt::format(
+        "found {} caps in {} (x {:.0f} to {:.0f} cm, y {:.0f} to {:.0f} cm), needed "
+        "{}: film robots there too",
+        here, partName(column, row), 100 * sights.arena_width * column / 3,
+        100 * sights.arena_width * (column + 1) / 3, 100 * sights.arena_height * row / 3,
+        100 * sights.arena_height * (row + 1) / 3, limits.caps_in_part);
   }
   return {};
 }
 
-std::string refusalOf(const CameraSights& sights, const CameraFit& fit,
+std::string refusalOf(const CameraObservations& sights, const CameraFit& fit,
                       const CameraFitLimits& limits) {
   const auto seen = static_cast<double>(fit.caps + fit.outlying);
   if (fit.outlying > limits.outlying * seen) {
-    return fmt::format("{} of {} caps do not fit to the others, allowed {:.0f} %: are these caps, "
-                       "and are the corners right?",
-                       fit.outlying, fit.caps + fit.outlying, 100 * limits.outlying);
+    return fmt::format(
+        "{} of {} caps do not fit to the others, allowed {:.0f} %: are these caps, "
+        "and are the corners right?",
+        fit.outlying, fit.caps + fit.outlying, 100 * limits.outlying);
   }
-  if (std::abs(heightMiss(sights, fit.camera)) > limits.height_residual) {
-    return fmt::format("the camera's height comes out as {:.1f} cm, measured {:.1f}: are the arena's "
-                       "size, the caps' height and their spacing right?",
-                       100 * fit.height, 100 * *sights.camera_height);
+  if (std::abs(heightResidual(sights, fit.camera)) > limits.height_residual) {
+    return fmt::format(
+        "the camera's height comes out as {:.1f} cm, measured {:.1f}: are the arena's "
+        "size, the caps' height and their spacing right?",
+        100 * fit.height, 100 * *sights.camera_height);
   }
   const double corners = fit.corner_residual / sights.corner_sigma;
   if (corners > limits.corner_residual) {
-    return fmt::format("the corners miss by {:.1f} px (rms), allowed {:.1f}: mark the inner corners "
-                       "at floor height; do they begin at (0, 0), and are --arena-cm and the caps' "
-                       "height and spacing right?",
-                       fit.corner_residual, limits.corner_residual * sights.corner_sigma);
+    return fmt::format(
+        "the corners miss by {:.1f} px (rms), allowed {:.1f}: mark the inner corners "
+        "at floor height; do they begin at (0, 0), and are --arena-cm and the caps' "
+        "height and spacing right?",
+        fit.corner_residual, limits.corner_residual * sights.corner_sigma);
   }
   if (fit.spacing_residual > limits.spacing_residual) {
     return fmt::format(
@@ -104,14 +109,16 @@ std::string refusalOf(const CameraSights& sights, const CameraFit& fit,
         spacingAdvice(sights));
   }
   if (fit.board_residual > limits.board_residual) {
-    return fmt::format("the board's discs miss by {:.2f} px (rms), allowed {:.2f}: is the board flat, "
-                       "and did it stand still?",
-                       fit.board_residual, limits.board_residual);
+    return fmt::format(
+        "the board's discs miss by {:.2f} px (rms), allowed {:.2f}: is the board flat, "
+        "and did it stand still?",
+        fit.board_residual, limits.board_residual);
   }
   if (!(fit.map.rms <= limits.position_error)) {
-    return fmt::format("positions would be known to {:.1f} mm only (rms over the arena), allowed "
-                       "{:.1f}: more caps over all of the arena help, and better marked corners",
-                       1e3 * fit.map.rms, 1e3 * limits.position_error);
+    return fmt::format(
+        "positions would be known to {:.1f} mm only (rms over the arena), allowed "
+        "{:.1f}: more caps over all of the arena help, and better marked corners",
+        1e3 * fit.map.rms, 1e3 * limits.position_error);
   }
   return {};
 }

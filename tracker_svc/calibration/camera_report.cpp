@@ -12,8 +12,9 @@ constexpr double kMicro = 1e6;
 constexpr double kCenti = 100;
 
 std::string mapText(const ErrorMap& map) {
-  std::string text = "\nstandard error of positions, mm; in parentheses what the caps' spacing misses "
-                     "there, um (y up, x to the right, cm)\n";
+  std::string text =
+      "\nstandard error of positions, mm; in parentheses what the caps' spacing misses "
+      "there, um (y up, x to the right, cm)\n";
   auto out = std::back_inserter(text);
   for (int row = ErrorMap::kRows - 1; row >= 0; --row) {
     const auto first = static_cast<std::size_t>(row * ErrorMap::kColumns);
@@ -66,10 +67,11 @@ std::string cameraReport(const CameraFit& fit) {
     fmt::format_to(out, "board     discs miss by {:.3f} px (rms)\n", fit.board_residual);
   }
   text += mapText(fit.map);
-  fmt::format_to(out,
-                 "\npositions are known to {:.2f} mm (rms over the arena, at worst {:.2f}), to {:.2f} mm "
-                 "but for a shift and a turn of the whole\n",
-                 kMilli * fit.map.rms, kMilli * fit.map.largest, kMilli * fit.map.shape);
+  fmt::format_to(
+      out,
+      "\npositions are known to {:.2f} mm (rms over the arena, at worst {:.2f}), to {:.2f} mm "
+      "but for a shift and a turn of the whole\n",
+      kMilli * fit.map.rms, kMilli * fit.map.largest, kMilli * fit.map.shape);
   return text;
 }
 

@@ -71,12 +71,13 @@ std::string capSheetSvg(const optics::CapGeometry& cap) {
     }
   }
   const double foot = tall - kMargin - 2;
-  fmt::format_to(std::back_inserter(svg),
-                 "<path d=\"M{0:g} {2:g}v-3M{0:g} {2:g}H{1:g}v-3\" stroke=\"black\" "
-                 "stroke-width=\"0.2\" fill=\"none\"/>\n"
-                 "<text x=\"{0:g}\" y=\"{3:g}\" font-family=\"sans-serif\" font-size=\"3.5\">{4:g} mm: "
-                 "print at 100 %, on matte paper. The longer tick is the front.</text>\n",
-                 kMargin, kMargin + kRuler, foot, foot - 5, kRuler);
+  fmt::format_to(
+      std::back_inserter(svg),
+      "<path d=\"M{0:g} {2:g}v-3M{0:g} {2:g}H{1:g}v-3\" stroke=\"black\" "
+      "stroke-width=\"0.2\" fill=\"none\"/>\n"
+      "<text x=\"{0:g}\" y=\"{3:g}\" font-family=\"sans-serif\" font-size=\"3.5\">{4:g} mm: "
+      "print at 100 %, on matte paper. The longer tick is the front.</text>\n",
+      kMargin, kMargin + kRuler, foot, foot - 5, kRuler);
   return svg + "</svg>\n";
 }
 

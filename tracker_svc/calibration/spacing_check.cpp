@@ -9,14 +9,14 @@
 namespace lab::calibration {
 namespace {
 
-constexpr double kPlace = 0.10;        // [m] width of a place
-constexpr double kMargin = 0.10;       // [m] around the arena that still has places
-constexpr double kWeakest = 0.3;       // [1, 1/m] how little is known without data
-constexpr double kChi2 = 25;           // 3 degrees of freedom: 1.5e-5
+constexpr double kPlace = 0.10;   // [m] width of a place
+constexpr double kMargin = 0.10;  // [m] around the arena that still has places
+constexpr double kWeakest = 0.3;  // [1, 1/m] how little is known without data
+constexpr double kChi2 = 25;      // 3 degrees of freedom: 1.5e-5
 constexpr double kMisfitChi2 = 25;
-constexpr int kNeeded = 2;             // windows in a row
-constexpr int kLearning = 4;           // windows that are taken as they come
-constexpr double kTiltToSlope = 1.5;   // mean of 2 along the tilt and 1 across it
+constexpr int kNeeded = 2;            // windows in a row
+constexpr int kLearning = 4;          // windows that are taken as they come
+constexpr double kTiltToSlope = 1.5;  // mean of 2 along the tilt and 1 across it
 
 double squared(double value) { return value * value; }
 
@@ -91,8 +91,7 @@ double SpacingCheck::widening() const {
 /// Positions move by the root of the weighted sum of squares of scale and slopes [m^2].
 SpacingCheck::Vector SpacingCheck::shiftWeights() const {
   // About the middle: a scale error grows with the distance from it, rms over a rectangle.
-  const double radius2 =
-      (squared(settings_.arena_width) + squared(settings_.arena_height)) / 12;
+  const double radius2 = (squared(settings_.arena_width) + squared(settings_.arena_height)) / 12;
   const double of_tilt = squared(squared(settings_.camera_height) / kTiltToSlope);
   return {radius2, of_tilt, of_tilt};
 }

@@ -25,11 +25,11 @@ struct Pipe {
     if (pipe2(ends.data(), O_CLOEXEC) != 0) {
       throw CameraError(std::string("no pipe: ") + std::strerror(errno));
     }
-    out = Descriptor(ends[0]);
-    in = Descriptor(ends[1]);
+    out = FileDescriptor(ends[0]);
+    in = FileDescriptor(ends[1]);
   }
-  Descriptor out;
-  Descriptor in;
+  FileDescriptor out;
+  FileDescriptor in;
 };
 
 /// The child between fork and exec: only calls that are safe there.
@@ -68,8 +68,8 @@ ChildProcess::ChildProcess(const std::vector<std::string>& command, const std::s
     become(arguments.data(), parent, output.in.get(), errors_.get(), failed.in.get());
   }
   if (pid_ < 0) throw CameraError(command[0] + ": no new process: " + std::strerror(errno));
-  output.in = Descriptor();
-  failed.in = Descriptor();
+  output.in = FileDescriptor();
+  failed.in = FileDescriptor();
   int error = 0;
   if (::read(failed.out.get(), &error, sizeof error) == sizeof error) {
     finish();
@@ -83,7 +83,7 @@ ChildProcess::ChildProcess(const std::vector<std::string>& command, const std::s
 
 ChildProcess::~ChildProcess() {
   kill();
-  output_ = Descriptor();
+  output_ = FileDescriptor();
   finish();
 }
 

@@ -47,11 +47,11 @@ class ChildProcess {
   [[nodiscard]] std::string complaint() const;
 
  private:
-  Descriptor output_;
-  Descriptor errors_;  ///< memory that takes its standard error
-  pid_t pid_ = -1;     ///< of it and of the group that it leads
-  std::mutex mutex_;   ///< of status_: nobody is killed by a number that is free again
-  int status_ = -1;    ///< below 0: its number is still its own
+  FileDescriptor output_;
+  FileDescriptor errors_;  ///< memory that takes its standard error
+  pid_t pid_ = -1;         ///< of it and of the group that it leads
+  std::mutex mutex_;       ///< of status_: nobody is killed by a number that is free again
+  int status_ = -1;        ///< below 0: its number is still its own
 };
 
 }  // namespace lab::cameras

@@ -5,21 +5,21 @@
 #include <thread>
 #include <utility>
 
-#include "tracker_svc/film_reader.hpp"
 #include "tracker_svc/cameras/frame_queue.hpp"
+#include "tracker_svc/film_reader.hpp"
 
 namespace lab::cameras {
 namespace {
 
-using Kind = FrameFeed::Item::Kind;
+using Kind = FrameQueue::Item::Kind;
 
 constexpr std::int64_t kMostLate_us = 1'000'000;
 
 /// Decodes until the end or until the feed is closed.
-void decodeAll(FilmReader& film, FrameFeed& feed) {
+void decodeAll(FilmReader& film, FrameQueue& feed) {
   CameraFrame frame;
   while (film.next(frame)) {
-    FrameFeed::Item item;
+    FrameQueue::Item item;
     item.number = frame.number;
     item.utime = frame.utime;
     item.dropped = film.dropped();
@@ -29,7 +29,7 @@ void decodeAll(FilmReader& film, FrameFeed& feed) {
     }
     if (!feed.push(std::move(item))) return;
   }
-  FrameFeed::Item end;
+  FrameQueue::Item end;
   end.kind = Kind::kEnd;
   end.dropped = film.dropped();
   end.text = film.problem();
@@ -67,7 +67,7 @@ class Player : public std::enable_shared_from_this<Player> {
   }
 
   void take() {
-    std::optional<FrameFeed::Item> item = feed_.pop();
+    std::optional<FrameQueue::Item> item = feed_.pop();
     if (!item) return;
     const std::int64_t wait = dueAfter(*item);
     if (wait <= 0) {
@@ -75,7 +75,7 @@ class Player : public std::enable_shared_from_this<Player> {
       return;
     }
     watch_.reset();
-    auto later = std::make_shared<FrameFeed::Item>(std::move(*item));
+    auto later = std::make_shared<FrameQueue::Item>(std::move(*item));
     loop_.at(loop_.now() + wait, [player = weak_from_this(), later] {
       const std::shared_ptr<Player> here = player.lock();
       if (!here || here->closed_) return;
@@ -85,7 +85,7 @@ class Player : public std::enable_shared_from_this<Player> {
   }
 
   /// [us] from now. A film that is a bit late catches up; a very late one goes on from now.
-  std::int64_t dueAfter(const FrameFeed::Item& item) {
+  std::int64_t dueAfter(const FrameQueue::Item& item) {
     if (pace_ <= 0 || item.kind != Kind::kFrame) return 0;
     const auto offset = std::llround(static_cast<double>(item.utime) * pace_);
     const std::int64_t now = loop_.now();
@@ -94,7 +94,7 @@ class Player : public std::enable_shared_from_this<Player> {
     return start_ + offset - now;
   }
 
-  void hand(FrameFeed::Item& item) {
+  void hand(FrameQueue::Item& item) {
     dropped_ = item.dropped;
     if (item.kind == Kind::kEnd) {
       watch_.reset();
@@ -102,13 +102,13 @@ class Player : public std::enable_shared_from_this<Player> {
       return;
     }
     handlers_.frame({item.number, item.utime, item.image.view()});
-    feed_.takeBack(std::move(item.image));
+    feed_.recycle(std::move(item.image));
   }
 
   AsioLoop& loop_;
   CameraHandlers handlers_;
   double pace_;
-  FrameFeed feed_;
+  FrameQueue feed_;
   std::thread thread_;
   std::unique_ptr<AsioLoop::Watch> watch_;
   bool closed_ = false;

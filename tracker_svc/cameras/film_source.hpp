@@ -4,8 +4,8 @@
 #include <memory>
 #include <string>
 
-#include "common/loop/asio_loop.hpp"
 #include "common/camera/cameras.hpp"
+#include "common/loop/asio_loop.hpp"
 
 namespace lab::cameras {
 
@@ -24,7 +24,7 @@ namespace lab::cameras {
                                                       CameraHandlers handlers);
 
 /// Whether openStream() is for this source.
-[[nodiscard]] bool namesStream(const std::string& source);
+[[nodiscard]] bool isStreamSource(const std::string& source);
 
 /// @throws CameraError unless the size is the one wanted, where one is wanted.
 void checkSize(const std::string& source, const CameraFormat& wanted, const CameraFormat& found);

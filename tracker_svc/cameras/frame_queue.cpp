@@ -11,17 +11,17 @@
 
 namespace lab::cameras {
 
-FrameFeed::FrameFeed() : ready_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
+FrameQueue::FrameQueue() : ready_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
   if (ready_.get() < 0) throw CameraError("no event descriptor to be had");
 }
 
-bool FrameFeed::push(Item item) {
+bool FrameQueue::push(Item item) {
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [this] { return !open_ || items_.size() < kCapacity; });
   return add(std::move(item));
 }
 
-bool FrameFeed::pushOver(Item item) {
+bool FrameQueue::pushDroppingOldest(Item item) {
   const std::lock_guard lock(mutex_);
   if (items_.size() >= kCapacity) {
     const auto oldest = std::find_if(items_.begin(), items_.end(), [](const Item& one) {
@@ -35,7 +35,7 @@ bool FrameFeed::pushOver(Item item) {
   return add(std::move(item));
 }
 
-bool FrameFeed::add(Item item) {
+bool FrameQueue::add(Item item) {
   if (!open_) return false;
   items_.push_back(std::move(item));
   const std::uint64_t one = 1;
@@ -43,7 +43,7 @@ bool FrameFeed::add(Item item) {
   return true;
 }
 
-optics::GreyImage FrameFeed::blank(int width, int height) {
+optics::GreyImage FrameQueue::blank(int width, int height) {
   {
     const std::lock_guard lock(mutex_);
     if (!spare_.empty()) {
@@ -55,13 +55,13 @@ optics::GreyImage FrameFeed::blank(int width, int height) {
   return {width, height};
 }
 
-bool FrameFeed::pause(std::int64_t microseconds) {
+bool FrameQueue::pause(std::int64_t microseconds) {
   std::unique_lock lock(mutex_);
   return !changed_.wait_for(lock, std::chrono::microseconds(microseconds),
                             [this] { return !open_; });
 }
 
-void FrameFeed::close() {
+void FrameQueue::close() {
   {
     const std::lock_guard lock(mutex_);
     open_ = false;
@@ -69,12 +69,12 @@ void FrameFeed::close() {
   changed_.notify_all();
 }
 
-bool FrameFeed::isOpen() {
+bool FrameQueue::isOpen() {
   const std::lock_guard lock(mutex_);
   return open_;
 }
 
-std::optional<FrameFeed::Item> FrameFeed::pop() {
+std::optional<FrameQueue::Item> FrameQueue::pop() {
   std::optional<Item> item;
   {
     const std::lock_guard lock(mutex_);
@@ -91,7 +91,7 @@ std::optional<FrameFeed::Item> FrameFeed::pop() {
   return item;
 }
 
-void FrameFeed::takeBack(optics::GreyImage image) {
+void FrameQueue::recycle(optics::GreyImage image) {
   const std::lock_guard lock(mutex_);
   if (spare_.size() < kCapacity) spare_.push_back(std::move(image));
 }

@@ -14,7 +14,7 @@
 namespace lab::cameras {
 
 /// A short queue. Its descriptor is readable while something waits in it.
-class FrameFeed {
+class FrameQueue {
  public:
   /// One of the three: a frame, a change of the trouble, the end.
   struct Item {
@@ -28,7 +28,7 @@ class FrameFeed {
   };
 
   /// @throws CameraError when the system has no descriptor for it.
-  FrameFeed();
+  FrameQueue();
 
   /// So many frames may wait.
   static constexpr std::size_t kCapacity = 4;
@@ -37,7 +37,7 @@ class FrameFeed {
   bool push(Item item);
 
   /// Adds a frame in place of the oldest when there is no room. @return as push()
-  bool pushOver(Item item);
+  bool pushDroppingOldest(Item item);
 
   /// An image to fill for the next item, with the memory of one that was taken back.
   [[nodiscard]] optics::GreyImage blank(int width, int height);
@@ -51,12 +51,12 @@ class FrameFeed {
   [[nodiscard]] bool isOpen();
   [[nodiscard]] int descriptor() const { return ready_.get(); }
   [[nodiscard]] std::optional<Item> pop();
-  void takeBack(optics::GreyImage image);
+  void recycle(optics::GreyImage image);
 
  private:
   bool add(Item item);  // under the lock, as pop() clears the event under it
 
-  Descriptor ready_;
+  FileDescriptor ready_;
   std::mutex mutex_;
   std::condition_variable changed_;
   bool open_ = true;

@@ -14,7 +14,8 @@ namespace lab::cameras {
 /// spreadsheets write it too.
 class FrameTable {
  public:
-  /// @throws CameraError with file and line: empty, columns missing, no number, numbers or times that
+  /// @throws CameraError with file and line: empty, columns missing, no number, numbers or times
+  /// that
   ///   do not grow
   explicit FrameTable(const std::filesystem::path& file);
 

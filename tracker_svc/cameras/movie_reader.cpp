@@ -76,7 +76,7 @@ class MovieReader final : public FilmReader {
  public:
   MovieReader(std::string source, double fps)
       : source_(std::move(source)),
-        facts_(movieFacts(source_, true)),
+        facts_(probeMovie(source_, true)),
         decoder_(decodeCommand(source_, facts_.grey), source_ + ": movies are read by", "ffmpeg"),
         image_(facts_.width, facts_.height),
         colour_(facts_.grey ? 0 : image_.pixels.size() * 3) {
@@ -153,7 +153,8 @@ class MovieReader final : public FilmReader {
     const std::string why = complaint.empty() ? "" : " (ffmpeg: " + complaint + ")";
     if (count_ < expected) {
       return source_ + ": ends early or is damaged: " + std::to_string(count_) + " of " +
-             shownNumber(expected, "frame") + " could be read; where one is missing inside, those " +
+             shownNumber(expected, "frame") +
+             " could be read; where one is missing inside, those " +
              "behind it have its number and time" + why;
     }
     if (status != 0 || !facts_.complaint.empty()) {
@@ -161,14 +162,15 @@ class MovieReader final : public FilmReader {
              why;
     }
     if (!complaint.empty()) {
-      return source_ + ": all frames could be read, but ffmpeg found fault with some, in which caps " +
+      return source_ +
+             ": all frames could be read, but ffmpeg found fault with some, in which caps " +
              "may stand where they were before" + why;
     }
     return {};
   }
 
   std::string source_;
-  MovieFacts facts_;
+  MovieInfo facts_;
   ChildProcess decoder_;
   optics::GreyImage image_;
   std::vector<std::uint8_t> colour_;
@@ -193,7 +195,7 @@ const char* hintFor(const std::string& errors) {
 
 }  // namespace
 
-MovieFacts movieFacts(const std::string& source, bool packets) {
+MovieInfo probeMovie(const std::string& source, bool packets) {
   std::error_code error;
   if (!isAddress(source) && !std::filesystem::is_regular_file(source, error)) {
     throw CameraError(source + ": no such file");
@@ -221,7 +223,7 @@ MovieFacts movieFacts(const std::string& source, bool packets) {
   const auto streams = facts.find("streams");
   if (streams == facts.end() || streams->empty()) noMovie(source, "it has no pictures");
   const json& stream = streams->front();
-  MovieFacts found;
+  MovieInfo found;
   found.width = stream.value("width", 0);
   found.height = stream.value("height", 0);
   found.fps = ratio(textOf(stream, "avg_frame_rate"));

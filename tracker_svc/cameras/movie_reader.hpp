@@ -10,7 +10,7 @@
 namespace lab::cameras {
 
 /// What ffprobe says of a movie or a network camera.
-struct MovieFacts {
+struct MovieInfo {
   int width = 0;
   int height = 0;
   double fps = 0;                    ///< [1/s] mean rate as the file claims it, 0: not known
@@ -26,13 +26,12 @@ struct MovieFacts {
 
 /// Asks ffprobe. @param packets whether to go through the whole file for the times of its frames
 /// @throws CameraError: no such file, no movie, no ffprobe.
-[[nodiscard]] MovieFacts movieFacts(const std::string& source, bool packets);
+[[nodiscard]] MovieInfo probeMovie(const std::string& source, bool packets);
 
 /// The command that decodes it to grey bytes or RGB on its output, every frame once.
 [[nodiscard]] std::vector<std::string> decodeCommand(const std::string& source, bool grey);
 
 /// @throws CameraError as FilmReader::open()
-[[nodiscard]] std::unique_ptr<FilmReader> openMovie(const std::string& source,
-                                                    double fps);
+[[nodiscard]] std::unique_ptr<FilmReader> openMovie(const std::string& source, double fps);
 
 }  // namespace lab::cameras

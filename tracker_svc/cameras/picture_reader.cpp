@@ -259,9 +259,7 @@ class PictureReader final : public FilmReader {
     return static_cast<std::int64_t>(pictures_.size());
   }
   [[nodiscard]] CameraFormat format() const override { return format_; }
-  [[nodiscard]] std::string table() const override {
-    return pictures_.front().utime ? kTable : "";
-  }
+  [[nodiscard]] std::string table() const override { return pictures_.front().utime ? kTable : ""; }
   [[nodiscard]] std::string mark() const override { return markOf(pictures_.front().path); }
   [[nodiscard]] std::int64_t dropped() const override { return dropped_; }
   [[nodiscard]] std::string problem() const override {
@@ -329,7 +327,7 @@ class PictureReader final : public FilmReader {
 
 }  // namespace
 
-bool namesPictures(const std::string& source) {
+bool isPictureSource(const std::string& source) {
   std::error_code error;
   if (fs::is_directory(source, error)) return true;
   return isPicture(source) || (isPattern(source) && !fs::exists(source, error));

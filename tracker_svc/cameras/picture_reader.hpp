@@ -19,7 +19,7 @@ struct PictureFile {
 };
 
 /// Whether this names pictures: a folder, a pattern, or a file with the ending of one.
-[[nodiscard]] bool namesPictures(const std::string& source);
+[[nodiscard]] bool isPictureSource(const std::string& source);
 
 /// The pictures in order of the numbers in their names, f2 before f10.
 /// @throws CameraError when there are none, or when a frames.csv beside them is wrong.

@@ -5,17 +5,17 @@
 #include <utility>
 #include <vector>
 
+#include "common/camera/sim_camera.hpp"
 #include "tracker_svc/cameras/child_process.hpp"
 #include "tracker_svc/cameras/film_source.hpp"
 #include "tracker_svc/cameras/frame_queue.hpp"
 #include "tracker_svc/cameras/grey.hpp"
 #include "tracker_svc/cameras/movie_reader.hpp"
-#include "common/camera/sim_camera.hpp"
 
 namespace lab::cameras {
 namespace {
 
-using Kind = FrameFeed::Item::Kind;
+using Kind = FrameQueue::Item::Kind;
 
 constexpr std::int64_t kAgain_us = 1'000'000;
 constexpr const char* kGst = "gst:";
@@ -31,7 +31,7 @@ struct StreamCommand {
 };
 
 StreamCommand networkCommand(const std::string& source, const CameraFormat& wanted) {
-  const MovieFacts facts = movieFacts(source, false);
+  const MovieInfo facts = probeMovie(source, false);
   StreamCommand command{source, decodeCommand(source, facts.grey), "ffmpeg", {}, 1, facts.width};
   command.format.width = facts.width;
   command.format.height = facts.height;
@@ -102,7 +102,7 @@ class Stream {
   Stream(const Stream&) = delete;
   Stream& operator=(const Stream&) = delete;
 
-  [[nodiscard]] FrameFeed& feed() { return feed_; }
+  [[nodiscard]] FrameQueue& feed() { return feed_; }
   [[nodiscard]] const CameraFormat& format() const { return command_.format; }
 
  private:
@@ -138,7 +138,7 @@ class Stream {
   void pass() {
     if (std::exchange(troubled_, false)) tell("");
     const CameraFormat& format = command_.format;
-    FrameFeed::Item item;
+    FrameQueue::Item item;
     item.number = count_++;
     item.utime = loop_.now();
     item.image = feed_.blank(format.width, format.height);
@@ -151,11 +151,11 @@ class Stream {
         std::copy_n(row, format.width, grey.begin());
       }
     }
-    feed_.pushOver(std::move(item));
+    feed_.pushDroppingOldest(std::move(item));
   }
 
   void tell(const std::string& trouble) {
-    FrameFeed::Item item;
+    FrameQueue::Item item;
     item.kind = Kind::kTrouble;
     item.text = trouble;
     troubled_ = !trouble.empty();
@@ -165,7 +165,7 @@ class Stream {
   AsioLoop& loop_;
   StreamCommand command_;
   std::vector<std::uint8_t> bytes_;
-  FrameFeed feed_;
+  FrameQueue feed_;
   std::mutex mutex_;  ///< of child_, where the other thread may look at it
   std::unique_ptr<ChildProcess> child_;
   std::int64_t count_ = 0;
@@ -183,7 +183,7 @@ class StreamReader : public std::enable_shared_from_this<StreamReader> {
     watch_ = loop.watch(stream_->feed().descriptor(), [this] {
       const std::shared_ptr<StreamReader> alive = shared_from_this();
       while (stream_) {
-        std::optional<FrameFeed::Item> item = stream_->feed().pop();
+        std::optional<FrameQueue::Item> item = stream_->feed().pop();
         if (!item) return;
         hand(*item);
       }
@@ -199,14 +199,14 @@ class StreamReader : public std::enable_shared_from_this<StreamReader> {
   [[nodiscard]] std::int64_t dropped() const { return gaps_.missing(); }
 
  private:
-  void hand(FrameFeed::Item& item) {
+  void hand(FrameQueue::Item& item) {
     if (item.kind == Kind::kTrouble) {
       handlers_.trouble(item.text);
       return;
     }
     gaps_.got(item.number);
     handlers_.frame({item.number, item.utime, item.image.view()});
-    if (stream_) stream_->feed().takeBack(std::move(item.image));
+    if (stream_) stream_->feed().recycle(std::move(item.image));
   }
 
   CameraHandlers handlers_;
@@ -232,7 +232,7 @@ class StreamSource final : public FrameSource {
 
 }  // namespace
 
-bool namesStream(const std::string& source) {
+bool isStreamSource(const std::string& source) {
   return source.starts_with(kGst) || source.find("://") != std::string::npos;
 }
 

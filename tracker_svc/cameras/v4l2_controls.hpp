@@ -1,8 +1,8 @@
 /// Exposure, gain and whatever a camera adjusts by itself.
 #pragma once
 
-#include "tracker_svc/cameras/v4l2_calls.hpp"
 #include "common/camera/cameras.hpp"
+#include "tracker_svc/cameras/v4l2_calls.hpp"
 
 namespace lab::cameras {
 

@@ -7,8 +7,8 @@
 #include <set>
 #include <utility>
 
-#include "tracker_svc/cameras/v4l2_controls.hpp"
 #include "common/serial/serial_line.hpp"
+#include "tracker_svc/cameras/v4l2_controls.hpp"
 
 namespace lab::cameras {
 namespace {

@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
+#include "common/camera/cameras.hpp"
 #include "tracker_svc/cameras/raw_pixels.hpp"
 #include "tracker_svc/cameras/v4l2_calls.hpp"
-#include "common/camera/cameras.hpp"
 
 namespace lab::cameras {
 

@@ -178,7 +178,7 @@ class V4l2Source final : public FrameSource {
 
 }  // namespace
 
-bool namesVideoDevice(const std::string& source) {
+bool isVideoDeviceSource(const std::string& source) {
   return source.starts_with(kPrefix) || source.starts_with("/dev/");
 }
 

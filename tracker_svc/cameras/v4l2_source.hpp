@@ -4,14 +4,14 @@
 #include <memory>
 #include <string>
 
-#include "tracker_svc/cameras/v4l2_calls.hpp"
-#include "common/loop/asio_loop.hpp"
 #include "common/camera/cameras.hpp"
+#include "common/loop/asio_loop.hpp"
+#include "tracker_svc/cameras/v4l2_calls.hpp"
 
 namespace lab::cameras {
 
 /// Whether the source is a video device, "/dev/video0" or "v4l2:/dev/video0".
-[[nodiscard]] bool namesVideoDevice(const std::string& source);
+[[nodiscard]] bool isVideoDeviceSource(const std::string& source);
 
 /// Opens it. When it is gone it is looked for each second, by the same path; a camera that delivers
 /// nothing for two seconds is trouble as well.

@@ -8,7 +8,7 @@ namespace lab::detector::fit {
 namespace {
 
 constexpr double kMostCorrelation = 0.5;  // [1] smoother than that is no longer seen in a window
-constexpr double kLeastOdd = 0.25;        // [1] less of it is chance, as a codec's waves may have it
+constexpr double kLeastOdd = 0.25;  // [1] less of it is chance, as a codec's waves may have it
 
 /// The residuals' half that is opposite on opposite sides of the centre.
 struct Halves {
@@ -38,13 +38,13 @@ std::optional<Halves> halvesOf(const Window& window) {
 
 }  // namespace
 
-double unevenness(const Window& window) {
+double antisymmetricCorrelation(const Window& window) {
   const std::optional<Halves> halves = halvesOf(window);
   if (!halves) return 1;
   return halves->all > 0 ? halves->together / halves->all : 0;
 }
 
-double varianceOfStructure(const Window& window, int pixels) {
+double varianceInflation(const Window& window, int pixels) {
   const std::optional<Halves> halves = halvesOf(window);
   if (!halves || !(halves->odd > 0)) return 1;
   // Half of the numbers are independent: the other half is their mirror picture.

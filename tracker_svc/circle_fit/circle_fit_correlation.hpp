@@ -17,7 +17,7 @@ namespace lab::detector::fit {
 /// the square of all residuals. Blur that is no Gaussian is the same on both sides, and moves
 /// nothing; a light edge is not. "Opposite" is seen from the grid point, a quarter of a pixel from
 /// the centre at most. 1 where that cannot be told: of large circles not every row is looked at.
-[[nodiscard]] double unevenness(const Window& window);
+[[nodiscard]] double antisymmetricCorrelation(const Window& window);
 
 /// By how much the centre's variance differs from what it would be if the window's residuals, which
 /// go together, were noise.
@@ -26,6 +26,6 @@ namespace lab::detector::fit {
 /// moves nothing: only what is opposite counts, which is half of the squares of noise. What
 /// neighbours share of that makes fewer independent numbers of many pixels: along rows and columns
 /// alike, with a correlation that falls geometrically, by (1 + rho) / (1 - rho) each.
-[[nodiscard]] double varianceOfStructure(const Window& window, int pixels);
+[[nodiscard]] double varianceInflation(const Window& window, int pixels);
 
 }  // namespace lab::detector::fit

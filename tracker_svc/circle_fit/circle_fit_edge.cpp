@@ -5,10 +5,10 @@
 #include <cmath>
 #include <utility>
 
+#include "tracker_svc/circle_fit/circle_fit_edge_guess.hpp"
 #include "tracker_svc/circle_fit/circle_fit_edge_model.hpp"
 #include "tracker_svc/circle_fit/circle_fit_sectors.hpp"
 #include "tracker_svc/circle_fit/circle_fit_solve.hpp"
-#include "tracker_svc/circle_fit/circle_fit_edge_guess.hpp"
 
 namespace lab::detector::fit {
 namespace {
@@ -33,7 +33,7 @@ constexpr float kFits = 0.82F;   // [1] and the share of pixels that are of the 
 // [blurs] softer than the lens makes it, an edge may be none, but light that bends
 constexpr float kSoftEdge = 1.2F;
 constexpr float kMissesEdge = 2.5F;  // [expected deviations] of residuals: there is another edge
-constexpr float kBetter = 0.9F;  // [1] of the cost, for three more unknowns
+constexpr float kBetter = 0.9F;      // [1] of the cost, for three more unknowns
 
 template <std::size_t kLines>
 void know(Sums<litUnknowns(kLines)>& sums, std::size_t i, float off, float spread) {
@@ -177,13 +177,13 @@ LitDisc expectedAt(const Disc& disc, float sigma) {
   return lit;
 }
 
-LitDisc bentFrom(const Disc& disc, const Split& split, float sigma) {
+LitDisc bentFrom(const Disc& disc, const EdgeGuess& split, float sigma) {
   LitDisc lit = expectedAt(disc, sigma);
   lit.level[0] = 0.5F * (split.level[0] + split.level[1]);
   return lit;
 }
 
-LitDisc litFrom(const Disc& disc, const Split& split, float sigma) {
+LitDisc litFrom(const Disc& disc, const EdgeGuess& split, float sigma) {
   LitDisc lit = expectedAt(disc, sigma);
   std::copy(split.level.begin(), split.level.end(), lit.level.begin());
   lit.line = split.line;
@@ -207,7 +207,7 @@ Outcome fitLit(const Task& task, Window& window, const Disc& rough) {
   LitFit best;
   std::size_t count = 1;  // lines of the best
   bool is_last = true;    // so that what it leaves in the window is there
-  if (const Split split = around.oneLine(); split.good) {
+  if (const EdgeGuess split = around.oneLine(); split.good) {
     best = fitLines<1>(task, window, litFrom(rough, split, task.sigma));
     const Outcome& one = best.outcome;
     const bool soft = best.lit.edge_sigma > kSoftEdge * task.sigma;
@@ -222,15 +222,15 @@ Outcome fitLit(const Task& task, Window& window, const Disc& rough) {
     }
   }
   const Disc better = best.outcome.good ? best.lit.disc : rough;
-  const TwoLines lines = around.twoLines();
+  const TwoEdgeGuesses lines = around.twoLines();
   // The likelier first: where it explains everything, the other is not tried.
-  std::array<Split, 2> likely{lines.parallel, lines.crossing};
+  std::array<EdgeGuess, 2> likely{lines.parallel, lines.crossing};
   if (likely[1].gain > likely[0].gain) std::swap(likely[0], likely[1]);
-  for (const Split& split : likely) {
+  for (const EdgeGuess& split : likely) {
     if (!split.good) continue;
     const LitFit two = fitLines<2>(task, window, litFrom(better, split, task.sigma));
-    is_last = two.outcome.good &&
-              (!best.outcome.good || two.outcome.cost < kBetter * best.outcome.cost);
+    is_last =
+        two.outcome.good && (!best.outcome.good || two.outcome.cost < kBetter * best.outcome.cost);
     if (!is_last) continue;
     best = two;
     count = 2;

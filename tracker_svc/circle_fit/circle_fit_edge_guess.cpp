@@ -99,11 +99,11 @@ Line turned(const Line& n) {
 
 Line across(const Line& n) { return {-n.ny, n.nx, 0}; }
 
-Split splitOf(const Best& best, bool crossing, float reach, const Pile& all) {
+EdgeGuess splitOf(const Best& best, bool crossing, float reach, const Pile& all) {
   const auto offset = [&](int bin) {
     return static_cast<float>(bin) * 2 * reach / static_cast<float>(kBins) - reach;
   };
-  Split split;
+  EdgeGuess split;
   split.good = best.gain > 0;
   split.gain = best.gain - all.gain();
   split.line = {best.normal, crossing ? across(best.normal) : best.normal};
@@ -138,14 +138,14 @@ Surroundings::Surroundings(const Window& window, const Constants& constants, con
 bool Surroundings::uneven(float variance) const {
   constexpr float kBeyondChance = 25;  // the best of many lines gains up to 15 variances by chance
   constexpr float kLeastStep = 0.04F;  // [1] of the brighter level
-  const Split split = oneLine();
+  const EdgeGuess split = oneLine();
   if (!split.good) return true;  // too few pixels to say
   const float bright = std::max(split.level[0], split.level[1]);
   const float step = std::abs(split.level[0] - split.level[1]);
   return split.gain > kBeyondChance * variance && step > kLeastStep * bright;
 }
 
-Split Surroundings::oneLine() const {
+EdgeGuess Surroundings::oneLine() const {
   Best one;
   Line normal;
   for (int k = 0; k < 2 * kAngles; ++k, normal = turned(normal)) {
@@ -164,7 +164,7 @@ Split Surroundings::oneLine() const {
   return splitOf(one, false, reach_, all);
 }
 
-TwoLines Surroundings::twoLines() const {
+TwoEdgeGuesses Surroundings::twoLines() const {
   Best parallel;
   Best crossing;
   Pile all;

@@ -10,16 +10,16 @@
 namespace lab::detector::fit {
 
 /// Borders between light and shade, and the light on their sides.
-struct Split {
+struct EdgeGuess {
   bool good = false;
   float gain = 0;  ///< [DN^2] what the levels take off the sum of squares, less the mean's
   std::array<Line, 2> line{};
   std::array<float, 4> level{};  ///< [DN] as in LitDisc
 };
 
-struct TwoLines {
-  Split parallel;  ///< two parallel lines: a stripe
-  Split crossing;  ///< two lines at a right angle: the corner of a checker
+struct TwoEdgeGuesses {
+  EdgeGuess parallel;  ///< two parallel lines: a stripe
+  EdgeGuess crossing;  ///< two lines at a right angle: the corner of a checker
 };
 
 /// Which pixels around a circle: all, or those that the fit before believed.
@@ -35,10 +35,10 @@ class Surroundings {
   [[nodiscard]] bool uneven(float variance) const;
 
   /// The line that parts them best into two levels.
-  [[nodiscard]] Split oneLine() const;
+  [[nodiscard]] EdgeGuess oneLine() const;
 
   /// The two lines that part them best into three or four levels.
-  [[nodiscard]] TwoLines twoLines() const;
+  [[nodiscard]] TwoEdgeGuesses twoLines() const;
 
  private:
   struct Sample {

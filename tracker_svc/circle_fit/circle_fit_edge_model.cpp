@@ -106,12 +106,12 @@ LAB_INLINE void sumAll(Window& window, const Constants& constants, const LitDisc
     if constexpr (kLines > 0) crossing *= contrast * lit.edge_sigma;
     const Lanes signal = white * lightness + crossing;
     const Lanes residual = value - constants.black - signal;
-    const Lanes certain = certaintyOf(value, signal, constants, counts);
+    const Lanes certain = inverseVarianceOf(value, signal, constants, counts);
     const Lanes square = residual * residual * certain;
-    const Lanes belief = beliefOf(square, over_cutoff);
+    const Lanes belief = tukeyWeight(square, over_cutoff);
     const Lanes weight = certain * belief;
     counts.weight += certain > 0.0F ? belief : Lanes{};
-    counts.cost += limitedCost(square);
+    counts.cost += tukeyCost(square);
 
     const Lanes rise = white * paint.slope * (contrast * over_sigma);
     Lanes slopes[kCount];

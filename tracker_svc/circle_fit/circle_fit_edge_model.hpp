@@ -28,7 +28,7 @@ struct Line {
 };
 
 struct LitDisc {
-  Disc disc;                     ///< its white level is not used
+  Disc disc;  ///< its white level is not used
   /// [DN] behind both lines, beyond the first, the second, both. Without a line: of the white level
   /// 1, uu, uv, vv, uuu, uuv, uvv, vvv with u = x / R, v = y / R
   std::array<float, 8> level{};

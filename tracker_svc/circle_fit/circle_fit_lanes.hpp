@@ -42,8 +42,8 @@ LAB_INLINE void storeLanes(float* to, const Lanes& lanes) {
   __builtin_memcpy(to, &lanes, sizeof lanes);
 }
 
-/// Eight bytes as numbers, by shifts, which compilers do on all lanes at once; spread over the lanes
-/// in registers, since lanes that are put together in memory are waited for.
+/// Eight bytes as numbers, by shifts, which compilers do on all lanes at once; spread over the
+/// lanes in registers, since lanes that are put together in memory are waited for.
 LAB_INLINE Lanes numbers(const std::uint8_t* bytes) {
   typedef std::int64_t Quads __attribute__((vector_size(32)));
   std::int64_t eight;
@@ -169,8 +169,8 @@ struct Way {
   Lanes out_x, out_y;   ///< [px] over_distance times this is the gradient of the distance
 };
 
-LAB_INLINE void wayAt(const Lanes& x, const Lanes& y, const Disc& disc,
-                      const Constants& constants, float over_sigma, Way& way) {
+LAB_INLINE void wayAt(const Lanes& x, const Lanes& y, const Disc& disc, const Constants& constants,
+                      float over_sigma, Way& way) {
   const Lanes dx = x - disc.x;
   const Lanes dy = y - disc.y;
   const Outline& outline = constants.outline;
@@ -194,7 +194,7 @@ LAB_INLINE void paintAt(const Lanes& x, const Lanes& y, const Disc& disc,
 }
 
 /// How far a residual is believed: 1 where it is small, 0 beyond the cutoff.
-LAB_INLINE Lanes beliefOf(const Lanes& square, float over_cutoff) {
+LAB_INLINE Lanes tukeyWeight(const Lanes& square, float over_cutoff) {
   const Lanes far = atLeast(1.0F - square * over_cutoff, 0.0F);
   return far * far;
 }
@@ -205,21 +205,21 @@ LAB_INLINE Lanes varianceOf(const Lanes& signal, const Constants& constants) {
 }
 
 /// One over the expected variance; 0 where there is no pixel, or a full one.
-LAB_INLINE Lanes certaintyOf(const Lanes& value, const Lanes& signal, const Constants& constants,
-                             LaneCounts& counts) {
+LAB_INLINE Lanes inverseVarianceOf(const Lanes& value, const Lanes& signal,
+                                   const Constants& constants, LaneCounts& counts) {
   const Lanes expected = signal + constants.black;
   const Lanes variance = varianceOf(signal, constants);
   // Where the model says that the pixel is full, or nearly so, it tells nothing; the model decides,
   // and not the pixel, since picking by what is to be measured would shift the result.
   const LaneMask some = value != kNoPixel;
-  const LaneMask full = some & (expected > kFull) & (value > kNearlyFull);
+  const LaneMask full = some & (expected > kSaturated) & (value > kNearlySaturated);
   const LaneMask use = some & ~full;
   counts.full += full ? Lanes{} + 1.0F : Lanes{};
   counts.pixels += use ? Lanes{} + 1.0F : Lanes{};
   return use ? 1.0F / variance : Lanes{};
 }
 
-LAB_INLINE Lanes limitedCost(const Lanes& square) {
+LAB_INLINE Lanes tukeyCost(const Lanes& square) {
   const Lanes limited = atLeast(1.0F - square * (1.0F / (kLimit * kLimit)), 0.0F);
   return (1.0F - limited * limited * limited) * (kLimit * kLimit / 3.0F);
 }

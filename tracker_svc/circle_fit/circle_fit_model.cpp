@@ -74,7 +74,7 @@ LAB_INLINE void lightEight(Window& window, std::size_t eight, const Pass& pass,
   const Lanes signal = white * lightness;
   storeLanes(window.residual + at, value - pass.constants.black - signal);
   storeLanes(kept.weight, kAll ? 1.0F / varianceOf(signal, pass.constants)
-                               : certaintyOf(value, signal, pass.constants, counts));
+                               : inverseVarianceOf(value, signal, pass.constants, counts));
   for (const Unknown lit : {kX, kY, kScale, kRatio, kSigma}) {
     storeLanes(kept.by[lit], white * loadLanes(kept.by[lit]));
   }
@@ -91,7 +91,7 @@ LAB_INLINE void believeEight(Window& window, std::size_t eight, const Pass& pass
   const Lanes residual = loadLanes(window.residual + at);
   const Lanes certain = loadLanes(kept.weight);
   const Lanes square = residual * residual * certain;
-  const Lanes belief = beliefOf(square, pass.over_cutoff);
+  const Lanes belief = tukeyWeight(square, pass.over_cutoff);
   counts.weight += kAll ? belief : (certain > 0.0F ? belief : Lanes{});
   squares += square * belief;
   const Lanes weight = certain * belief;
@@ -129,11 +129,7 @@ LAB_INLINE void sumBlock(const Window& window, std::size_t first, double* normal
 LAB_FIT_CLONES
 void sumBlocks(Window& window, const Constants& constants, const Disc& disc, float cutoff,
                Blocks& blocks) {
-  const Pass pass{disc,
-                  constants,
-                  1.0F / disc.sigma,
-                  1.0F / (cutoff * cutoff),
-                  1.0F - disc.ratio};
+  const Pass pass{disc, constants, 1.0F / disc.sigma, 1.0F / (cutoff * cutoff), 1.0F - disc.ratio};
   LaneCounts counts;
   Lanes squares = {};
   Lanes rights[kUnknowns];
@@ -206,7 +202,7 @@ void sumLast(Window& window, const Row& by, float cutoff, const BlockRow& row_x,
       pull_y += to_y[i] * loadLanes(kept.by[i]);
     }
     const Lanes square = residual * residual * certain;
-    const Lanes belief = beliefOf(square, over_cutoff);
+    const Lanes belief = tukeyWeight(square, over_cutoff);
     const Lanes weighted = residual * certain * belief;
     pull_x *= weighted;
     pull_y *= weighted;
@@ -217,7 +213,7 @@ void sumLast(Window& window, const Row& by, float cutoff, const BlockRow& row_x,
     yy += pull_y * pull_y;
     squares += weighted * residual;
     believed += belief;
-    cost += limitedCost(square);
+    cost += tukeyCost(square);
     storeLanes(window.residual + at, weighted);
   }
   last.x = total(sum_x);

@@ -52,13 +52,13 @@ struct Outline {
 
 /// What does not change within one fit.
 struct Constants {
-  Outline outline;             ///< Q
-  float radius = 1;            ///< [px] R
-  float black = 0;             ///< [DN]
-  float floor_variance = 1;    ///< [DN^2] read noise and rounding
-  float shot_gain = 0;         ///< [DN]
-  bool compressed = false;     ///< neighbouring pixels share errors
-  float texture = 0;           ///< [1] variance of the paint's and sensor's grain over signal^2
+  Outline outline;           ///< Q
+  float radius = 1;          ///< [px] R
+  float black = 0;           ///< [DN]
+  float floor_variance = 1;  ///< [DN^2] read noise and rounding
+  float shot_gain = 0;       ///< [DN]
+  bool compressed = false;   ///< neighbouring pixels share errors
+  float texture = 0;         ///< [1] variance of the paint's and sensor's grain over signal^2
 
   /// What a sensor without grain has at a signal above black [DN^2].
   [[nodiscard]] float noiseAt(float signal) const { return floor_variance + shot_gain * signal; }
@@ -88,7 +88,7 @@ using BlockRow = std::array<double, kBlock>;
 /// The two blocks and the right sides at `disc`. Residuals beyond `cutoff` expected deviations
 /// count for nothing (Tukey's biweight). Leaves slopes and certainty in window.slopes, and the
 /// residuals in window.residual.
-struct Blocks {  // not set to zero beforehand, which takes time
+struct Blocks {                 // not set to zero beforehand, which takes time
   std::array<double, 10> odd;   ///< x, y and the slopes: lower triangle
   std::array<double, 10> even;  ///< white, scale, ratio, sigma
   Row right;

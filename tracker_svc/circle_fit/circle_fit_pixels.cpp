@@ -12,17 +12,17 @@ namespace lab::detector::fit {
 namespace {
 
 // The rough step looks no farther outside the outline, where holes would draw it.
-constexpr double kRoughReach = 1.8;  // [sigma]
-constexpr std::size_t kMostRows = 200;  // of more, every other one is enough, or fewer
+constexpr double kRoughReach = 1.8;                  // [sigma]
+constexpr std::size_t kMostRows = 200;               // of more, every other one is enough, or fewer
 constexpr std::size_t kMostRough = 2 * kMostPixels;  // with what fills up the runs of so many rows
-constexpr double kBeyond = 1.0;      // [px] of the outline may lie outside the picture
+constexpr double kBeyond = 1.0;  // [px] of the outline may lie outside the picture
 // Sparse: what lies farther inside than this says of the centre only what is known of black anyway,
 // and what lies farther outside only how light slopes, for which every other row is enough if the
 // margin is wide. By the model's own covariance a centre is known 0 to 2 % less well for it.
-constexpr float kInside = 2;         // [sigma]
-constexpr float kOutside = 1;        // [sigma]
-constexpr float kAround = 3.4F;      // [sigma] a margin that is wide
-constexpr float kLeastMiddle = 1;    // [px] half as wide as what is worth leaving out
+constexpr float kInside = 2;       // [sigma]
+constexpr float kOutside = 1;      // [sigma]
+constexpr float kAround = 3.4F;    // [sigma] a margin that is wide
+constexpr float kLeastMiddle = 1;  // [px] half as wide as what is worth leaving out
 
 // Outlines that differ by less are of one kind: it decides where pixels are looked at, and the
 // start of the fit, but not what is fitted.
@@ -34,8 +34,7 @@ constexpr std::size_t kKept = 512;
 constexpr std::size_t kAside = 8;  // places where a kind may be kept, one behind the other
 
 // The slopes of a pixel's value by x, y, white and dark, at a place relative to the disc.
-std::array<double, 4> slopesAt(double dx, double dy, const double* m, double radius,
-                               double sigma) {
+std::array<double, 4> slopesAt(double dx, double dy, const double* m, double radius, double sigma) {
   const double qx = radius * (m[0] * dx + m[1] * dy);
   const double qy = radius * (m[2] * dx + m[3] * dy);
   const double distance = std::sqrt(qx * qx + qy * qy + sigma * sigma);
@@ -56,18 +55,17 @@ const std::shared_ptr<const Pixels>& Pixels::about(const DiscShape& shape, float
   const float b = m[0] * m[1] + m[2] * m[3];
   const float c = m[1] * m[1] + m[3] * m[3];
   const float over = 1.0F / (a * c - b * b);
-  const auto steps = [](float value, float per_unit) {
-    return floorOf(value * per_unit + 0.5F);
-  };
+  const auto steps = [](float value, float per_unit) { return floorOf(value * per_unit + 0.5F); };
   const Kind kind{std::max(2, steps(std::sqrt(c * over), kSizes)),
                   std::max(2, steps(std::sqrt(a * over), kSizes)),
-                  steps(-b / std::sqrt(a * c), kSkews), std::max(1, steps(sigma, kBlurs)),
+                  steps(-b / std::sqrt(a * c), kSkews),
+                  std::max(1, steps(sigma, kBlurs)),
                   std::max(1, steps(margin, kMargins)),
                   sparse && shape.radius() > kInside * sigma + kLeastMiddle};
   thread_local std::array<std::shared_ptr<const Pixels>, kKept> kept;
-  const auto place = static_cast<std::size_t>(kind.width + 5 * kind.height + 67 * kind.skew +
-                                              31 * kind.blur + 127 * kind.margin +
-                                              (kind.sparse ? 255 : 0));
+  const auto place =
+      static_cast<std::size_t>(kind.width + 5 * kind.height + 67 * kind.skew + 31 * kind.blur +
+                               127 * kind.margin + (kind.sparse ? 255 : 0));
   for (std::size_t aside = 0; aside < kAside; ++aside) {
     std::shared_ptr<const Pixels>& found = kept[(place + aside) % kKept];
     if (!found) found.reset(new Pixels(kind));
@@ -81,8 +79,8 @@ const std::shared_ptr<const Pixels>& Pixels::about(const DiscShape& shape, float
 Pixels::Ellipse::Ellipse(const Kind& kind)
     : reach_x(static_cast<double>(static_cast<float>(kind.width) / kSizes)),
       reach_y(static_cast<double>(static_cast<float>(kind.height) / kSizes)) {
-  const double skew = std::clamp(static_cast<double>(static_cast<float>(kind.skew) / kSkews),
-                                 -0.95, 0.95);
+  const double skew =
+      std::clamp(static_cast<double>(static_cast<float>(kind.skew) / kSkews), -0.95, 0.95);
   const double high = 1 / std::sqrt(1 - skew * skew);
   m[0] = high / reach_x;
   m[1] = -skew * high / reach_y;
@@ -115,8 +113,8 @@ Pixels::Span Pixels::rowWithin(const Ellipse& ellipse, double margin, int row, d
   return {from, row, std::max(to - from + 1, 0)};
 }
 
-std::vector<Pixels::Span> Pixels::spansWithin(const Ellipse& ellipse, double margin,
-                                              double shift_x, double shift_y) {
+std::vector<Pixels::Span> Pixels::spansWithin(const Ellipse& ellipse, double margin, double shift_x,
+                                              double shift_y) {
   const double widened = 1 + margin / ellipse.radius;
   const int box_x = static_cast<int>(std::ceil(ellipse.reach_x * widened)) + 1;
   const int box_y = static_cast<int>(std::ceil(ellipse.reach_y * widened)) + 1;
@@ -284,8 +282,7 @@ Pixels::Rough Pixels::rough(const optics::GreyView& picture, const GridPoint& po
   return {sums[0] * unit[0], sums[1] * unit[1], sums[2] * unit[2], sums[3] * unit[3]};
 }
 
-std::optional<float> Pixels::middle(const optics::GreyView& picture,
-                                    const GridPoint& point) const {
+std::optional<float> Pixels::middle(const optics::GreyView& picture, const GridPoint& point) const {
   const Phase& phase = phaseAt(point);
   const int x = point.x >> 1;
   const int y = point.y >> 1;
@@ -321,12 +318,11 @@ void Pixels::take(const optics::GreyView& picture, const Phase& phase, int x, in
   }
   window.plain = true;
   for (int lane = 0; lane < kLanes; ++lane) {
-    if (brightest[lane] > kNearlyFull) window.plain = false;
+    if (brightest[lane] > kNearlySaturated) window.plain = false;
   }
 }
 
-bool Pixels::gather(const optics::GreyView& picture, const GridPoint& point,
-                    Window& window) const {
+bool Pixels::gather(const optics::GreyView& picture, const GridPoint& point, Window& window) const {
   const optics::Pixel base = point.pixel();
   if (base.x < ellipse_.reach_x - kBeyond ||
       base.x > picture.width - 1 - ellipse_.reach_x + kBeyond ||
@@ -351,10 +347,9 @@ bool Pixels::gather(const optics::GreyView& picture, const GridPoint& point,
     for (const Span& span : phase.spans) {
       const int row = y + span.dy;
       for (int column = x + span.dx; column < x + span.dx + span.count; ++column) {
-        const bool some =
-            row >= 0 && row < picture.height && column >= 0 && column < picture.width;
+        const bool some = row >= 0 && row < picture.height && column >= 0 && column < picture.width;
         *to = some ? static_cast<float>(picture.row(row)[column]) : kNoPixel;
-        window.plain = window.plain && some && *to <= kNearlyFull;
+        window.plain = window.plain && some && *to <= kNearlySaturated;
         ++to;
       }
     }

@@ -10,9 +10,9 @@
 #include <optional>
 #include <vector>
 
+#include "light/optics/grey_image.hpp"
 #include "tracker_svc/circle_fit/circle_fit_grid.hpp"
 #include "tracker_svc/circle_fit/circle_fit_window.hpp"
-#include "light/optics/grey_image.hpp"
 
 namespace lab::detector::fit {
 
@@ -74,10 +74,10 @@ class Pixels {
   struct Phase {  // a grid point lies on a pixel, or between two, by x and by y
     RoughSums rough;
     std::vector<Span> spans;
-    std::vector<Eight> eights;     // of the spans, in order
-    std::vector<Span> middle;      // what is left out of it
-    std::vector<float> x, y;  // [px] of the pixels, a multiple of kLanes
-    int count = 0;            // without those that fill the last eight
+    std::vector<Eight> eights;                     // of the spans, in order
+    std::vector<Span> middle;                      // what is left out of it
+    std::vector<float> x, y;                       // [px] of the pixels, a multiple of kLanes
+    int count = 0;                                 // without those that fill the last eight
     int left = 0, right = 0, top = 0, bottom = 0;  // what is read, and nothing farther
     [[nodiscard]] bool within(const optics::GreyView& picture, int at_x, int at_y) const;
   };

@@ -11,7 +11,7 @@ namespace {
 
 // [px] rough estimates of neighbouring grid points differ by less
 constexpr double kDoubt = 0.06;
-constexpr float kMostMargin = 0.8F;  // [radius]
+constexpr float kMostMargin = 0.8F;          // [radius]
 constexpr float kTexture = 0.006F * 0.006F;  // grain of paint and sensor, variance over signal^2
 
 constexpr double kFreedoms = kUnknowns;
@@ -38,7 +38,7 @@ constexpr double kSlopeSpread = 0.02;  // [1/px] of the white level
 // [1] how much less where every pixel is full: no slope can be seen there, and what lens and
 // projector do over a whole picture is a few ten-thousandths a pixel
 constexpr double kFullSlope = 150;
-constexpr double kSigmaSpread = 0.5;   // [of sigma]
+constexpr double kSigmaSpread = 0.5;  // [of sigma]
 // [1] as kFullSlope: white, dark and size are told apart by the little that is not full
 constexpr double kFullShape = 4;
 
@@ -198,7 +198,7 @@ std::optional<GridPoint> settlePlain(const Task& task, GridPoint start, Window& 
 Outcome fitPlain(const Task& task, Window& window, const Disc& rough) {
   Outcome out;
   Disc disc = rough;
-  if (!window.plain) startBeyondFull(window, task.constants, disc);
+  if (!window.plain) startSaturated(window, task.constants, disc);
   // Holes and hot pixels are far off even from the rough disc.
   const float deviation = std::sqrt(task.constants.noiseAt(rough.white));
   float cutoff = std::max(kCutoff, kRoughCutoff * rough.white / deviation);
@@ -245,8 +245,7 @@ Outcome fitPlain(const Task& task, Window& window, const Disc& rough) {
     factor.emplace(normal);
     if (!factor->good()) return out;
     by = solve(right);
-    cutoff =
-        cutoffAfter(blocks.squares, by, right, pass > 0 ? counts.weight : pixels, pass > 0);
+    cutoff = cutoffAfter(blocks.squares, by, right, pass > 0 ? counts.weight : pixels, pass > 0);
     step(disc, by, task.sigma);
     // Full pixels move in and out of what is known while the white level is found.
     const double strict = counts.full < 0.5 ? 1 : kSettledFull;

@@ -5,15 +5,16 @@
 #include <array>
 #include <memory>
 
+#include "light/photometry/imaging.hpp"
 #include "tracker_svc/circle_fit/circle_fit_grid.hpp"
 #include "tracker_svc/circle_fit/circle_fit_model.hpp"
 #include "tracker_svc/circle_fit/circle_fit_pixels.hpp"
-#include "light/photometry/imaging.hpp"
 
 namespace lab::detector::fit {
 
-/// Outside the outline: wide, since the slopes of the light must be told from a shift of the circle;
-/// wider where an edge must be seen, or where not all pixels are looked at. [deviations of the blur]
+/// Outside the outline: wide, since the slopes of the light must be told from a shift of the
+/// circle; wider where an edge must be seen, or where not all pixels are looked at. [deviations of
+/// the blur]
 constexpr float kMargin = 3.5F;
 constexpr float kMarginSparse = 4.5F;
 constexpr float kMarginLit = 4.0F;
@@ -23,17 +24,17 @@ struct Task {
   const optics::GreyView* picture = nullptr;
   DiscShape shape;
   Constants constants;
-  float sigma = 1;   ///< [px] the whole blur, as far as known
+  float sigma = 1;  ///< [px] the whole blur, as far as known
   float margin_sigmas = kMargin;
-  bool sparse = false;  ///< without pixels that tell little
+  bool sparse = false;                   ///< without pixels that tell little
   std::shared_ptr<const Pixels> pixels;  ///< that are looked at
 
   Task(const optics::GreyView& the_picture, const DiscShape& the_shape,
        const optics::Imaging& imaging, bool is_sparse);
-  bool setSigma(float the_sigma);              ///< @return whether other pixels are looked at now
-  bool setMargin(float sigmas);                ///< @return as above
-  bool setSparse(bool is_sparse);              ///< @return as above
-  bool setShape(const DiscShape& the_shape);   ///< @return as above
+  bool setSigma(float the_sigma);             ///< @return whether other pixels are looked at now
+  bool setMargin(float sigmas);               ///< @return as above
+  bool setSparse(bool is_sparse);             ///< @return as above
+  bool setShape(const DiscShape& the_shape);  ///< @return as above
   /// The pixels around the point. @return false where the outline would leave the picture
   bool gather(GridPoint point, Window& window) const;
 

@@ -8,15 +8,15 @@
 namespace lab::detector::fit {
 namespace {
 
-constexpr double kManyFull = 0.2;     // [1] of the pixels
-constexpr float kBrightest = 6;       // [1] of what the camera can say
+constexpr double kManyFull = 0.2;  // [1] of the pixels
+constexpr float kBrightest = 6;    // [1] of what the camera can say
 constexpr int kHalvings = 10;
 
 }  // namespace
 
 LAB_FIT_CLONES
-void startBeyondFull(Window& window, const Constants& constants, Disc& disc) {
-  const float most = kMostDN - constants.black;
+void startSaturated(Window& window, const Constants& constants, Disc& disc) {
+  const float most = kMaxDn - constants.black;
   Lanes pixels = {};
   Lanes full = {};
   Lanes seen = {};
@@ -24,14 +24,14 @@ void startBeyondFull(Window& window, const Constants& constants, Disc& disc) {
     const Lanes value = loadLanes(window.value + at);
     const LaneMask some = value != kNoPixel;
     pixels += some ? Lanes{} + 1.0F : Lanes{};
-    full += value >= kMostDN ? Lanes{} + 1.0F : Lanes{};
+    full += value >= kMaxDn ? Lanes{} + 1.0F : Lanes{};
     seen += some ? value - constants.black : Lanes{};
   }
   if (!(total(full) > kManyFull * total(pixels))) return;
   for (int at = 0; at < window.count; at += kLanes) {
     Paint paint;
-    paintAt(loadLanes(window.x + at), loadLanes(window.y + at), disc, constants,
-            1.0F / disc.sigma, paint);
+    paintAt(loadLanes(window.x + at), loadLanes(window.y + at), disc, constants, 1.0F / disc.sigma,
+            paint);
     const LaneMask some = loadLanes(window.value + at) != kNoPixel;
     const Lanes lightness = kUsualRatio + (1 - kUsualRatio) * paint.share;
     storeLanes(window.light + at, some ? lightness : Lanes{});

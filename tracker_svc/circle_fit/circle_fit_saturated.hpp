@@ -12,6 +12,6 @@ namespace lab::detector::fit {
 /// Full pixels do not count in a fit, so nothing holds its white level but the slope of the
 /// outline, which asks for a start on the right side of full.
 /// @param window whose light is written over
-void startBeyondFull(Window& window, const Constants& constants, Disc& disc);
+void startSaturated(Window& window, const Constants& constants, Disc& disc);
 
 }  // namespace lab::detector::fit

@@ -53,7 +53,7 @@ bool darkAllAround(const Window& window, const Constants& constants, const Disc&
     const float distance = std::sqrt(constants.outline.squareAt(dx, dy)) - outline;
     const float value = window.value[i] - constants.black;
     // No pixel says more than full.
-    const float light = std::clamp(window.light[i], 0.0F, kMostDN - constants.black);
+    const float light = std::clamp(window.light[i], 0.0F, kMaxDn - constants.black);
     const float variance = constants.noiseAt(std::max(0.0F, value));
     const auto sector = static_cast<std::size_t>(sectorOf(dx, dy));
     if (distance > clear) {

@@ -31,9 +31,9 @@ struct Window {
   std::shared_ptr<const Pixels> pixels;  ///< whose the places are
   double base_x = 0;                     ///< [px] in the picture
   double base_y = 0;
-  int count = 0;            ///< a multiple of kLanes
-  int places = 0;           ///< of them that are places, and do not fill up the last eight
-  bool plain = false;       ///< only the last eight have less than eight pixels, and none is full
+  int count = 0;             ///< a multiple of kLanes
+  int places = 0;            ///< of them that are places, and do not fill up the last eight
+  bool plain = false;        ///< only the last eight have less than eight pixels, and none is full
   const float* x = nullptr;  ///< [px]
   const float* y = nullptr;
   alignas(32) float value[kMostPixels + 2 * kLanes];  ///< [DN]

@@ -14,11 +14,11 @@ constexpr int kStandOut = 3;   // [noise / 4] of means around over means inside
 
 }  // namespace
 
-void CircleSearch::takeWords(std::span<const DarkWord> words, int y) {
+void CircleSearch::takeWords(std::span<const DarkPixelWord> words, int y) {
   const std::size_t band = static_cast<std::size_t>(y / kBand) * word_starts_.size();
   bool went_on = false;  // the last run, into this word
   for (std::size_t i = 0; i < words.size(); ++i) {
-    const DarkWord& word = words[i];
+    const DarkPixelWord& word = words[i];
     const auto number = static_cast<std::size_t>(word.number);
     Candidate candidate{.y = y, .to = neighbours_[band + number], .sizes = sizes_[band + number]};
     const bool adjoins = i + 1 < words.size() && words[i + 1].number == word.number + 1 &&
@@ -31,11 +31,11 @@ void CircleSearch::takeWords(std::span<const DarkWord> words, int y) {
       const int end = begin + std::countr_one(dark >> begin);
       const int beyond = end == kWord ? std::countr_one(next) : 0;
       const int middle = begin + (end + beyond - begin - 1) / 2;
-      const DarkWord& its = words[i + static_cast<std::size_t>(middle / kWord)];
+      const DarkPixelWord& its = words[i + static_cast<std::size_t>(middle / kWord)];
       candidate.x = word_starts_[number] + middle;
       candidate.white = its.white[middle % kWord];
       candidate.dark = inner_.view.row(y)[candidate.x];
-      if (!isClaimed(static_cast<float>(candidate.x), static_cast<float>(y), candidate.dark)) {
+      if (!isOccupied(static_cast<float>(candidate.x), static_cast<float>(y), candidate.dark)) {
         const bool may_be_round = (its.round >> middle % kWord) % 2 != 0;
         if (!may_be_round || !takeRound(candidate)) rest_.push_back(candidate);
       }
@@ -56,7 +56,7 @@ bool CircleSearch::takeRound(Candidate candidate) {
   if (shape != Shape::kRound && (shape != Shape::kOther || !settle(plane, candidate, spot))) {
     return false;
   }
-  if (!isClaimed(spot.x, spot.y, candidate.dark)) add(spot, candidate.sizes);
+  if (!isOccupied(spot.x, spot.y, candidate.dark)) add(spot, candidate.sizes);
   return true;
 }
 
@@ -98,8 +98,8 @@ void CircleSearch::take(const Candidate& candidate) {
   const Shape shape = shapeAround(plane, candidate, spot);
   if (shape == Shape::kLong) {
     // The next rows would only say the same again.
-    claims_.claim(static_cast<float>(candidate.x), static_cast<float>(candidate.y),
-                  kJunk * candidate.sizes.big, candidate.dark - black_);
+    occupied_.claim(static_cast<float>(candidate.x), static_cast<float>(candidate.y),
+                    kJunk * candidate.sizes.big, candidate.dark - black_);
     return;
   }
   if (shape == Shape::kThin) return;
@@ -108,12 +108,12 @@ void CircleSearch::take(const Candidate& candidate) {
   } else if (shape == Shape::kOther && !settle(plane, candidate, spot)) {
     return;
   }
-  if (!isClaimed(spot.x, spot.y, candidate.dark)) add(spot, candidate.sizes);
+  if (!isOccupied(spot.x, spot.y, candidate.dark)) add(spot, candidate.sizes);
 }
 
 void CircleSearch::add(Spot spot, const Sizes& sizes) {
   spots_->push_back(spot);
-  claims_.claim(spot.x, spot.y, (spot.can_be_big ? sizes.big : sizes.small) + 1, 0);
+  occupied_.claim(spot.x, spot.y, (spot.can_be_big ? sizes.big : sizes.small) + 1, 0);
 }
 
 bool CircleSearch::isDark(const Plane& plane, Candidate& candidate) const {
@@ -127,8 +127,7 @@ bool CircleSearch::isDark(const Plane& plane, Candidate& candidate) const {
        {across, across * stride, diagonal * (stride + 1), diagonal * (stride - 1)}) {
     candidate.white = std::max<int>(candidate.white, std::min(at[to], at[-to]));
   }
-  return 2 * (candidate.dark - black_) + noise_ <= candidate.white - black_ &&
-         !isFaint(candidate);
+  return 2 * (candidate.dark - black_) + noise_ <= candidate.white - black_ && !isFaint(candidate);
 }
 
 bool CircleSearch::standsOut(const Plane& plane, const Candidate& candidate, int noise) {

@@ -10,24 +10,24 @@
 namespace lab::detector {
 namespace {
 
-constexpr float kLongSide = 1.1F;      // [big radii] to both sides: something long
-constexpr float kThin = 0.4F;          // [big diameters] what is no wider, and
-constexpr float kManyTimes = 2.4F;     // [1] so much longer, is the side of a body or a line
-constexpr int kLevelShare = 5;         // the outline is taken where this share of white is reached
-constexpr float kSlopePerShare = 2.8F; // [softness] of how far inside of the half-way that is
-constexpr float kSurelySmall = 0.85F;  // [1] of the mean of both radii, and its inverse for big
-constexpr float kBlackShare = 0.08F;   // [1] of the light that black sends back, of white's
-constexpr float kMostOval = 0.2F;      // [1] between the longest and the shortest radius
-constexpr float kLeastSize = 0.72F;    // [1] of the expected diameter
+constexpr float kLongSide = 1.1F;       // [big radii] to both sides: something long
+constexpr float kThin = 0.4F;           // [big diameters] what is no wider, and
+constexpr float kManyTimes = 2.4F;      // [1] so much longer, is the side of a body or a line
+constexpr int kLevelShare = 5;          // the outline is taken where this share of white is reached
+constexpr float kSlopePerShare = 2.8F;  // [softness] of how far inside of the half-way that is
+constexpr float kSurelySmall = 0.85F;   // [1] of the mean of both radii, and its inverse for big
+constexpr float kBlackShare = 0.08F;    // [1] of the light that black sends back, of white's
+constexpr float kMostOval = 0.2F;       // [1] between the longest and the shortest radius
+constexpr float kLeastSize = 0.72F;     // [1] of the expected diameter
 constexpr float kMostSize = 1.32F;
-constexpr int kLeastOutlines = 11;     // of 16 directions
+constexpr int kLeastOutlines = 11;       // of 16 directions
 constexpr float kLeastContrast = 0.28F;  // [1] (bright - dark) / (bright + dark) across an outline
-constexpr float kPrior = 0.4F;         // [1] how much less an outline far from the expected counts
+constexpr float kPrior = 0.4F;  // [1] how much less an outline far from the expected counts
 constexpr int kLeastAtFirst = 9;
-constexpr int kLeastOnAxes = 5;        // of the first 8 directions
+constexpr int kLeastOnAxes = 5;  // of the first 8 directions
 constexpr int kCentreSteps = 3;
 constexpr int kWeighSteps = 8;
-constexpr int kLanes = 8;              // directions looked along at once
+constexpr int kLanes = 8;  // directions looked along at once
 constexpr int kMostSamples = 48;
 
 using Floats = float __attribute__((vector_size(4 * kLanes)));
@@ -43,9 +43,10 @@ struct Outlines {
 /// @param rays [bytes] to the samples of one direction each; the next samples are `kSkip` later
 /// @param prior by sample
 /// @param softer [DN] added to the brightness that a contrast is divided by
-__attribute__((target_clones("avx2", "default"))) void lookAlong(
-    const std::uint8_t* middle, const std::int32_t* rays, int skip, int samples,
-    const float* prior, float softer, Outlines& outlines) {
+__attribute__((target_clones("avx2", "default"))) void lookAlong(const std::uint8_t* middle,
+                                                                 const std::int32_t* rays, int skip,
+                                                                 int samples, const float* prior,
+                                                                 float softer, Outlines& outlines) {
   std::int32_t pixels[kMostSamples][kLanes];
   for (int i = 0; i < samples; ++i, rays += skip) {
     for (int k = 0; k < kLanes; ++k) pixels[i][k] = middle[rays[k]];
@@ -152,7 +153,8 @@ bool CircleSearch::weigh(const Plane& plane, const Candidate& candidate, Spot& s
     const float contrast = (1 - kBlackShare) * white;
     if (contrast < static_cast<float>(noise_) / 2) return false;
     area = ((white + black) * static_cast<float>(sums.inside_count) -
-            static_cast<float>(sums.inside)) / contrast;
+            static_cast<float>(sums.inside)) /
+           contrast;
     const float most = 0.6F * sizes.big;
     const float dark = contrast * std::max(area, least);
     const float shift_x = std::clamp(-static_cast<float>(sums.moment_x) / dark, -most, most);
@@ -175,13 +177,12 @@ bool CircleSearch::settle(const Plane& plane, const Candidate& candidate, Spot& 
   Spot big;
   Spot small;
   const int as_big = centre(plane, x, y, candidate.sizes.big, big);
-  const int as_small =
-      as_big < kDirections ? centre(plane, x, y, candidate.sizes.small, small) : 0;
+  const int as_small = as_big < kDirections ? centre(plane, x, y, candidate.sizes.small, small) : 0;
   const int most = std::max(as_big, as_small);
   if (most < kLeastOutlines) {
-    if (refused_ != nullptr && most > kDirections / 2) {
-      refused_->push_back({x, y, static_cast<float>(most) / kDirections,
-                           static_cast<float>(kLeastOutlines) / kDirections});
+    if (rejected_spots_ != nullptr && most > kDirections / 2) {
+      rejected_spots_->push_back({x, y, static_cast<float>(most) / kDirections,
+                                  static_cast<float>(kLeastOutlines) / kDirections});
     }
     return false;
   }
@@ -219,8 +220,8 @@ CircleSearch::Shape CircleSearch::shapeAround(const Plane& plane, const Candidat
       const int before = *at;
       at += to;
       if (*at >= level) {
-        return length * (static_cast<float>(i) - static_cast<float>(*at - level) /
-                                                     static_cast<float>(*at - before));
+        return length * (static_cast<float>(i) -
+                         static_cast<float>(*at - level) / static_cast<float>(*at - before));
       }
     }
     return reach;
@@ -252,8 +253,9 @@ CircleSearch::Shape CircleSearch::shapeAround(const Plane& plane, const Candidat
   float least = 1e9F;
   float most = 0;
   for (int axis = 0; axis < kAxes; ++axis) {
-    const float side = (cx * static_cast<float>(kStepY[axis]) -
-                        cy * static_cast<float>(kStepX[axis])) / kLength[axis];
+    const float side =
+        (cx * static_cast<float>(kStepY[axis]) - cy * static_cast<float>(kStepX[axis])) /
+        kLength[axis];
     const float square = half[axis] * half[axis] + side * side;
     least = std::min(least, square);
     most = std::max(most, square);
@@ -275,10 +277,9 @@ CircleSearch::Ring CircleSearch::lookAround(const Plane& plane, float x, float y
                                             float slack) const {
   Ring ring;
   const int from = std::max(0, static_cast<int>(radius - slack - 2));
-  const int samples = std::min(kMostSamples - from,
-                               static_cast<int>(std::ceil(radius + slack + 2)) - from + 1);
-  const float softer = 4 * static_cast<float>(imaging_.read_noise) -
-                       4 * static_cast<float>(black_);
+  const int samples =
+      std::min(kMostSamples - from, static_cast<int>(std::ceil(radius + slack + 2)) - from + 1);
+  const float softer = 4 * static_cast<float>(imaging_.read_noise) - 4 * static_cast<float>(black_);
   float prior[kMostSamples];
   for (int i = 0; i < samples; ++i) {
     const float off = (static_cast<float>(from + i - 2) - radius) / (slack + 1);
@@ -351,12 +352,10 @@ std::optional<Spot> CircleSearch::centredAs(const Spot& spot, bool big) {
   const float x = spot.x + static_cast<float>(padding_);
   const float y = spot.y + static_cast<float>(padding_);
   const auto word = std::min(static_cast<std::size_t>(spot.x) / kWord, word_starts_.size() - 1);
-  const Sizes& sizes =
-      sizes_[static_cast<std::size_t>(y) / kBand * word_starts_.size() + word];
+  const Sizes& sizes = sizes_[static_cast<std::size_t>(y) / kBand * word_starts_.size() + word];
   const Plane& plane = planeAt(static_cast<int>(x), static_cast<int>(y), reach_);
   Spot out;
-  if (sizes.big <= 0 ||
-      centre(plane, x, y, big ? sizes.big : sizes.small, out) < kLeastOutlines) {
+  if (sizes.big <= 0 || centre(plane, x, y, big ? sizes.big : sizes.small, out) < kLeastOutlines) {
     return std::nullopt;
   }
   out.x -= static_cast<float>(padding_);

@@ -9,13 +9,13 @@
 namespace lab::detector {
 namespace {
 
-constexpr double kToNeighbour = 1.3;     // [big radii] outside of both circles, inside the cap
+constexpr double kToNeighbour = 1.3;    // [big radii] outside of both circles, inside the cap
 constexpr double kRowsPerRadius = 1.1;  // of the small circle, between tested rows
-constexpr double kReach = 2.65;          // [big radii] from a candidate to the farthest pixel, and
-constexpr double kReachMore = 5;         // [px] on top
-constexpr float kSigmas = 3.3F;          // of read noise that no candidate is made of
-constexpr int kLine = 64;                // [bytes] that come from memory together
-constexpr int kAhead = 4;                // [tested rows] that are asked for before they are needed
+constexpr double kReach = 2.65;         // [big radii] from a candidate to the farthest pixel, and
+constexpr double kReachMore = 5;        // [px] on top
+constexpr float kSigmas = 3.3F;         // of read noise that no candidate is made of
+constexpr int kLine = 64;               // [bytes] that come from memory together
+constexpr int kAhead = 4;               // [tested rows] that are asked for before they are needed
 constexpr int kBits = 64;
 // Opposite directions one after the other, the four axes first: junk is soon known for it.
 constexpr int kOrder[16] = {0, 8, 4, 12, 2, 10, 6, 14, 1, 9, 5, 13, 3, 11, 7, 15};
@@ -57,8 +57,9 @@ CircleSearch::CircleSearch(const ScaleMap& scale, const optics::CapGeometry& cap
     const bool inside = start - near_ >= padding_ && start + kWord + near_ <= width_ - padding_;
     if (!inside) edge_words_[i / kBits] |= std::uint64_t{1} << (i % kBits);
   }
-  glance_ = FirstGlance(width, height, starts, (step_ - padding_ % step_) % step_, step_, near_);
-  claims_ = ClaimMap(width_, height_);
+  prefilter_ =
+      ContrastPrefilter(width, height, starts, (step_ - padding_ % step_) % step_, step_, near_);
+  occupied_ = OccupancyMap(width_, height_);
   dark_.resize(2 * kBits);
   marks_.assign(static_cast<std::size_t>(height_) * blocks, 0);
 }
@@ -88,19 +89,19 @@ void CircleSearch::addSizes(const ScaleMap& scale, const optics::CapGeometry& ca
 }
 
 void CircleSearch::find(const optics::GreyView& picture, std::span<const Region> regions,
-                        std::vector<Spot>& spots, std::vector<Refused>* refused) {
+                        std::vector<Spot>& spots, std::vector<RejectedSpot>* refused) {
   findRound(picture, regions, spots, refused);
   findRest(Rows::kAll, spots, refused);
 }
 
 void CircleSearch::findRound(const optics::GreyView& picture, std::span<const Region> regions,
-                             std::vector<Spot>& spots, std::vector<Refused>* refused) {
+                             std::vector<Spot>& spots, std::vector<RejectedSpot>* refused) {
   spots.clear();
   rest_.clear();
   if (word_starts_.empty()) return;
   spots_ = &spots;
-  refused_ = refused;
-  claims_.forget();
+  rejected_spots_ = refused;
+  occupied_.forget();
   aimAt(picture);
   aim(edges_, padded_.begin(picture, padding_));
   std::fill(marks_.begin(), marks_.end(), 0);
@@ -114,30 +115,31 @@ void CircleSearch::findRound(const optics::GreyView& picture, std::span<const Re
   first_row_ = top + padding_;
   last_row_ = bottom + padding_;
   if (top > bottom) return;
-  glance_.look(picture, levels_, top, bottom);
+  prefilter_.look(picture, levels_, top, bottom);
   for (int y = first_row_; y <= last_row_; ++y) {
     // In little light single pixels say less: more of them.
-    if (y % step_ != 0 && !glance_.anyFaint(y - padding_)) continue;
+    if (y % step_ != 0 && !prefilter_.anyFaint(y - padding_)) continue;
     testRow(y, std::min(kAhead * step_, last_row_ - y) * picture.stride);
   }
   bringBack(spots, 0);
 }
 
-void CircleSearch::findRest(Rows rows, std::vector<Spot>& spots, std::vector<Refused>* refused) {
+void CircleSearch::findRest(Rows rows, std::vector<Spot>& spots,
+                            std::vector<RejectedSpot>* refused) {
   const std::size_t first = spots.size();
   spots_ = &spots;
-  refused_ = refused;
+  rejected_spots_ = refused;
   if (rows == Rows::kAll) testBetween();
   for (const Candidate& candidate : rest_) {
-    if (claims_.isCovered(candidate.x, candidate.y)) continue;
+    if (occupied_.isCovered(candidate.x, candidate.y)) continue;
     const auto x = static_cast<float>(candidate.x);
-    if (isClaimed(x, static_cast<float>(candidate.y), candidate.dark)) continue;
+    if (isOccupied(x, static_cast<float>(candidate.y), candidate.dark)) continue;
     take(candidate);
   }
   rest_.clear();
   bringBack(spots, first);
   if (refused == nullptr) return;
-  for (Refused& one : *refused) {
+  for (RejectedSpot& one : *refused) {
     one.x -= static_cast<float>(padding_);
     one.y -= static_cast<float>(padding_);
   }
@@ -153,15 +155,15 @@ void CircleSearch::bringBack(std::vector<Spot>& spots, std::size_t first) const 
     const auto bottom = static_cast<float>(height_ - 2 * padding_ - 1);
     return !(spot.x >= 0 && spot.y >= 0 && spot.x <= right && spot.y <= bottom);
   };
-  spots.erase(std::remove_if(spots.begin() + static_cast<std::ptrdiff_t>(first), spots.end(),
-                             outside),
-              spots.end());
+  spots.erase(
+      std::remove_if(spots.begin() + static_cast<std::ptrdiff_t>(first), spots.end(), outside),
+      spots.end());
 }
 
 void CircleSearch::cover(double x, double y, double radius) {
   if (word_starts_.empty()) return;
-  claims_.cover(static_cast<float>(x + padding_), static_cast<float>(y + padding_),
-                static_cast<float>(radius));
+  occupied_.cover(static_cast<float>(x + padding_), static_cast<float>(y + padding_),
+                  static_cast<float>(radius));
 }
 
 void CircleSearch::aimAt(const optics::GreyView& picture) {
@@ -173,8 +175,8 @@ std::optional<Spot> CircleSearch::circleAt(optics::Pixel place, bool big) const 
   constexpr double kAside[9][2] = {{0, 0},     {1, 0},      {-1, 0},     {0, 1},      {0, -1},
                                    {0.7, 0.7}, {-0.7, 0.7}, {0.7, -0.7}, {-0.7, -0.7}};
   if (word_starts_.empty()) return std::nullopt;
-  const auto word = std::min(static_cast<std::size_t>(std::max(place.x, 0.0)) / kWord,
-                             word_starts_.size() - 1);
+  const auto word =
+      std::min(static_cast<std::size_t>(std::max(place.x, 0.0)) / kWord, word_starts_.size() - 1);
   const int middle_y = static_cast<int>(std::lround(place.y)) + padding_;
   if (middle_y < 0 || middle_y >= height_) return std::nullopt;
   const std::size_t at = static_cast<std::size_t>(middle_y) / kBand * word_starts_.size() + word;
@@ -253,8 +255,8 @@ void CircleSearch::testRow(int y, std::ptrdiff_t ahead) {
   const std::size_t blocks = edge_words_.size();
   const std::uint64_t* marks = marks_.data() + static_cast<std::size_t>(y) * blocks;
   for (std::size_t block = 0; block < blocks; ++block) {
-    const std::uint64_t may = y % step_ == 0 ? glance_.words(y - padding_, block)
-                                             : glance_.faintWords(y - padding_, block);
+    const std::uint64_t may = y % step_ == 0 ? prefilter_.words(y - padding_, block)
+                                             : prefilter_.faintWords(y - padding_, block);
     if ((marks[block] & may) != 0) testWords(y, block, marks[block] & may, ahead);
   }
 }
@@ -265,20 +267,19 @@ void CircleSearch::testBetween() {
     if (y % step_ == 0) continue;
     for (std::size_t block = 0; block < blocks; ++block) {
       std::uint64_t may = marks_[static_cast<std::size_t>(y) * blocks + block] &
-                          glance_.words(y - padding_, block) &
-                          ~glance_.faintWords(y - padding_, block);
+                          prefilter_.words(y - padding_, block) &
+                          ~prefilter_.faintWords(y - padding_, block);
       for (std::uint64_t rest = may; rest != 0; rest &= rest - 1) {
         const int word = std::countr_zero(rest);
         const int x = word_starts_[block * kBits + static_cast<std::size_t>(word)];
-        if (claims_.isCovered(x, x + kWord - 1, y)) may &= ~(std::uint64_t{1} << word);
+        if (occupied_.isCovered(x, x + kWord - 1, y)) may &= ~(std::uint64_t{1} << word);
       }
       if (may != 0) testWords(y, block, may, 0);
     }
   }
 }
 
-void CircleSearch::testWords(int y, std::size_t block, std::uint64_t wanted,
-                             std::ptrdiff_t ahead) {
+void CircleSearch::testWords(int y, std::size_t block, std::uint64_t wanted, std::ptrdiff_t ahead) {
   const bool at_edge = y < padding_ + near_ || y >= height_ - padding_ - near_;
   const std::uint64_t edge = at_edge ? wanted : wanted & edge_words_[block];
   const std::size_t first = static_cast<std::size_t>(y / kBand) * word_starts_.size();
@@ -290,12 +291,12 @@ void CircleSearch::testWords(int y, std::size_t block, std::uint64_t wanted,
       const int x = starts[std::countr_zero(rest)];
       padded_.need({x - near_, y - near_, x + kWord + near_, y + near_});
     }
-    found = darkWords(edges_.view.row(y), edges_.view.stride, starts, to, edge, 0, levels_,
-                      dark_.data());
+    found = findDarkPixels(edges_.view.row(y), edges_.view.stride, starts, to, edge, 0, levels_,
+                           dark_.data());
   }
   if (edge != wanted) {
-    found += darkWords(inner_.view.row(y), inner_.view.stride, starts, to, wanted & ~edge, ahead,
-                       levels_, dark_.data() + found);
+    found += findDarkPixels(inner_.view.row(y), inner_.view.stride, starts, to, wanted & ~edge,
+                            ahead, levels_, dark_.data() + found);
   }
   for (int i = 0; i < found; ++i) {
     dark_[static_cast<std::size_t>(i)].number += static_cast<int>(block) * kBits;

@@ -8,13 +8,13 @@
 #include <span>
 #include <vector>
 
-#include "tracker_svc/circle_search/occupancy_map.hpp"
-#include "tracker_svc/circle_search/dark_pixels.hpp"
-#include "tracker_svc/circle_search/contrast_prefilter.hpp"
-#include "tracker_svc/circle_search/padded_picture.hpp"
-#include "tracker_svc/detector/scale_map.hpp"
 #include "light/optics/grey_image.hpp"
 #include "light/photometry/imaging.hpp"
+#include "tracker_svc/circle_search/contrast_prefilter.hpp"
+#include "tracker_svc/circle_search/dark_pixels.hpp"
+#include "tracker_svc/circle_search/occupancy_map.hpp"
+#include "tracker_svc/circle_search/padded_picture.hpp"
+#include "tracker_svc/detector/scale_map.hpp"
 
 namespace lab::detector {
 
@@ -29,10 +29,10 @@ struct Spot {
 };
 
 /// Something dark that was looked at and is no circle.
-struct Refused {
+struct RejectedSpot {
   float x = 0;
   float y = 0;
-  float seen = 0;    ///< [1] share of directions with an outline at the right distance
+  float seen = 0;  ///< [1] share of directions with an outline at the right distance
   float wanted = 0;
 };
 
@@ -41,8 +41,8 @@ enum class Rows : std::uint8_t { kSome, kAll };
 
 /// Every few rows, some two to the small circle, each pixel is held against its neighbours at a bit
 /// more than the big radius, in four directions through it: less than half as bright as both in at
-/// least one direction makes a candidate. A light edge beside or across a circle leaves at least one
-/// direction that lies along it. Candidates are then centred on the outline around them.
+/// least one direction makes a candidate. A light edge beside or across a circle leaves at least
+/// one direction that lies along it. Candidates are then centred on the outline around them.
 class CircleSearch {
  public:
   /// @param width,height of the pictures [px]
@@ -52,15 +52,15 @@ class CircleSearch {
   /// The circles whose candidates lie in one of the regions, in the order of their top rows. A
   /// circle is found in the same place whatever the regions, if one of them holds all of it.
   void find(const optics::GreyView& picture, std::span<const Region> regions,
-            std::vector<Spot>& spots, std::vector<Refused>* refused);
+            std::vector<Spot>& spots, std::vector<RejectedSpot>* refused);
 
   /// find() in two halves. The first gives what is a whole circle at first sight and keeps what
   /// else is dark; the second looks at that closely, but not where cover() said that a cap is
   /// known: most of it is the rims and sides of caps.
   void findRound(const optics::GreyView& picture, std::span<const Region> regions,
-                 std::vector<Spot>& spots, std::vector<Refused>* refused);
+                 std::vector<Spot>& spots, std::vector<RejectedSpot>* refused);
   /// @param rows all where light edges may leave of a circle what a row just misses
-  void findRest(Rows rows, std::vector<Spot>& spots, std::vector<Refused>* refused);
+  void findRest(Rows rows, std::vector<Spot>& spots, std::vector<RejectedSpot>* refused);
 
   /// Nothing is left to be found here.
   /// @param radius [px]
@@ -92,7 +92,7 @@ class CircleSearch {
     std::vector<std::int32_t> rays;  // [bytes] from a pixel to those around it: by distance [px],
                                      // by direction
   };
-  struct Ring {  // what one look around a point gives
+  struct Ring {            // what one look around a point gives
     int outlines = 0;      // directions with an outline near the right distance
     int open = 0;          // pairs of opposite directions without any
     float dx = 0, dy = 0;  // [px] where the centre rather is
@@ -100,8 +100,8 @@ class CircleSearch {
   };
   struct Candidate {  // the middle of a run of dark pixels
     int x = 0, y = 0;
-    int dark = 0;     // [DN]
-    int white = 0;    // [DN]
+    int dark = 0;   // [DN]
+    int white = 0;  // [DN]
     Neighbours to;
     Sizes sizes;
   };
@@ -118,7 +118,7 @@ class CircleSearch {
   /// The rows between those that were tested, where no cap is known.
   void testBetween();
   void testWords(int y, std::size_t block, std::uint64_t wanted, std::ptrdiff_t ahead);
-  void takeWords(std::span<const DarkWord> words, int y);
+  void takeWords(std::span<const DarkPixelWord> words, int y);
   [[nodiscard]] bool takeRound(Candidate candidate);
   void take(const Candidate& candidate);
   void add(Spot spot, const Sizes& sizes);
@@ -130,8 +130,7 @@ class CircleSearch {
   [[nodiscard]] static bool standsOut(const Plane& plane, const Candidate& candidate, int noise);
   /// Sets dark and white. @return whether it is clearly darker than what is around it
   [[nodiscard]] bool isDark(const Plane& plane, Candidate& candidate) const;
-  [[nodiscard]] Shape shapeAround(const Plane& plane, const Candidate& candidate,
-                                  Spot& spot) const;
+  [[nodiscard]] Shape shapeAround(const Plane& plane, const Candidate& candidate, Spot& spot) const;
   [[nodiscard]] Ring lookAround(const Plane& plane, float x, float y, float radius,
                                 float slack) const;
   [[nodiscard]] bool weigh(const Plane& plane, const Candidate& candidate, Spot& spot) const;
@@ -141,22 +140,22 @@ class CircleSearch {
   [[nodiscard]] bool isFaint(const Candidate& candidate) const {
     return candidate.white - candidate.dark < kFaint * noise_;
   }
-  [[nodiscard]] bool isClaimed(float x, float y, int dark) const {
-    return claims_.isClaimed(x, y, dark - black_, noise_);
+  [[nodiscard]] bool isOccupied(float x, float y, int dark) const {
+    return occupied_.isOccupied(x, y, dark - black_, noise_);
   }
 
   optics::Imaging imaging_;
   int padding_ = 0;  // [px] added on every side of a picture
   int width_ = 0;    // [px] with padding
   int height_ = 0;
-  int step_ = 3;     // [rows] between tested ones, where there is light
+  int step_ = 3;       // [rows] between tested ones, where there is light
   int first_row_ = 0;  // of the regions
   int last_row_ = -1;
-  int near_ = 0;     // [px] that darkWords() looks to the sides, at most
-  int reach_ = 0;    // [px] around a candidate in which pixels are looked at
-  int black_ = 0;    // [DN]
+  int near_ = 0;        // [px] that findDarkPixels() looks to the sides, at most
+  int reach_ = 0;       // [px] around a candidate in which pixels are looked at
+  int black_ = 0;       // [DN]
   float softness_ = 0;  // [px] standard deviation of blur and pixel
-  int noise_ = 0;    // [DN] a difference that read noise alone does not make
+  int noise_ = 0;       // [DN] a difference that read noise alone does not make
   Levels levels_;
   std::vector<int> word_starts_;
   std::vector<std::uint64_t> edge_words_;  // bits: words that reach beyond the picture
@@ -164,14 +163,14 @@ class CircleSearch {
   std::vector<Sizes> sizes_;               // by band, by word
   std::array<float, kDirections> cos_{};
   std::array<float, kDirections> sin_{};
-  FirstGlance glance_;
+  ContrastPrefilter prefilter_;
   PaddedPicture padded_;
   Plane inner_;  // of the picture as it is
   Plane edges_;  // of its edges, padded
   std::vector<Spot>* spots_ = nullptr;
-  std::vector<Refused>* refused_ = nullptr;
-  ClaimMap claims_;
-  std::vector<DarkWord> dark_;        // of the row that is tested
+  std::vector<RejectedSpot>* rejected_spots_ = nullptr;
+  OccupancyMap occupied_;
+  std::vector<DarkPixelWord> dark_;   // of the row that is tested
   std::vector<Candidate> rest_;       // to be looked at closely
   std::vector<std::uint64_t> marks_;  // by row, bits: words to be tested
 };

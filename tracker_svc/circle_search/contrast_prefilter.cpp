@@ -10,7 +10,7 @@ namespace lab::detector {
 namespace {
 
 constexpr std::size_t kBits = 64;
-constexpr int kLittle = 2;  // [1] of Levels::faint: white above black that is little light
+constexpr int kLittle = 2;          // [1] of Levels::faint: white above black that is little light
 constexpr std::size_t kBeside = 1;  // words before the first and behind the last of the brightest
 
 /// The largest byte of one, and 256 times that of the other.
@@ -61,9 +61,10 @@ struct CellRow {
   }
 }
 
-__attribute__((target_clones("avx2", "default"))) void lookAtCells(
-    const CellRow& row, int rows, const std::vector<int>& starts, std::uint8_t* dark,
-    std::uint8_t* bright) {
+__attribute__((target_clones("avx2", "default"))) void lookAtCells(const CellRow& row, int rows,
+                                                                   const std::vector<int>& starts,
+                                                                   std::uint8_t* dark,
+                                                                   std::uint8_t* bright) {
   // The usual numbers are known to the compiler.
   if (rows == 3) return lookAtEach(row, 3, starts, dark, bright);
   if (rows == 2) return lookAtEach(row, 2, starts, dark, bright);
@@ -76,8 +77,8 @@ void put(std::uint32_t bits, std::size_t word, std::uint64_t& to) {
 
 }  // namespace
 
-FirstGlance::FirstGlance(int width, int height, const std::vector<int>& starts, int first, int step,
-                         int around)
+ContrastPrefilter::ContrastPrefilter(int width, int height, const std::vector<int>& starts,
+                                     int first, int step, int around)
     : starts_(starts),
       height_(height),
       first_(first),
@@ -93,8 +94,8 @@ FirstGlance::FirstGlance(int width, int height, const std::vector<int>& starts, 
   faint_.resize(words_.size());
 }
 
-void FirstGlance::look(const optics::GreyView& picture, const Levels& levels, int top,
-                       int bottom) {
+void ContrastPrefilter::look(const optics::GreyView& picture, const Levels& levels, int top,
+                             int bottom) {
   const int first = top / tall_;
   const int last = bottom / tall_;
   for (int cell = std::max(first - 1, 0); cell <= std::min(last + 1, cells_ - 1); ++cell) {
@@ -103,13 +104,13 @@ void FirstGlance::look(const optics::GreyView& picture, const Levels& levels, in
   compare(levels, first, last);
 }
 
-FirstGlance::Span FirstGlance::rowsOf(int cell) const {
+ContrastPrefilter::Span ContrastPrefilter::rowsOf(int cell) const {
   const int top = first_ + cell * tall_;
   const int end = std::min(top + tall_, height_);
   return {top, std::max((end - top + step_ - 1) / step_, 0)};
 }
 
-void FirstGlance::lookAtRow(const optics::GreyView& picture, int cell) {
+void ContrastPrefilter::lookAtRow(const optics::GreyView& picture, int cell) {
   const Span here = rowsOf(cell);
   const Span next = rowsOf(std::min(cell + 1, cells_ - 1));
   const CellRow row{picture.row(here.top), step_ * picture.stride,
@@ -118,7 +119,7 @@ void FirstGlance::lookAtRow(const optics::GreyView& picture, int cell) {
               bright_.data() + kBeside + placeOf(cell));
 }
 
-__attribute__((target_clones("avx2", "default"))) void FirstGlance::compare(
+__attribute__((target_clones("avx2", "default"))) void ContrastPrefilter::compare(
     const Levels& levels, int top, int bottom) {
   // What the extremes of a thousand pairs of pixels differ by, with nothing but noise.
   const Bytes by_chance =
@@ -137,8 +138,8 @@ __attribute__((target_clones("avx2", "default"))) void FirstGlance::compare(
       Bytes white{};
       for (int other = first; other <= last; ++other) {
         const std::uint8_t* at = bright_.data() + kBeside + placeOf(other) + word;
-        white = brighterOf(white, brighterOf(loadBytes(at),
-                                             brighterOf(loadBytes(at - 1), loadBytes(at + 1))));
+        white = brighterOf(
+            white, brighterOf(loadBytes(at), brighterOf(loadBytes(at - 1), loadBytes(at + 1))));
       }
       const Bytes half = ((brighterOf(white, clear) - clear) >> 1) + lift;
       const Bytes apart = brighterOf(white, by_chance) - by_chance;

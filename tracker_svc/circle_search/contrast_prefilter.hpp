@@ -5,24 +5,24 @@
 #include <cstdint>
 #include <vector>
 
-#include "tracker_svc/circle_search/dark_pixels.hpp"
 #include "light/optics/grey_image.hpp"
+#include "tracker_svc/circle_search/dark_pixels.hpp"
 
 namespace lab::detector {
 
 /// A cell is a word wide and so high that what is near lies in the next ones. Dark and bright are
 /// of two pixels side by side, so that the noise of single ones in the dark is not taken for a
 /// contrast; a circle is wider.
-class FirstGlance {
+class ContrastPrefilter {
  public:
-  FirstGlance() = default;
+  ContrastPrefilter() = default;
 
   /// @param width,height of the pictures [px], at least a word and a pixel wide
   /// @param starts of the words [px]
   /// @param first,step [rows] that are looked at: first, first + step ...
   /// @param around [px] how far what is near may be
-  FirstGlance(int width, int height, const std::vector<int>& starts, int first, int step,
-              int around);
+  ContrastPrefilter(int width, int height, const std::vector<int>& starts, int first, int step,
+                    int around);
 
   /// Looks at some rows of a picture, both included, and at what is near them.
   void look(const optics::GreyView& picture, const Levels& levels, int top, int bottom);
@@ -62,8 +62,8 @@ class FirstGlance {
   int height_ = 0;
   int first_ = 0;
   int step_ = 1;
-  int tall_ = 1;          // [rows] of a cell: some steps
-  int cells_ = 0;         // one below the other
+  int tall_ = 1;   // [rows] of a cell: some steps
+  int cells_ = 0;  // one below the other
   std::size_t blocks_ = 0;
   std::size_t width_ = 0;             // words, and what fills up the last block
   std::vector<std::uint8_t> dark_;    // [DN] by cell, by word

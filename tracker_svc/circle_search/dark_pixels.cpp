@@ -55,10 +55,9 @@ Levels levelsOf(int black, int noise) {
 
 // What comes of a word cannot be foreseen, and a wrong guess of the processor costs more than the
 // tests: so all words go through them, and those with nothing left are written over.
-__attribute__((target_clones("avx2", "default"))) int darkWords(
-    const std::uint8_t* row, std::ptrdiff_t stride, const int* starts,
-    const Neighbours* neighbours, std::uint64_t wanted, std::ptrdiff_t ahead,
-    const Levels& levels, DarkWord* found) {
+__attribute__((target_clones("avx2", "default"))) int findDarkPixels(
+    const std::uint8_t* row, std::ptrdiff_t stride, const int* starts, const Neighbours* neighbours,
+    std::uint64_t wanted, std::ptrdiff_t ahead, const Levels& levels, DarkPixelWord* found) {
   const Bytes low = Bytes{} + levels.black;
   const Bytes most = Bytes{} + levels.most;
   // Where they are below 0 they wrap round, and so do the sums: back to where they belong.
@@ -109,7 +108,7 @@ __attribute__((target_clones("avx2", "default"))) int darkWords(
   for (int i = 0; i < pairs; ++i) {
     const Paired& word = paired[i];
     const Bytes dark = darkToTheSides(word, stride, neighbours[word.number], levels);
-    DarkWord& out = found[count];
+    DarkPixelWord& out = found[count];
     out.number = word.number;
     const Bytes white = word.best & dark;
     std::memcpy(out.white, &white, sizeof white);

@@ -22,24 +22,24 @@ struct Neighbours {
 /// What a row is tested with [DN]; sums stay within a byte for pixels from `black` to `most`.
 struct Levels {
   std::uint8_t black = 0;
-  std::uint8_t most = 0;    ///< brighter pixels are in no circle
-  int clear = 0;            ///< added to twice the pixel: clearly darker, whatever the noise
-  int barely = 0;           ///< added to 9/8 of the pixel: darker at all
-  std::uint8_t faint = 0;   ///< smaller contrasts say nothing about single pixels
-  std::uint8_t noise = 0;   ///< a difference that read noise alone does not make
+  std::uint8_t most = 0;   ///< brighter pixels are in no circle
+  int clear = 0;           ///< added to twice the pixel: clearly darker, whatever the noise
+  int barely = 0;          ///< added to 9/8 of the pixel: darker at all
+  std::uint8_t faint = 0;  ///< smaller contrasts say nothing about single pixels
+  std::uint8_t noise = 0;  ///< a difference that read noise alone does not make
 };
 
 /// Pixels p above black b that are clearly darker than white w: 2 (p - b) + noise <= w - b.
 [[nodiscard]] Levels levelsOf(int black, int noise);
 
 /// A word with pixels that may be of circles.
-struct DarkWord {
+struct DarkPixelWord {
   int number = 0;
-  std::uint32_t dark = 0;            ///< bit i: pixel i
-  std::uint32_t round = 0;           ///< those of them that all eight neighbours outshine by an
-                                     ///< eighth of the contrast: may be of a whole circle
-  std::uint8_t white[kWord] = {};    ///< [DN] of each such pixel's best pair of neighbours, the
-                                     ///< darker end; 0 elsewhere
+  std::uint32_t dark = 0;          ///< bit i: pixel i
+  std::uint32_t round = 0;         ///< those of them that all eight neighbours outshine by an
+                                   ///< eighth of the contrast: may be of a whole circle
+  std::uint8_t white[kWord] = {};  ///< [DN] of each such pixel's best pair of neighbours, the
+                                   ///< darker end; 0 elsewhere
 };
 
 /// Tests some words of one row. A pixel of a circle is clearly darker than both ends of one pair of
@@ -54,8 +54,8 @@ struct DarkWord {
 /// @param ahead [bytes] from here to the row that is tested soon
 /// @param found the words found, in order; room for 64
 /// @return how many
-int darkWords(const std::uint8_t* row, std::ptrdiff_t stride, const int* starts,
-              const Neighbours* neighbours, std::uint64_t wanted, std::ptrdiff_t ahead,
-              const Levels& levels, DarkWord* found);
+int findDarkPixels(const std::uint8_t* row, std::ptrdiff_t stride, const int* starts,
+                   const Neighbours* neighbours, std::uint64_t wanted, std::ptrdiff_t ahead,
+                   const Levels& levels, DarkPixelWord* found);
 
 }  // namespace lab::detector

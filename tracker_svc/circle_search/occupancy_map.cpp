@@ -11,7 +11,7 @@ constexpr int kDarker = 2;  // [1] than something long: a circle in it after all
 
 }  // namespace
 
-ClaimMap::ClaimMap(int width, int height)
+OccupancyMap::OccupancyMap(int width, int height)
     : columns_(width / kCell + 1),
       rows_(height / kCell + 1),
       wide_columns_(width / kWide + 1),
@@ -19,20 +19,20 @@ ClaimMap::ClaimMap(int width, int height)
       cells_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_), -1),
       nearby_(static_cast<std::size_t>(wide_columns_) * static_cast<std::size_t>(wide_rows_)) {}
 
-void ClaimMap::forget() {
-  for (const Claim& claim : claims_) {
+void OccupancyMap::forget() {
+  for (const OccupiedRegion& claim : occupied_) {
     for (int j = claim.top; j <= claim.bottom; ++j) {
       for (int i = claim.left; i <= claim.right; ++i) {
         cells_[static_cast<std::size_t>(j * columns_ + i)] = -1;
       }
     }
   }
-  claims_.clear();
+  occupied_.clear();
   for (Nearby& nearby : nearby_) nearby.count = 0;
   covers_.clear();
 }
 
-void ClaimMap::cover(float x, float y, float radius) {
+void OccupancyMap::cover(float x, float y, float radius) {
   if (covers_.size() >= std::numeric_limits<std::int16_t>::max()) return;
   const auto number = static_cast<std::int16_t>(covers_.size());
   covers_.push_back({x, y, radius * radius});
@@ -50,15 +50,15 @@ void ClaimMap::cover(float x, float y, float radius) {
   }
 }
 
-void ClaimMap::claim(float x, float y, float reach, int dark) {
-  if (claims_.size() >= std::numeric_limits<std::int16_t>::max()) return;
-  Claim claim{.x = x, .y = y, .reach = reach, .dark = dark};
+void OccupancyMap::claim(float x, float y, float reach, int dark) {
+  if (occupied_.size() >= std::numeric_limits<std::int16_t>::max()) return;
+  OccupiedRegion claim{.x = x, .y = y, .reach = reach, .dark = dark};
   claim.left = std::clamp(static_cast<int>(x - reach) / kCell, 0, columns_ - 1);
   claim.right = std::clamp(static_cast<int>(x + reach) / kCell, 0, columns_ - 1);
   claim.top = std::clamp(static_cast<int>(y - reach) / kCell, 0, rows_ - 1);
   claim.bottom = std::clamp(static_cast<int>(y + reach) / kCell, 0, rows_ - 1);
-  const auto number = static_cast<std::int16_t>(claims_.size());
-  claims_.push_back(claim);
+  const auto number = static_cast<std::int16_t>(occupied_.size());
+  occupied_.push_back(claim);
   for (int j = claim.top; j <= claim.bottom; ++j) {
     for (int i = claim.left; i <= claim.right; ++i) {
       cells_[static_cast<std::size_t>(j * columns_ + i)] = number;
@@ -66,7 +66,7 @@ void ClaimMap::claim(float x, float y, float reach, int dark) {
   }
 }
 
-bool ClaimMap::holds(const Claim& claim, float x, float y, int dark, int noise) {
+bool OccupancyMap::holds(const OccupiedRegion& claim, float x, float y, int dark, int noise) {
   const float dx = x - claim.x;
   const float dy = y - claim.y;
   const bool darker = kDarker * dark + noise < claim.dark;

@@ -9,11 +9,11 @@
 
 namespace lab::detector {
 
-class ClaimMap {
+class OccupancyMap {
  public:
-  ClaimMap() = default;
+  OccupancyMap() = default;
   /// @param width,height [px] of the places that can be asked for
-  ClaimMap(int width, int height);
+  OccupancyMap(int width, int height);
 
   void forget();
 
@@ -41,16 +41,16 @@ class ClaimMap {
   /// @param dark [DN above black] of what is there: something much darker in the middle of
   ///   something long may be a circle after all
   /// @param noise [DN]
-  [[nodiscard]] bool isClaimed(float x, float y, int dark, int noise) const {
+  [[nodiscard]] bool isOccupied(float x, float y, int dark, int noise) const {
     const int number = cells_[cellAt(static_cast<int>(x), static_cast<int>(y))];
-    return number >= 0 && holds(claims_[static_cast<std::size_t>(number)], x, y, dark, noise);
+    return number >= 0 && holds(occupied_[static_cast<std::size_t>(number)], x, y, dark, noise);
   }
 
  private:
-  static constexpr int kCell = 8;  // [px]
+  static constexpr int kCell = 8;   // [px]
   static constexpr int kWide = 64;  // [px] of the cells by which covers are found
 
-  struct Claim {
+  struct OccupiedRegion {
     float x = 0, y = 0;
     float reach = 0;
     int dark = 0;
@@ -71,14 +71,15 @@ class ClaimMap {
     std::array<std::int16_t, kMost> covers;
   };
 
-  [[nodiscard]] static bool holds(const Claim& claim, float x, float y, int dark, int noise);
+  [[nodiscard]] static bool holds(const OccupiedRegion& claim, float x, float y, int dark,
+                                  int noise);
   [[nodiscard]] std::size_t cellAt(int x, int y) const {
     return static_cast<std::size_t>(y / kCell * columns_ + x / kCell);
   }
 
   int columns_ = 0;
   int rows_ = 0;
-  std::vector<Claim> claims_;
+  std::vector<OccupiedRegion> occupied_;
   std::vector<Cover> covers_;
   int wide_columns_ = 0;
   int wide_rows_ = 0;

@@ -12,8 +12,9 @@ optics::GreyView PaddedPicture::begin(const optics::GreyView& picture, int paddi
   width_ = picture.width + 2 * padding;
   height_ = picture.height + 2 * padding;
   columns_ = (width_ + kTile - 1) / kTile;
-  filled_.assign(static_cast<std::size_t>(columns_) *
-                     static_cast<std::size_t>((height_ + kTall - 1) / kTall), 0);
+  filled_.assign(
+      static_cast<std::size_t>(columns_) * static_cast<std::size_t>((height_ + kTall - 1) / kTall),
+      0);
   pixels_.resize(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_));
   return {pixels_.data(), width_, height_, width_};
 }

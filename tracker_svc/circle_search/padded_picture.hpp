@@ -44,7 +44,7 @@ class PaddedPicture {
   int padding_ = 0;
   int width_ = 0;
   int height_ = 0;
-  int columns_ = 0;  // of tiles
+  int columns_ = 0;           // of tiles
   std::vector<char> filled_;  // by tile
   std::vector<std::uint8_t> pixels_;
 };

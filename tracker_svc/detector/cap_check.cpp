@@ -44,8 +44,8 @@ const Circle& directions() {
 
 using Contrasts = float __attribute__((vector_size(32)));
 
-/// The largest of those that at most `rank` others are smaller than: the one at that place in order.
-/// All are held against all, which has nothing to guess for the processor.
+/// The largest of those that at most `rank` others are smaller than: the one at that place in
+/// order. All are held against all, which has nothing to guess for the processor.
 __attribute__((target_clones("avx2", "default"))) float valueOfRank(
     const std::array<float, kDirections>& values, std::size_t count, std::size_t rank) {
   constexpr std::size_t kLanes = 8;
@@ -58,8 +58,8 @@ __attribute__((target_clones("avx2", "default"))) float valueOfRank(
     Numbers smaller{};  // counted downwards: true is -1
     for (std::size_t i = 0; i < count; ++i) smaller += values[i] < here;
     const Numbers number = Numbers{0, 1, 2, 3, 4, 5, 6, 7} + static_cast<std::int32_t>(first);
-    const Numbers may = (-smaller <= static_cast<std::int32_t>(rank)) &
-                        (number < static_cast<std::int32_t>(count));
+    const Numbers may =
+        (-smaller <= static_cast<std::int32_t>(rank)) & (number < static_cast<std::int32_t>(count));
     const Contrasts candidate = may ? here : largest;
     largest = candidate > largest ? candidate : largest;
   }
@@ -92,7 +92,7 @@ template <std::size_t kCount>
       const float du = scale.forward[0] * cosine + scale.forward[1] * sine;
       const float dv = scale.forward[2] * cosine + scale.forward[3] * sine;
       places[k * kCount + i] = static_cast<std::int32_t>(y + far * dv) * stride +
-                                    static_cast<std::int32_t>(x + far * du);
+                               static_cast<std::int32_t>(x + far * du);
     }
   }
   const auto read = [&](std::size_t k, std::size_t i) {
@@ -123,7 +123,7 @@ std::size_t readRimInPart(const optics::GreyView& picture, float x, float y, flo
                           const LocalScale& scale, const Circle& circle, float full, Rim& rim) {
   const auto sample = [&](float u, float v) -> float {
     const float value = picture.row(static_cast<int>(v))[static_cast<int>(u)];
-    return value < kNearlyFull ? value : std::max(value, full);
+    return value < kNearlySaturated ? value : std::max(value, full);
   };
   std::size_t count = 0;
   const float last = radius + kAtRim[1];
@@ -155,7 +155,7 @@ bool anyFull(const Rim& rim) {
   }
   float brightest = 0;
   for (int lane = 0; lane < 8; ++lane) brightest = std::max(brightest, most[lane]);
-  return brightest >= 2 * kFull;
+  return brightest >= 2 * kSaturated;
 }
 
 /// Directions that are full inside of the rim and at it may have any contrast. The others are moved
@@ -214,7 +214,7 @@ float rimInTheDark(const optics::GreyView& picture, float x, float y, float radi
 }  // namespace
 
 float rimContrast(const optics::GreyView& picture, optics::Pixel middle, const LocalScale& scale,
-                  const optics::CapGeometry& cap, const optics::Imaging& imaging, RimLook look,
+                  const optics::CapGeometry& cap, const optics::Imaging& imaging, RimSampling look,
                   float white) {
   const Circle& circle = directions();
   const auto radius = static_cast<float>(cap.cap_radius);
@@ -228,7 +228,7 @@ float rimContrast(const optics::GreyView& picture, optics::Pixel middle, const L
   Rim rim;
   std::size_t count = kDirections;
   if (picture.contains(middle.x, middle.y, last * std::max(across, along) + 1)) {
-    if (look == RimLook::kRough) {
+    if (look == RimSampling::kRough) {
       count = kRoughDirections;
       readRimRoughly(picture, x, y, radius, scale, circle, rim);
     } else {
@@ -242,7 +242,7 @@ float rimContrast(const optics::GreyView& picture, optics::Pixel middle, const L
     if (count < kDirections / 2) return 0;
   }
   if (anyFull(rim)) {
-    const float full = std::max(kNearlyFull, white + static_cast<float>(imaging.black));
+    const float full = std::max(kNearlySaturated, white + static_cast<float>(imaging.black));
     rim = {};
     count = readRimInPart(picture, x, y, radius, scale, circle, full, rim);
     const std::size_t known = keepKnown(full, count, rim);

@@ -4,10 +4,10 @@
 
 #include <cstdint>
 
-#include "tracker_svc/detector/scale_map.hpp"
 #include "light/optics/cap.hpp"
 #include "light/optics/grey_image.hpp"
 #include "light/photometry/imaging.hpp"
+#include "tracker_svc/detector/scale_map.hpp"
 
 namespace lab::detector {
 
@@ -15,10 +15,10 @@ namespace lab::detector {
 inline constexpr float kLeastRim = 0.05F;
 inline constexpr float kUsualRim = 0.15F;  ///< [1]
 /// [DN] as bright as a cap may be that is full: for a first look, before a fit says it.
-inline constexpr float kBeyondFull = 400;
+inline constexpr float kSaturatedWhite = 400;
 
 /// At how many places of a rim to look.
-enum class RimLook : std::uint8_t { kAll, kRough };
+enum class RimSampling : std::uint8_t { kAll, kRough };
 
 /// Median over the directions of the contrast (inside - rim) / (inside + rim) at the rim of a cap
 /// with its axis at `middle`; about 0 on bare floor, 0.15 and more around a cap whatever the light.
@@ -30,7 +30,7 @@ enum class RimLook : std::uint8_t { kAll, kRough };
 /// @param white [DN] of the cap above black, where that is more than the camera can say
 [[nodiscard]] float rimContrast(const optics::GreyView& picture, optics::Pixel middle,
                                 const LocalScale& scale, const optics::CapGeometry& cap,
-                                const optics::Imaging& imaging, RimLook look = RimLook::kAll,
-                                float white = 0);
+                                const optics::Imaging& imaging,
+                                RimSampling look = RimSampling::kAll, float white = 0);
 
 }  // namespace lab::detector

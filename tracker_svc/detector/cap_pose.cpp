@@ -7,27 +7,26 @@
 namespace lab::detector {
 namespace {
 
-constexpr double kUsualRatio = 0.08;  // [1] dark / white, of black paint on white
-constexpr double kPaintDoubt = 0.02;  // [1] by which paint may be another one
-constexpr double kSure = 3;           // [standard errors]
+constexpr double kUsualRatio = 0.08;                    // [1] dark / white, of black paint on white
+constexpr double kPaintDoubt = 0.02;                    // [1] by which paint may be another one
+constexpr double kSure = 3;                             // [standard errors]
 const double kSlope = std::sqrt(2 * std::numbers::pi);  // [blurs] contrast over the outline's slope
 
 // [DN] that black returns beyond what paint does.
-double onTop(const PaintLook& look) { return (look.ratio - kUsualRatio) * look.white; }
+double onTop(const PaintEstimate& look) { return (look.ratio - kUsualRatio) * look.white; }
 
 }  // namespace
 
-double movedByLightOnTop(const PaintLook& circle, const PaintLook& other) {
+double shiftByGlare(const PaintEstimate& circle, const PaintEstimate& other) {
   const double contrast = (1 - circle.ratio) * circle.white;
   const double more =
       onTop(circle) - onTop(other) - kPaintDoubt * std::max(circle.white, other.white);
   if (!(more > 0 && contrast > 0)) return 0;
-  const double doubt =
-      kSure * std::hypot(circle.error * circle.white, other.error * other.white);
+  const double doubt = kSure * std::hypot(circle.error * circle.white, other.error * other.white);
   return kSlope * circle.blur * std::max(0.0, more - doubt) / contrast;
 }
 
-CapPose poseFromCircles(const MarkedPlace& big, const MarkedPlace& small,
+CapPose poseFromCircles(const MeasuredPoint& big, const MeasuredPoint& small,
                         const optics::CapGeometry& cap) {
   CapPose out;
   const double dx = big.place.x - small.place.x;
@@ -49,19 +48,17 @@ CapPose poseFromCircles(const MarkedPlace& big, const MarkedPlace& small,
                          of_big * b[2] - of_small * s[2]};
   const double bb = of_big * of_big;
   const double ss = of_small * of_small;
-  out.covariance = {bb * b[0] + ss * s[0],
-                    bb * b[1] + ss * s[1],
-                    mix[0] * tx + mix[1] * ty,
-                    bb * b[2] + ss * s[2],
-                    mix[1] * tx + mix[2] * ty,
-                    sum[0] * tx * tx + 2 * sum[1] * tx * ty + sum[2] * ty * ty};
+  out.covariance = {
+      bb * b[0] + ss * s[0],     bb * b[1] + ss * s[1],
+      mix[0] * tx + mix[1] * ty, bb * b[2] + ss * s[2],
+      mix[1] * tx + mix[2] * ty, sum[0] * tx * tx + 2 * sum[1] * tx * ty + sum[2] * ty * ty};
   const double off = std::sqrt(square) - cap.spacing();
   const double variance = (sum[0] * dx * dx + 2 * sum[1] * dx * dy + sum[2] * dy * dy) / square;
   out.surprise = off * off / variance;
   return out;
 }
 
-CapPose poseFromRim(const MarkedPlace& circle, double offset, const MarkedPlace& middle) {
+CapPose poseFromRim(const MeasuredPoint& circle, double offset, const MeasuredPoint& middle) {
   // Of the vector between the two points, theta takes what is across it; what is along it is one
   // number too many, and moves both towards each other by what they are trusted.
   const double sx = circle.place.x - middle.place.x;
@@ -71,15 +68,15 @@ CapPose poseFromRim(const MarkedPlace& circle, double offset, const MarkedPlace&
   const double uy = sy / length;
   const auto& c = circle.covariance;
   const auto& m = middle.covariance;
-  const double along = (c[0] + m[0]) * ux * ux + 2 * (c[1] + m[1]) * ux * uy +
-                       (c[2] + m[2]) * uy * uy;
+  const double along =
+      (c[0] + m[0]) * ux * ux + 2 * (c[1] + m[1]) * ux * uy + (c[2] + m[2]) * uy * uy;
   // Covariance of the middle, and of the way across, with the way along.
   const double mx = -(m[0] * ux + m[1] * uy);
   const double my = -(m[1] * ux + m[2] * uy);
   const double of_cross = -uy * ((c[0] + m[0]) * ux + (c[1] + m[1]) * uy) +
                           ux * ((c[1] + m[1]) * ux + (c[2] + m[2]) * uy);
-  const double cross = (c[0] + m[0]) * uy * uy - 2 * (c[1] + m[1]) * ux * uy +
-                       (c[2] + m[2]) * ux * ux;
+  const double cross =
+      (c[0] + m[0]) * uy * uy - 2 * (c[1] + m[1]) * ux * uy + (c[2] + m[2]) * ux * ux;
   const double off = length - std::abs(offset);
   const double share = off / along;
   CapPose out;

@@ -4,18 +4,18 @@
 #include <cstddef>
 #include <numbers>
 
+#include "tracker_svc/detector.hpp"
 #include "tracker_svc/detector/cap_check.hpp"
 #include "tracker_svc/detector/cap_pose.hpp"
-#include "tracker_svc/detector.hpp"
 #include "tracker_svc/detector/rim_fit.hpp"
 
 namespace lab::detector {
 namespace {
 
-constexpr double kRough = 0.003;        // [m] by which a spot may miss the centre of its circle
-constexpr double kApart = 1.7;          // [cap radii] between two axes, at least
-constexpr double kScan = 0.05;          // [rad] between headings that are tried
-constexpr double kLeastShare = 0.6;     // of the directions in the picture that must show the rim
+constexpr double kRough = 0.003;     // [m] by which a spot may miss the centre of its circle
+constexpr double kApart = 1.7;       // [cap radii] between two axes, at least
+constexpr double kScan = 0.05;       // [rad] between headings that are tried
+constexpr double kLeastShare = 0.6;  // of the directions in the picture that must show the rim
 constexpr int kLeastDirections = kRimDirections / 3;
 constexpr double kMostSurprise = 16;    // of one degree of freedom
 constexpr double kMostTurned = 0.1;     // [rad] standard deviation
@@ -28,20 +28,20 @@ double distance(double x, double y, double to_x, double to_y) {
 
 }  // namespace
 
-int Detector::loneCircle(const optics::GreyView& picture, const Expected& expected, bool& is_big) {
+int Detector::unpairedCircle(const optics::GreyView& picture, const Expected& expected,
+                             bool& is_big) {
   const double offset = std::max(std::abs(cap_.big_offset), std::abs(cap_.small_offset));
   int lone = -1;
   optics::Place place;
   for (std::size_t i = 0; i < spots_.size(); ++i) {
     const std::optional<optics::Place> rough = camera_.toPlane(
         {static_cast<double>(spots_[i].x), static_cast<double>(spots_[i].y)}, cap_.height);
-    if (!rough || distance(rough->x, rough->y, expected.x, expected.y) >
-                      expected.reach + offset + kRough) {
+    if (!rough ||
+        distance(rough->x, rough->y, expected.x, expected.y) > expected.reach + offset + kRough) {
       continue;
     }
     const int spot = static_cast<int>(i);
-    const bool big =
-        spots_[i].can_be_big && fit(picture, spot, true).fit.fault == FitFault::kNone;
+    const bool big = spots_[i].can_be_big && fit(picture, spot, true).fit.fault == FitFault::kNone;
     const bool small =
         spots_[i].can_be_small && fit(picture, spot, false).fit.fault == FitFault::kNone;
     if (!big && !small) continue;
@@ -66,7 +66,7 @@ int Detector::loneCircle(const optics::GreyView& picture, const Expected& expect
 
 Detection Detector::poseFromOne(const optics::GreyView& picture, const Expected& expected) {
   bool big = false;
-  const int spot = loneCircle(picture, expected, big);
+  const int spot = unpairedCircle(picture, expected, big);
   if (spot < 0) return {};
   const Circle& circle = circleOf(spot, big);
   const double offset = big ? cap_.big_offset : cap_.small_offset;
@@ -88,8 +88,8 @@ Detection Detector::poseFromOne(const optics::GreyView& picture, const Expected&
   if (rim < kLeastRim) return {};
   const RimFit fit = fitRim(picture, camera_, cap_, imaging_, middle);
   if (fit.support < kLeastDirections || fit.support < kLeastShare * fit.seen) return {};
-  const CapPose pose = poseFromRim({circle.place, circle.covariance}, offset,
-                                   {fit.centre, fit.covariance});
+  const CapPose pose =
+      poseFromRim({circle.place, circle.covariance}, offset, {fit.centre, fit.covariance});
   const auto& c = pose.covariance;
   if (!(pose.surprise < kMostSurprise && c[5] < kMostTurned * kMostTurned &&
         c[0] + c[3] < 2 * kMostMoved * kMostMoved)) {
@@ -111,9 +111,9 @@ Detection Detector::poseFromOne(const optics::GreyView& picture, const Expected&
   return out;
 }
 
-const std::vector<Detector::Rescued>& Detector::rescue(const optics::GreyView& picture,
-                                                       std::span<const Expected> expected) {
-  rescued_.clear();
+const std::vector<Detector::DegradedPose>& Detector::degradedPoses(
+    const optics::GreyView& picture, std::span<const Expected> expected) {
+  degraded_.clear();
   for (std::size_t i = 0; i < expected.size(); ++i) {
     const Expected& cap = expected[i];
     // Further away another cap could be meant.
@@ -132,10 +132,11 @@ const std::vector<Detector::Rescued>& Detector::rescue(const optics::GreyView& p
       return distance(pose.x, pose.y, other.x, other.y) < kApart * cap_.cap_radius;
     };
     if (std::ranges::any_of(seen_, overlaps)) continue;
-    if (std::ranges::any_of(rescued_, [&](const Rescued& r) { return overlaps(r.pose); })) continue;
-    rescued_.push_back({i, pose});
+    if (std::ranges::any_of(degraded_, [&](const DegradedPose& r) { return overlaps(r.pose); }))
+      continue;
+    degraded_.push_back({i, pose});
   }
-  return rescued_;
+  return degraded_;
 }
 
 }  // namespace lab::detector

@@ -16,7 +16,7 @@ namespace {
 // [cap radii] of reach: two caps are farther apart than twice this, so there is only one
 constexpr double kOneOnly = 0.8;
 constexpr std::size_t kAhead = 2;  // caps whose pixels are asked for before they are needed
-constexpr std::size_t kLine = 64;          // [bytes] that come from memory together
+constexpr std::size_t kLine = 64;  // [bytes] that come from memory together
 
 double wrapped(double angle) { return std::remainder(angle, 2 * std::numbers::pi); }
 
@@ -40,8 +40,8 @@ const std::vector<Detection>& Detector::follow(const optics::GreyView& seen,
   search_.aimAt(picture);
   for (std::size_t i = 0; i < std::min(kAhead, expected.size()); ++i) fetch(picture, expected[i]);
   // All of both circles, and the neighbours that they are held against.
-  const double around = std::max(std::abs(cap_.big_offset), std::abs(cap_.small_offset)) +
-                        1.5 * cap_.big_radius;
+  const double around =
+      std::max(std::abs(cap_.big_offset), std::abs(cap_.small_offset)) + 1.5 * cap_.big_radius;
   for (std::size_t i = 0; i < expected.size(); ++i) {
     const Expected& cap = expected[i];
     if (i + kAhead < expected.size()) fetch(picture, expected[i + kAhead]);
@@ -81,7 +81,8 @@ const std::vector<Detection>& Detector::follow(const optics::GreyView& seen,
   }
   const auto missing = [](const Detection& cap) { return cap.quality <= 0; };
   if (std::ranges::any_of(found_, missing)) {
-    for (const Rescued& one : rescue(picture, expected)) found_[one.expected] = one.pose;
+    for (const DegradedPose& one : degradedPoses(picture, expected))
+      found_[one.expected] = one.pose;
   }
   return found_;
 }
@@ -93,15 +94,15 @@ bool Detector::seeExpected(const optics::GreyView& picture, const Expected& expe
   spots_.clear();
   for (const bool is_big : {true, false}) {
     const double offset = is_big ? cap_.big_offset : cap_.small_offset;
-    const optics::Pixel place = camera_.project(expected.x + offset * cosine,
-                                                expected.y + offset * sine, cap_.height);
+    const optics::Pixel place =
+        camera_.project(expected.x + offset * cosine, expected.y + offset * sine, cap_.height);
     if (!picture.contains(place.x, place.y)) return false;
     const std::optional<Spot> spot = search_.circleAt(place, is_big);
     if (!spot) return false;
     spots_.push_back(*spot);
   }
   circles_.assign(2 * spots_.size(), Circle{});
-  Couple couple{0, 1, 0, 0};
+  CirclePair couple{0, 1, 0, 0};
   if (!measure(picture, couple, nullptr)) return false;
   const Detection pose = poseOf(couple, couple.rim);
   double unused = 0;

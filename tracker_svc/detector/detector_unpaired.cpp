@@ -8,28 +8,28 @@
 #include <numbers>
 #include <optional>
 
-#include "tracker_svc/detector/cap_check.hpp"
 #include "tracker_svc/detector.hpp"
+#include "tracker_svc/detector/cap_check.hpp"
 #include "tracker_svc/detector/saturation.hpp"
 
 namespace lab::detector {
 namespace {
 
-constexpr int kHeadings = 126;      // that are tried, 0.9 mm of the rim apart
-constexpr int kMostPartners = 2;    // a neighbour or a shadow may look more like one
-constexpr int kBesideIt = 10;       // headings that are the same one
-constexpr std::size_t kRough = 2;   // every second at first
-constexpr double kSure = 4;         // [standard errors] of a rim: the best of many is taken
-constexpr int kMostInVainAside = 4;    // fits beside spots that may be off, that end in no cap
-constexpr int kMostHintsAside = 60;    // such spots: each is looked at from eight sides
-constexpr float kScoreAside = 0.15F;   // [1] rim times darkness there, at least
-constexpr double kAside = 0.8;         // [radii]
+constexpr int kHeadings = 126;        // that are tried, 0.9 mm of the rim apart
+constexpr int kMostPartners = 2;      // a neighbour or a shadow may look more like one
+constexpr int kBesideIt = 10;         // headings that are the same one
+constexpr std::size_t kRough = 2;     // every second at first
+constexpr double kSure = 4;           // [standard errors] of a rim: the best of many is taken
+constexpr int kMostInVainAside = 4;   // fits beside spots that may be off, that end in no cap
+constexpr int kMostHintsAside = 60;   // such spots: each is looked at from eight sides
+constexpr float kScoreAside = 0.15F;  // [1] rim times darkness there, at least
+constexpr double kAside = 0.8;        // [radii]
 constexpr int kDirectionsAside = 8;
-constexpr float kDark = 0.9F;       // [1] of the white around it is left inside: light on top
-constexpr float kBlack = 0.5F;      // [1] and without
-constexpr double kAgain = 0.1;      // [small radii] between two that are the same
-constexpr float kClear = 4;         // [standard errors] by which it is darker
-constexpr float kHardly = 2;        // [read noise] by which single pixels are darker
+constexpr float kDark = 0.9F;   // [1] of the white around it is left inside: light on top
+constexpr float kBlack = 0.5F;  // [1] and without
+constexpr double kAgain = 0.1;  // [small radii] between two that are the same
+constexpr float kClear = 4;     // [standard errors] by which it is darker
+constexpr float kHardly = 2;    // [read noise] by which single pixels are darker
 // Of one picture, from its top: a floor full of dark junk must not hold up the tracker. Robots that
 // are there have a few hints in a picture, in stripes as fine as a circle a few dozen.
 constexpr int kMostHints = 300;  // lone circles whose partner is looked for
@@ -37,8 +37,8 @@ constexpr int kMostHints = 300;  // lone circles whose partner is looked for
 constexpr int kMostInVain = 40;
 // [m] of the spacing: chosen among many, so no more than a camera that is 2.5 % off
 constexpr double kMostOff = 0.0009;
-constexpr float kAway = 1.4F;       // [radii] where white is looked for around a circle
-constexpr float kCore = 0.35F;      // [radii] inside, whatever the heading's error
+constexpr float kAway = 1.4F;   // [radii] where white is looked for around a circle
+constexpr float kCore = 0.35F;  // [radii] inside, whatever the heading's error
 // [rad] beside the heading: what is looked at is sure to a millimetre or two
 constexpr std::array<double, 3> kBeside = {0, 0.06, -0.06};
 
@@ -77,8 +77,7 @@ float leftInside(const optics::GreyView& picture, float x, float y, float radius
   const float inside = meanAround(picture, x, y, half);
   const auto black = static_cast<float>(imaging.black);
   const auto read = static_cast<float>(imaging.read_noise);
-  const float noise =
-      std::sqrt(read * read + static_cast<float>(imaging.shot_gain) * white) / 3;
+  const float noise = std::sqrt(read * read + static_cast<float>(imaging.shot_gain) * white) / 3;
   if (white - inside < kClear * noise || white <= black) return 1;
   return (inside - black) / (white - black);
 }
@@ -116,10 +115,10 @@ bool mayBeDark(const optics::GreyView& picture, float x, float y, int away, floa
   const std::ptrdiff_t column = away * picture.stride;
   const int diagonal = away * 181 / 256;
   const std::ptrdiff_t down = diagonal * picture.stride;
-  const int white = std::max(
-      std::max(std::min(at[away], at[-away]), std::min(at[column], at[-column])),
-      std::max(std::min(at[down + diagonal], at[-down - diagonal]),
-               std::min(at[down - diagonal], at[diagonal - down])));
+  const int white =
+      std::max(std::max(std::min(at[away], at[-away]), std::min(at[column], at[-column])),
+               std::max(std::min(at[down + diagonal], at[-down - diagonal]),
+                        std::min(at[down - diagonal], at[diagonal - down])));
   return static_cast<float>(white - at[0]) > noise;
 }
 
@@ -140,7 +139,7 @@ void Detector::lookBeside(const optics::GreyView& picture, std::vector<Rejection
   int in_vain = 0;
   const std::size_t known = spots_.size();
   for (const bool aside : {false, true}) {  // what is found at once needs not be looked for
-    if (aside && isLightEven()) return;  // which leads nothing astray
+    if (aside && isLightEven()) return;     // which leads nothing astray
     const int most_in_vain =
         aside ? std::min(in_vain + kMostInVainAside, kMostInVain) : kMostInVain;
     if (aside) hints = std::min(hints, kMostHintsAside);
@@ -149,7 +148,7 @@ void Detector::lookBeside(const optics::GreyView& picture, std::vector<Rejection
       for (const bool big : {true, false}) {
         const Spot spot = spots_[i];
         // White that is full may be brighter than it says, and the circle larger than it looks.
-        const bool full = spot.white + static_cast<float>(imaging_.black) >= kFull;
+        const bool full = spot.white + static_cast<float>(imaging_.black) >= kSaturated;
         if (taken_[i] != 0 || !(big ? spot.can_be_big || full : spot.can_be_small)) continue;
         const optics::Pixel at{static_cast<double>(spot.x), static_cast<double>(spot.y)};
         if (!aside && !isBlack(picture, at, big)) continue;
@@ -165,7 +164,7 @@ void Detector::lookBeside(const optics::GreyView& picture, std::vector<Rejection
         } else if (partnersOf(picture, *rough, big, kRough).empty()) {
           continue;
         }
-        in_vain += tryLone(picture, static_cast<int>(i), big, begin, rejected);
+        in_vain += tryUnpaired(picture, static_cast<int>(i), big, begin, rejected);
       }
     }
   }
@@ -183,9 +182,9 @@ bool Detector::isByCap(optics::Place place) const {
   });
 }
 
-int Detector::tryLone(const optics::GreyView& picture, int spot, bool big,
-                      const std::optional<optics::Place>& aside,
-                      std::vector<Rejection>* rejected) {
+int Detector::tryUnpaired(const optics::GreyView& picture, int spot, bool big,
+                          const std::optional<optics::Place>& aside,
+                          std::vector<Rejection>* rejected) {
   const Circle before = circleOf(spot, big);
   const Circle& circle =
       aside ? fitFrom(picture, camera_.project(aside->x, aside->y, cap_.height), spot, big)
@@ -194,7 +193,7 @@ int Detector::tryLone(const optics::GreyView& picture, int spot, bool big,
   int in_vain = 1;
   if (circle.fit.fault == FitFault::kNone && !isByCap(circle.place)) {
     for (const Partner& partner : partnersOf(picture, circle.place, big, 1)) {
-      in_vain += coupleBeside(picture, spot, big, partner.theta, rejected);
+      in_vain += pairBeside(picture, spot, big, partner.theta, rejected);
       if (seen_.size() > known) return in_vain - 1;
     }
   }
@@ -204,8 +203,8 @@ int Detector::tryLone(const optics::GreyView& picture, int spot, bool big,
 }
 
 bool Detector::isBlack(const optics::GreyView& picture, optics::Pixel at, bool big) const {
-  const float radius = static_cast<float>(big ? cap_.big_radius : cap_.small_radius) *
-                       scale_.at(at.x, at.y).mean;
+  const float radius =
+      static_cast<float>(big ? cap_.big_radius : cap_.small_radius) * scale_.at(at.x, at.y).mean;
   return leftInside(picture, static_cast<float>(at.x), static_cast<float>(at.y), radius,
                     imaging_) <= kBlack;
 }
@@ -255,8 +254,9 @@ std::vector<Detector::Partner> Detector::partnersOf(const optics::GreyView& pict
     if (left > kDark) continue;
     const optics::Pixel middle{at.x - offset * static_cast<double>(du),
                                at.y - offset * static_cast<double>(dv)};
-    const float rim = rimContrast(picture, middle, scale, cap_, imaging_,
-                                  step > 1 ? RimLook::kRough : RimLook::kAll, kBeyondFull);
+    const float rim =
+        rimContrast(picture, middle, scale, cap_, imaging_,
+                    step > 1 ? RimSampling::kRough : RimSampling::kAll, kSaturatedWhite);
     if (rim >= kLeastRim) score[i] = rim * (1 - left);
   }
   std::vector<Partner> best;
@@ -272,12 +272,12 @@ std::vector<Detector::Partner> Detector::partnersOf(const optics::GreyView& pict
   return best;
 }
 
-int Detector::coupleBeside(const optics::GreyView& picture, int spot, bool big, double theta,
-                           std::vector<Rejection>* rejected) {
+int Detector::pairBeside(const optics::GreyView& picture, int spot, bool big, double theta,
+                         std::vector<Rejection>* rejected) {
   int fits = 0;
   const optics::Place circle = circleOf(spot, big).place;
-  const double apart = big ? cap_.small_offset - cap_.big_offset
-                           : cap_.big_offset - cap_.small_offset;
+  const double apart =
+      big ? cap_.small_offset - cap_.big_offset : cap_.big_offset - cap_.small_offset;
   const int partner = static_cast<int>(spots_.size());
   for (const double beside : kBeside) {
     const optics::Pixel start =
@@ -292,14 +292,14 @@ int Detector::coupleBeside(const optics::GreyView& picture, int spot, bool big, 
     spots_.push_back(other);
     circles_.resize(2 * spots_.size());
     taken_.resize(spots_.size(), 0);
-    Couple couple{big ? spot : partner, big ? partner : spot, 0, 0};
+    CirclePair couple{big ? spot : partner, big ? partner : spot, 0, 0};
     ++fits;
     if (fitFrom(picture, start, partner, !big, true).fit.fault == FitFault::kNone &&
         measure(picture, couple, nullptr) && couple.rim > leastRim(couple) &&
         std::abs(distance(circle, circleOf(partner, !big).place) - cap_.spacing()) < kMostOff) {
       const std::size_t before = seen_.size();
-      couples_.assign(1, couple);
-      settleCouples(picture, rejected);
+      pairs_.assign(1, couple);
+      settlePairs(picture, rejected);
       if (seen_.size() > before) return fits - 1;
       taken_[static_cast<std::size_t>(spot)] = 0;
     }
@@ -311,13 +311,13 @@ int Detector::coupleBeside(const optics::GreyView& picture, int spot, bool big, 
 }
 
 // Where there is little light, noise makes some rim in the best of many directions.
-float Detector::leastRim(const Couple& couple) const {
+float Detector::leastRim(const CirclePair& couple) const {
   constexpr double kPairs = 24;  // of pixels, of which the rim's contrast is the median
-  const double white =
-      std::max(0.5 * static_cast<double>(circleOf(couple.big, true).fit.white +
-                                         circleOf(couple.small, false).fit.white), 1.0);
-  const double noise = std::sqrt(imaging_.read_noise * imaging_.read_noise + 1.0 / 12 +
-                                 imaging_.shot_gain * white);
+  const double white = std::max(0.5 * static_cast<double>(circleOf(couple.big, true).fit.white +
+                                                          circleOf(couple.small, false).fit.white),
+                                1.0);
+  const double noise =
+      std::sqrt(imaging_.read_noise * imaging_.read_noise + 1.0 / 12 + imaging_.shot_gain * white);
   const double error = 1.25 * noise / (2 * white) / std::sqrt(kPairs);
   return std::max(kLeastRim, static_cast<float>(kSure * error));
 }

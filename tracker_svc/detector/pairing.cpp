@@ -6,12 +6,12 @@
 
 namespace lab::detector {
 
-std::size_t chooseCouples(std::vector<Couple>& couples, int circles) {
-  std::sort(couples.begin(), couples.end(), [](const Couple& a, const Couple& b) {
+std::size_t choosePairs(std::vector<CirclePair>& couples, int circles) {
+  std::sort(couples.begin(), couples.end(), [](const CirclePair& a, const CirclePair& b) {
     return std::tie(a.cost, a.big, a.small) < std::tie(b.cost, b.big, b.small);
   });
   std::vector<bool> taken(static_cast<std::size_t>(circles), false);
-  const auto end = std::stable_partition(couples.begin(), couples.end(), [&](const Couple& c) {
+  const auto end = std::stable_partition(couples.begin(), couples.end(), [&](const CirclePair& c) {
     const auto big = static_cast<std::size_t>(c.big);
     const auto small = static_cast<std::size_t>(c.small);
     if (taken[big] || taken[small]) return false;

@@ -7,15 +7,15 @@
 namespace lab::tracker {
 namespace {
 
-constexpr int kStep = 16;               // [px] every 16th pixel of every 16th row
-constexpr double kFullScale = 255;      // [DN]
-constexpr double kLeastSignal = 1.5;    // [DN] mean above black; a cap needs a few DN of contrast
-constexpr double kSaturatedShare = 0.4; // caps and floor at full scale: circles are still black
-constexpr double kBlind = 10;           // [s] black light in a script is shorter
-constexpr double kLeastCircle = 2;      // [px] smaller ones are hardly told from dirt
+constexpr int kStep = 16;                // [px] every 16th pixel of every 16th row
+constexpr double kFullScale = 255;       // [DN]
+constexpr double kLeastSignal = 1.5;     // [DN] mean above black; a cap needs a few DN of contrast
+constexpr double kSaturatedShare = 0.4;  // caps and floor at full scale: circles are still black
+constexpr double kBlind = 10;            // [s] black light in a script is shorter
+constexpr double kLeastCircle = 2;       // [px] smaller ones are hardly told from dirt
 // [DN] above the black that is assumed: black paint in little light does not look black any more
 constexpr double kBlackOff = 6;
-constexpr double kLittleLight = 0.25;   // [1] of full scale, mean: where that counts
+constexpr double kLittleLight = 0.25;  // [1] of full scale, mean: where that counts
 
 }  // namespace
 
@@ -71,15 +71,17 @@ std::string BlindCheck::text() const {
     return seen + fmt::format("{} of them are too bright; less exposure or gain?", saturated_);
   }
   if (circle_ < kLeastCircle) {
-    return seen + fmt::format("the small circles have a radius of {:.1f} px, needed {:.0f}; more "
-                              "pixels?",
-                              circle_, kLeastCircle);
+    return seen + fmt::format(
+                      "the small circles have a radius of {:.1f} px, needed {:.0f}; more "
+                      "pixels?",
+                      circle_, kLeastCircle);
   }
   if (darkest_ > black_ + kBlackOff && brightness_ < kLittleLight) {
-    return seen + fmt::format("no pixel is below {:.0f} grey steps in this little light; is the "
-                              "camera's black there, and not at {:.0f} (imaging.black_dn in the "
-                              "calibration)?",
-                              darkest_, black_);
+    return seen + fmt::format(
+                      "no pixel is below {:.0f} grey steps in this little light; is the "
+                      "camera's black there, and not at {:.0f} (imaging.black_dn in the "
+                      "calibration)?",
+                      darkest_, black_);
   }
   return seen + "are robots under the camera, is it in focus, is the calibration its own?";
 }

@@ -9,10 +9,10 @@
 namespace lab::tracker {
 
 struct Exposure {
-  double brightness = 0;  ///< [1] mean, of full scale
-  double darkest = 0;     ///< [DN]
-  bool dark = false;      ///< no cap could be told from the noise
-  bool saturated = false; ///< so much is at full scale that the exposure is too long
+  double brightness = 0;   ///< [1] mean, of full scale
+  double darkest = 0;      ///< [DN]
+  bool dark = false;       ///< no cap could be told from the noise
+  bool saturated = false;  ///< so much is at full scale that the exposure is too long
 };
 
 /// Looks at one pixel in a few hundred: that costs next to nothing.
@@ -32,8 +32,8 @@ class PictureCheck {
   std::int64_t saturated_ = 0;
 };
 
-/// Whether the camera sees anything: a lens cap, an exposure that is far off or too few pixels leave
-/// a run without a single pose.
+/// Whether the camera sees anything: a lens cap, an exposure that is far off or too few pixels
+/// leave a run without a single pose.
 class BlindCheck {
  public:
   /// @param circle [px] smallest radius of a small circle
@@ -54,8 +54,8 @@ class BlindCheck {
   std::int64_t pictures_ = 0;
   std::int64_t dark_ = 0;
   std::int64_t saturated_ = 0;
-  double darkest_ = 0;    ///< [DN] of all pictures
-  double brightness_ = 0; ///< [1] of the last one
+  double darkest_ = 0;     ///< [DN] of all pictures
+  double brightness_ = 0;  ///< [1] of the last one
 };
 
 }  // namespace lab::tracker

@@ -9,8 +9,8 @@ namespace lab::detector {
 namespace {
 
 constexpr std::size_t kSamples = 12;
-constexpr double kFirst = -0.0030;        // [m] beyond the rim
-constexpr double kStep = 0.0006;          // [m]
+constexpr double kFirst = -0.0030;  // [m] beyond the rim
+constexpr double kStep = 0.0006;    // [m]
 constexpr int kRounds = 4;
 constexpr double kLeastContrast = 0.06;   // [1] of a direction; bare floor has 0 +- 0.03
 constexpr double kFullContrast = 0.3;     // [1]
@@ -24,7 +24,7 @@ constexpr double kMostStep = 0.001;       // [m]
 
 /// What one direction says.
 struct Direction {
-  double x = 0;         // [1] towards the rim
+  double x = 0;  // [1] towards the rim
   double y = 0;
   double off = 0;       // [m] by which the rim lies further out than the circle
   double variance = 0;  // [m^2] of it
@@ -95,8 +95,8 @@ double contrastOf(const Profile& profile, const optics::Imaging& imaging) {
 
 /// How far beyond the rim the edge of the cap lies, by one linear step from `off` [m], with the
 /// three levels free.
-void measure(const Profile& profile, const optics::CapGeometry& cap,
-             const optics::Imaging& imaging, double off, Direction& direction) {
+void measure(const Profile& profile, const optics::CapGeometry& cap, const optics::Imaging& imaging,
+             double off, Direction& direction) {
   // Pixels are squares, and are read between their centres.
   const double soft =
       std::sqrt(imaging.blur * imaging.blur + optics::kPixelBox + 1.0 / 6) / profile.per_metre;
@@ -123,7 +123,7 @@ void measure(const Profile& profile, const optics::CapGeometry& cap,
   double level[3];
   double m[3][4];
   std::copy(&n[0][0], &n[0][0] + 12, &m[0][0]);
-  const auto solve = [](double (&s)[3][4], double (&out)[3]) {
+  const auto solve = [](double(&s)[3][4], double(&out)[3]) {
     for (int i = 0; i < 3; ++i) {
       for (int j = i + 1; j < 3; ++j) {
         const double share = s[j][i] / s[i][i];
@@ -140,8 +140,8 @@ void measure(const Profile& profile, const optics::CapGeometry& cap,
   double outward[kSamples];  // d grey / d off
   for (int a = 0; a < 3; ++a) n[a][3] = 0;
   for (std::size_t i = 0; i < kSamples; ++i) {
-    outward[i] = level[0] * slope[i][0] - level[1] * (slope[i][0] - slope[i][1]) -
-                 level[2] * slope[i][1];
+    outward[i] =
+        level[0] * slope[i][0] - level[1] * (slope[i][0] - slope[i][1]) - level[2] * slope[i][1];
     for (int a = 0; a < 3; ++a) n[a][3] += basis[i][a] * outward[i];
   }
   double same[3];
@@ -170,8 +170,8 @@ void measure(const Profile& profile, const optics::CapGeometry& cap,
 struct Sums {
   double n[3][3] = {};  // of x, y, radius
   double r[3] = {};
-  double squares = 0;   // weighted
-  double used = 0;      // sum of shares
+  double squares = 0;  // weighted
+  double used = 0;     // sum of shares
 };
 
 /// The inverse of a symmetric matrix that is positive definite.
@@ -209,8 +209,7 @@ float rimAround(const optics::GreyView& picture, const optics::CameraModel& came
 }
 
 RimFit fitRim(const optics::GreyView& picture, const optics::CameraModel& camera,
-              const optics::CapGeometry& cap, const optics::Imaging& imaging,
-              optics::Place start) {
+              const optics::CapGeometry& cap, const optics::Imaging& imaging, optics::Place start) {
   RimFit fit;
   fit.centre = start;
   double radius = 0;  // [m] by which the cap is larger than it should be

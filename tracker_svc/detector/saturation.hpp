@@ -3,8 +3,9 @@
 
 namespace lab::detector {
 
-inline constexpr float kMostDN = 255;       ///< no pixel says more
-inline constexpr float kFull = 253;         ///< [DN] expected above: clipped, or nearly so
-inline constexpr float kNearlyFull = 240;   ///< [DN] a clipped pixel never reads less, with noise
+inline constexpr float kMaxDn = 255;      ///< no pixel says more
+inline constexpr float kSaturated = 253;  ///< [DN] expected above: clipped, or nearly so
+inline constexpr float kNearlySaturated =
+    240;  ///< [DN] a clipped pixel never reads less, with noise
 
 }  // namespace lab::detector

@@ -10,8 +10,8 @@
 namespace lab::detector {
 namespace {
 
-constexpr int kCell = 32;           // [px] between nodes
-constexpr double kStep = 0.01;      // [m] for second derivatives
+constexpr int kCell = 32;             // [px] between nodes
+constexpr double kStep = 0.01;        // [m] for second derivatives
 constexpr float kLargestJump = 4.0F;  // a scale that differs more from the median is no arena
 
 /// The numbers of a LocalScale, to be worked on four at a time.

@@ -3,10 +3,10 @@
 
 #include <vector>
 
-#include "tracker_svc/circle_fit.hpp"
 #include "light/optics/camera_model.hpp"
 #include "light/optics/cap.hpp"
 #include "light/optics/grey_image.hpp"
+#include "tracker_svc/circle_fit.hpp"
 
 namespace lab::detector {
 

@@ -7,8 +7,8 @@
 namespace lab::tracker {
 namespace {
 
-constexpr double kReach = 0.06;      // [m] around the corner, in which the patch is looked for
-constexpr double kSettle = 0.1;      // [s] after a turn, then a picture is all of the new state
+constexpr double kReach = 0.06;  // [m] around the corner, in which the patch is looked for
+constexpr double kSettle = 0.1;  // [s] after a turn, then a picture is all of the new state
 constexpr int kLeastTurns = 2;
 constexpr int kMostTurns = 16;       // more would not make it clearer
 constexpr float kTop = 0.99F;        // the patch is more than a hundredth of the window
@@ -95,8 +95,8 @@ void SyncReader::learn() {
 void SyncReader::chooseWeights() {
   std::vector<float> sorted = difference_;
   const auto at = [&](float share) {
-    const auto place = sorted.begin() + static_cast<std::ptrdiff_t>(
-                                            share * static_cast<float>(sorted.size() - 1));
+    const auto place =
+        sorted.begin() + static_cast<std::ptrdiff_t>(share * static_cast<float>(sorted.size() - 1));
     std::nth_element(sorted.begin(), place, sorted.end());
     return *place;
   };

@@ -1,4 +1,5 @@
-/// Sees the projector's sync patch: whether a picture shows the light from before or after a change.
+/// Sees the projector's sync patch: whether a picture shows the light from before or after a
+/// change.
 #pragma once
 
 #include <cstdint>
@@ -16,18 +17,18 @@ struct SyncSeen {
   std::int8_t sync = 0;  ///< 0 dark, 1 bright, -1: neither for sure, as while it changes
 };
 
-/// Learns by itself where the patch is: light for a corner of the arena at the height of the sensors
-/// falls a few centimetres beside it on the floor, and by how much depends on where the projector
-/// hangs. Whenever the patch turns and the rest of the light stays, it is what differs between the
-/// pictures before and after; two such turns show where it is. Pure: no bus, no clock.
+/// Learns by itself where the patch is: light for a corner of the arena at the height of the
+/// sensors falls a few centimetres beside it on the floor, and by how much depends on where the
+/// projector hangs. Whenever the patch turns and the rest of the light stays, it is what differs
+/// between the pictures before and after; two such turns show where it is. Pure: no bus, no clock.
 class SyncReader {
  public:
   /// @param camera in whose pictures the patch appears, near the corner at the origin
   explicit SyncReader(const optics::CameraModel& camera);
 
   /// What the projector says: it shows `sync` (0 or 1) from `time` [s] on. @param command a number
-  /// that changes with the light that is shown beside the patch, @param still that light stays as it
-  /// is
+  /// that changes with the light that is shown beside the patch, @param still that light stays as
+  /// it is
   void shown(double time, int sync, std::int64_t command, bool still = true);
 
   /// Looks at a picture whose exposure had its middle at `time` [s]; in order of time. Nothing as
@@ -48,8 +49,8 @@ class SyncReader {
   [[nodiscard]] double signal() const;
 
   int left_ = 0, top_ = 0, columns_ = 0, rows_ = 0;  ///< [px] of the window
-  Turn turn_;              ///< the last one
-  bool settled_ = false;   ///< a picture of the state after it was seen
+  Turn turn_;                                        ///< the last one
+  bool settled_ = false;                             ///< a picture of the state after it was seen
   std::vector<float> now_, before_;
   bool has_before_ = false;
   std::vector<float> difference_;  ///< bright minus dark, summed over the turns

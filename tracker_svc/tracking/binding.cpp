@@ -50,13 +50,13 @@ bool MotionBinding::isDue(double time) const {
   return !started_ || time - slice_begin_ > kSlice - 1e-6;
 }
 
-void MotionBinding::step(double time, std::span<Evidence* const> caps) {
+void MotionBinding::step(double time, std::span<IdentityEvidence* const> caps) {
   measure(time, caps);
   bool weighed = false;
   while (!slices_.empty() && isReady(slices_.front(), time)) {
-    holders_.assign(ids_.size(), nullptr);
-    for (Evidence* cap : caps) {
-      if (cap->robot >= 0) holders_[static_cast<std::size_t>(cap->robot)] = cap;
+    bound_caps_.assign(ids_.size(), nullptr);
+    for (IdentityEvidence* cap : caps) {
+      if (cap->robot >= 0) bound_caps_[static_cast<std::size_t>(cap->robot)] = cap;
     }
     weigh(slices_.front(), caps);
     slices_.pop_front();
@@ -68,11 +68,11 @@ void MotionBinding::step(double time, std::span<Evidence* const> caps) {
   bindFree(caps);
 }
 
-void MotionBinding::measure(double time, std::span<Evidence* const> caps) {
+void MotionBinding::measure(double time, std::span<IdentityEvidence* const> caps) {
   const double duration = time - slice_begin_;
   const bool valid = started_ && duration <= kLongestSlice;
   const std::int64_t number = next_slice_++;
-  for (Evidence* cap : caps) {
+  for (IdentityEvidence* cap : caps) {
     if (valid && cap->begun && cap->placed) {
       SliceMotion& motion = cap->motions[static_cast<std::size_t>(number) % cap->motions.size()];
       motion.slice = number;
@@ -104,7 +104,8 @@ bool MotionBinding::isReady(const Slice& slice, double time) const {
 
 /// A cap of no robot keeps its speeds, or has new ones such as robots have. A change in the middle
 /// of a slice shows in that slice and in the next: it is surprising once.
-void MotionBinding::expectOfForeign(Evidence& cap, SliceMotion& motion, double fastest) const {
+void MotionBinding::expectOfForeign(IdentityEvidence& cap, SliceMotion& motion,
+                                    double fastest) const {
   const double left =
       WheelLog::randomVariance(motion.before.left, motion.duration) + motion.variance;
   const double right =
@@ -120,8 +121,8 @@ void MotionBinding::expectOfForeign(Evidence& cap, SliceMotion& motion, double f
                            WheelLog::randomVariance(motion.way.right, motion.duration)) /
                               2;
     const double any =
-        peak - std::log(population_.changes() *
-                        population_.density(motion.way, variance, motion.duration, fastest));
+        peak - std::log(motion_prior_.changes() *
+                        motion_prior_.density(motion.way, variance, motion.duration, fastest));
     surprise = std::min(held, any);
     if (cap.surprise > 1) {
       surprise = std::min(surprise, std::max(0.0, any - cap.surprise) + kSecondPart);
@@ -132,11 +133,11 @@ void MotionBinding::expectOfForeign(Evidence& cap, SliceMotion& motion, double f
   motion.foreign = peak - surprise;
 }
 
-void MotionBinding::weigh(const Slice& slice, std::span<Evidence* const> caps) {
+void MotionBinding::weigh(const Slice& slice, std::span<IdentityEvidence* const> caps) {
   for (std::size_t r = 0; r < logs_.size(); ++r) paths_[r] = logs_[r].path(slice.begin, slice.end);
-  population_.add(paths_, slice.end - slice.begin);
+  motion_prior_.add(paths_, slice.end - slice.begin);
   const double fastest = settings_.max_wheel_speed * (slice.end - slice.begin);
-  for (Evidence* cap : caps) {
+  for (IdentityEvidence* cap : caps) {
     SliceMotion& motion =
         cap->motions[static_cast<std::size_t>(slice.number) % cap->motions.size()];
     if (motion.slice != slice.number) continue;
@@ -144,7 +145,7 @@ void MotionBinding::weigh(const Slice& slice, std::span<Evidence* const> caps) {
     const bool open = cap->robot < 0 || cap->suspect;
     for (std::size_t r = 0; r < paths_.size(); ++r) {
       const bool own = cap->robot == static_cast<int>(r);
-      if (!open && !own && holders_[r] != nullptr) {
+      if (!open && !own && bound_caps_[r] != nullptr) {
         cap->pairs[r] = PairEvidence();
       } else if (paths_[r].known) {
         cap->pairs[r].add(motion, paths_[r], own ? kHighestBound : kHighestFree);
@@ -153,8 +154,8 @@ void MotionBinding::weigh(const Slice& slice, std::span<Evidence* const> caps) {
   }
 }
 
-void MotionBinding::unbind(Evidence& cap) {
-  holders_[static_cast<std::size_t>(cap.robot)] = nullptr;
+void MotionBinding::unbind(IdentityEvidence& cap) {
+  bound_caps_[static_cast<std::size_t>(cap.robot)] = nullptr;
   cap.robot = -1;
   cap.suspect = false;
   cap.contrary = 0;
@@ -163,8 +164,8 @@ void MotionBinding::unbind(Evidence& cap) {
 
 /// A binding ends where another robot explains the cap, or another cap the robot, far better than
 /// they explain each other; and where nothing has explained the cap for a long time.
-void MotionBinding::doubt(std::span<Evidence* const> caps) {
-  for (Evidence* cap : caps) {
+void MotionBinding::doubt(std::span<IdentityEvidence* const> caps) {
+  for (IdentityEvidence* cap : caps) {
     if (cap->robot < 0) continue;
     const double own = cap->pairs[static_cast<std::size_t>(cap->robot)].value();
     cap->suspect = own < kSuspicion;
@@ -173,13 +174,13 @@ void MotionBinding::doubt(std::span<Evidence* const> caps) {
     cap->proven = cap->proven || own > kProven;
     if (cap->contrary >= kContrary || (!cap->proven && own < kUnproven)) unbind(*cap);
   }
-  for (Evidence* cap : caps) {
+  for (IdentityEvidence* cap : caps) {
     for (std::size_t r = 0; r < ids_.size(); ++r) {
       if (cap->robot == static_cast<int>(r)) continue;
       if (cap->robot >= 0 && !cap->suspect) break;
       const double value = cap->pairs[r].value();
       if (value + prior_ < kBindRatio) continue;
-      Evidence* const holder = holders_[r];
+      IdentityEvidence* const holder = bound_caps_[r];
       if (holder != nullptr && value > holder->pairs[r].value() + kBindRatio) unbind(*holder);
       if (cap->robot >= 0 &&
           value > cap->pairs[static_cast<std::size_t>(cap->robot)].value() + kBindRatio) {
@@ -189,23 +190,23 @@ void MotionBinding::doubt(std::span<Evidence* const> caps) {
   }
 }
 
-double MotionBinding::prior(std::span<Evidence* const> caps) const {
-  const auto seen =
-      std::count_if(caps.begin(), caps.end(), [](const Evidence* cap) { return cap->placed; });
+double MotionBinding::prior(std::span<IdentityEvidence* const> caps) const {
+  const auto seen = std::count_if(caps.begin(), caps.end(),
+                                  [](const IdentityEvidence* cap) { return cap->placed; });
   const auto reporting = std::count_if(logs_.begin(), logs_.end(), [&](const WheelLog& log) {
     return !log.isEmpty() && log.latest() > slice_begin_ - kSilence;
   });
-  return seen > reporting ? kOneOfUsAmongMore : kOneOfUs;
+  return seen > reporting ? kLogPriorOwnRobotAmongMore : kLogPriorOwnRobot;
 }
 
-void MotionBinding::bindFree(std::span<Evidence* const> caps) {
+void MotionBinding::bindFree(std::span<IdentityEvidence* const> caps) {
   free_caps_.clear();
   free_robots_.clear();
   for (std::size_t r = 0; r < ids_.size(); ++r) {
-    if (holders_[r] == nullptr) free_robots_.push_back(r);
+    if (bound_caps_[r] == nullptr) free_robots_.push_back(r);
   }
   bool clear = false;
-  for (Evidence* cap : caps) {
+  for (IdentityEvidence* cap : caps) {
     if (cap->robot >= 0) continue;
     free_caps_.push_back(cap);
     for (const std::size_t r : free_robots_) {
@@ -213,7 +214,7 @@ void MotionBinding::bindFree(std::span<Evidence* const> caps) {
     }
   }
   if (!clear) {
-    for (Evidence* cap : free_caps_) cap->candidate = -1;
+    for (IdentityEvidence* cap : free_caps_) cap->candidate = -1;
     return;
   }
   assignment_.reset(free_caps_.size(), free_robots_.size());
@@ -225,7 +226,7 @@ void MotionBinding::bindFree(std::span<Evidence* const> caps) {
   }
   assignment_.solve();
   for (std::size_t i = 0; i < free_caps_.size(); ++i) {
-    Evidence& cap = *free_caps_[i];
+    IdentityEvidence& cap = *free_caps_[i];
     const int column = assignment_.columnOf(i);
     if (column < 0 || assignment_.margin(i) < kBindRatio) {
       cap.candidate = -1;
@@ -238,13 +239,13 @@ void MotionBinding::bindFree(std::span<Evidence* const> caps) {
   }
 }
 
-void MotionBinding::bindTo(Evidence& cap, std::size_t robot) {
+void MotionBinding::bindTo(IdentityEvidence& cap, std::size_t robot) {
   cap.robot = static_cast<int>(robot);
   cap.candidate = -1;
   cap.proven = false;
   cap.suspect = false;
   cap.contrary = 0;
-  holders_[robot] = &cap;
+  bound_caps_[robot] = &cap;
   ++bound_;
 }
 

@@ -38,7 +38,7 @@ class MotionBinding {
   [[nodiscard]] bool isDue(double time) const;
 
   /// Ends the slice; weighs what has been reported meanwhile; binds and unbinds.
-  void step(double time, std::span<Evidence* const> caps);
+  void step(double time, std::span<IdentityEvidence* const> caps);
 
   [[nodiscard]] std::int64_t bound() const { return bound_; }
   [[nodiscard]] std::int64_t unbound() const { return unbound_; }
@@ -47,8 +47,8 @@ class MotionBinding {
   static constexpr double kBindRatio = 11.5;
   /// A cap is one of the robots in view rather than a foreign one beside a robot out of view,
   /// before anything is known: 400 to 1; where there are more caps than robots that report, 3 to 1.
-  static constexpr double kOneOfUs = 6;
-  static constexpr double kOneOfUsAmongMore = 1.1;
+  static constexpr double kLogPriorOwnRobot = 6;
+  static constexpr double kLogPriorOwnRobotAmongMore = 1.1;
   /// So many slices in a row must say so.
   static constexpr int kConfirm = 3;
 
@@ -58,29 +58,29 @@ class MotionBinding {
     double begin = 0;
     double end = 0;
   };
-  void measure(double time, std::span<Evidence* const> caps);
+  void measure(double time, std::span<IdentityEvidence* const> caps);
   [[nodiscard]] bool isReady(const Slice& slice, double time) const;
-  [[nodiscard]] double prior(std::span<Evidence* const> caps) const;
-  void expectOfForeign(Evidence& cap, SliceMotion& motion, double fastest) const;
-  void weigh(const Slice& slice, std::span<Evidence* const> caps);
-  void doubt(std::span<Evidence* const> caps);
-  void bindFree(std::span<Evidence* const> caps);
-  void bindTo(Evidence& cap, std::size_t robot);
-  void unbind(Evidence& cap);
+  [[nodiscard]] double prior(std::span<IdentityEvidence* const> caps) const;
+  void expectOfForeign(IdentityEvidence& cap, SliceMotion& motion, double fastest) const;
+  void weigh(const Slice& slice, std::span<IdentityEvidence* const> caps);
+  void doubt(std::span<IdentityEvidence* const> caps);
+  void bindFree(std::span<IdentityEvidence* const> caps);
+  void bindTo(IdentityEvidence& cap, std::size_t robot);
+  void unbind(IdentityEvidence& cap);
 
   MotionSettings settings_;
   std::vector<std::int32_t> ids_;
   std::vector<WheelLog> logs_;
   std::vector<WheelPath> paths_;
-  std::vector<Evidence*> holders_;  ///< the cap bound to a robot
-  std::deque<Slice> slices_;        ///< not weighed yet
+  std::vector<IdentityEvidence*> bound_caps_;  ///< the cap bound to a robot
+  std::deque<Slice> slices_;                   ///< not weighed yet
   std::int64_t next_slice_ = 0;
   double slice_begin_ = 0;
-  double prior_ = kOneOfUs;  ///< [ln] for each pair, added to its evidence
+  double prior_ = kLogPriorOwnRobot;  ///< [ln] for each pair, added to its evidence
   bool started_ = false;
-  Population population_;
+  MotionPrior motion_prior_;
   Assignment assignment_;
-  std::vector<Evidence*> free_caps_;
+  std::vector<IdentityEvidence*> free_caps_;
   std::vector<std::size_t> free_robots_;
   std::int64_t bound_ = 0;
   std::int64_t unbound_ = 0;

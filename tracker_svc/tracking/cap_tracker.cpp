@@ -24,7 +24,7 @@ constexpr double kNewAtOnce = 1e-5;    // [1] and at least in any picture
 // A cap that was seen in the last lit picture is rarely missed in the next; one that was missed for
 // long has a reason to stay hidden.
 constexpr double kMissed[] = {0.05, 0.5, 0.95};
-constexpr int kMissedLong = 5;  // pictures
+constexpr int kMissedLong = 5;           // pictures
 constexpr float kFlippedQuality = 0.4F;  // [1] below what an analysis takes for good
 
 bool isDegraded(const detector::Detection& detection) {
@@ -43,23 +43,23 @@ double distance2(const dynamics::Pose& pose, const detector::Detection& detectio
 
 }  // namespace
 
-struct CapTracker::Follow {
+struct CapTracker::TrackState {
   std::int64_t number = 0;
   dynamics::Pose pose;  ///< where it was last seen
   std::array<double, 6> covariance{};
   detector::Detection detection;  ///< of this picture, or predicted
-  double first = 0;     ///< [s] when it was first seen
-  double last = 0;      ///< [s] and last
+  double first = 0;               ///< [s] when it was first seen
+  double last = 0;                ///< [s] and last
   bool seen = true;
-  Wheels speeds;    ///< [m/s] under the cap
-  int votes = 1;    ///< pictures that agree with the heading, less those that do not
-  int misses = 0;   ///< lit pictures without it since it was last seen
-  int blanks = 0;   ///< pictures of any kind without it since then
+  Wheels speeds;            ///< [m/s] under the cap
+  int votes = 1;            ///< pictures that agree with the heading, less those that do not
+  int misses = 0;           ///< lit pictures without it since it was last seen
+  int blanks = 0;           ///< pictures of any kind without it since then
   dynamics::Pose begun_at;  ///< of the stride that it is in
   double begun = 0;         ///< [s]
   double shown = 0;         ///< [m/s] the highest mean speed of a stride
-  int chosen = -1;  ///< detection of this picture
-  Evidence evidence;
+  int chosen = -1;          ///< detection of this picture
+  IdentityEvidence evidence;
 };
 
 CapTracker::CapTracker(const TrackerSettings& settings, std::vector<std::int32_t> robot_ids)
@@ -81,20 +81,20 @@ double CapTracker::reachOf(double unseen) const {
 
 /// The median of the highest speeds that caps have shown: no hand that carries one counts.
 double CapTracker::usualSpeed() const {
-  if (follows_.empty()) return 0;
+  if (track_states_.empty()) return 0;
   std::vector<double> speeds;
-  for (const Follow& follow : follows_) speeds.push_back(follow.shown);
+  for (const TrackState& follow : track_states_) speeds.push_back(follow.shown);
   const auto middle = speeds.begin() + static_cast<std::ptrdiff_t>(speeds.size() / 2);
   std::ranges::nth_element(speeds, middle);
   return *middle;
 }
 
 /// How far from where it was last seen it may come back and be the same.
-double CapTracker::returnOf(const Follow& follow, double time, double usual) const {
+double CapTracker::returnOf(const TrackState& follow, double time, double usual) const {
   const double unseen = std::max(0.0, time - follow.last);
   const double by_hand = 2 * reachOf(unseen);
   // Without a picture in between it was not missed: films may have one a second.
-  if (!settings_.strangers || follow.blanks == 0 || unseen <= kLost) return by_hand;
+  if (!settings_.caps_may_be_replaced || follow.blanks == 0 || unseen <= kLost) return by_hand;
   const double speed = std::max(follow.shown, usual);
   return std::min(by_hand, kShownFaster * speed * unseen + settings_.robot_radius);
 }
@@ -103,7 +103,7 @@ double CapTracker::turnOf(double unseen) const {
   return kFaster * 2 * settings_.max_wheel_speed / settings_.wheel_base * unseen + 0.1;
 }
 
-Reckoning CapTracker::reckon(const Follow& follow, double time) {
+Reckoning CapTracker::reckon(const TrackState& follow, double time) {
   Reckoning result = reckoner_.reckon(follow.pose, follow.covariance, follow.speeds,
                                       binding_.logOf(follow.evidence.robot), follow.last, time);
   // Walls hold what is inside.
@@ -119,7 +119,7 @@ Reckoning CapTracker::reckon(const Follow& follow, double time) {
 
 const std::vector<detector::Expected>& CapTracker::expect(double time) {
   expected_.clear();
-  for (const Follow& follow : follows_) {
+  for (const TrackState& follow : track_states_) {
     const double unseen = std::max(0.0, time - follow.last);
     const dynamics::Pose pose = reckon(follow, time).pose;
     const double moved = std::hypot(pose.x - follow.pose.x, pose.y - follow.pose.y);
@@ -135,11 +135,11 @@ const std::vector<detector::Expected>& CapTracker::expect(double time) {
 const std::vector<Track>& CapTracker::update(double time,
                                              std::span<const detector::Detection> detections) {
   clean(detections);
-  for (Follow& follow : follows_) follow.chosen = -1;
+  for (TrackState& follow : track_states_) follow.chosen = -1;
   matchSure(time);
   matchRest(time);
-  const bool lit = 2 * found_.size() >= follows_.size() && !found_.empty();
-  for (Follow& follow : follows_) {
+  const bool lit = 2 * found_.size() >= track_states_.size() && !found_.empty();
+  for (TrackState& follow : track_states_) {
     if (follow.chosen >= 0) {
       see(follow, time, found_[static_cast<std::size_t>(follow.chosen)]);
     } else {
@@ -172,8 +172,8 @@ void CapTracker::clean(std::span<const detector::Detection> detections) {
 /// itself.
 void CapTracker::matchSure(double time) {
   constexpr int kSeveral = -2;
-  for (std::size_t i = 0; i < follows_.size(); ++i) {
-    Follow& follow = follows_[i];
+  for (std::size_t i = 0; i < track_states_.size(); ++i) {
+    TrackState& follow = track_states_[i];
     const double reach = reachOf(std::max(0.0, time - follow.last));
     if (reach > 0.95 * settings_.robot_radius) continue;
     for (std::size_t j = 0; j < found_.size(); ++j) {
@@ -183,7 +183,7 @@ void CapTracker::matchSure(double time) {
     }
   }
   // Where there are several, the picture shows what cannot be: likelihood decides.
-  for (Follow& follow : follows_) {
+  for (TrackState& follow : track_states_) {
     if (follow.chosen >= 0 && cap_of_[static_cast<std::size_t>(follow.chosen)] < 0) {
       follow.chosen = -1;
     }
@@ -191,7 +191,7 @@ void CapTracker::matchSure(double time) {
   }
   for (std::size_t j = 0; j < found_.size(); ++j) {
     if (cap_of_[j] < 0 ||
-        follows_[static_cast<std::size_t>(cap_of_[j])].chosen != static_cast<int>(j)) {
+        track_states_[static_cast<std::size_t>(cap_of_[j])].chosen != static_cast<int>(j)) {
       cap_of_[j] = -1;
     }
   }
@@ -206,12 +206,12 @@ void CapTracker::matchRest(double time) {
   }
   if (columns.empty()) return;
   std::vector<std::size_t> rows;
-  const double usual = settings_.strangers ? usualSpeed() : 0;
-  for (std::size_t i = 0; i < follows_.size(); ++i) {
-    if (follows_[i].chosen >= 0) continue;
-    const double reach = returnOf(follows_[i], time, usual);
+  const double usual = settings_.caps_may_be_replaced ? usualSpeed() : 0;
+  for (std::size_t i = 0; i < track_states_.size(); ++i) {
+    if (track_states_[i].chosen >= 0) continue;
+    const double reach = returnOf(track_states_[i], time, usual);
     if (std::any_of(columns.begin(), columns.end(), [&](std::size_t j) {
-          return distance2(follows_[i].pose, found_[j]) <= reach * reach;
+          return distance2(track_states_[i].pose, found_[j]) <= reach * reach;
         })) {
       rows.push_back(i);
     }
@@ -221,10 +221,10 @@ void CapTracker::matchRest(double time) {
   const double new_density = (kNewCaps * (time - lit_) + kNewAtOnce) / area;
   assignment_.reset(rows.size(), columns.size());
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    const Follow& follow = follows_[rows[i]];
-    const Outlook outlook(follow.pose, reckon(follow, time),
-                          reachOf(std::max(0.0, time - follow.last)),
-                          kFaster * settings_.max_wheel_speed);
+    const TrackState& follow = track_states_[rows[i]];
+    const ReappearanceDensity outlook(follow.pose, reckon(follow, time),
+                                      reachOf(std::max(0.0, time - follow.last)),
+                                      kFaster * settings_.max_wheel_speed);
     const double missed = kMissed[follow.misses == 0 ? 0 : follow.misses < kMissedLong ? 1 : 2];
     assignment_.setAlone(i, -std::log(missed));
     const double farthest = returnOf(follow, time, usual);
@@ -238,7 +238,7 @@ void CapTracker::matchRest(double time) {
   }
   assignment_.solve();
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    Follow& follow = follows_[rows[i]];
+    TrackState& follow = track_states_[rows[i]];
     const int column = assignment_.columnOf(i);
     if (column >= 0) {
       follow.chosen = static_cast<int>(columns[static_cast<std::size_t>(column)]);
@@ -248,12 +248,12 @@ void CapTracker::matchRest(double time) {
   }
 }
 
-void CapTracker::doubt(Follow& follow) {
+void CapTracker::doubt(TrackState& follow) {
   if (follow.evidence.robot >= 0) ++counts_.unbound;
   follow.evidence.forget();
 }
 
-void CapTracker::see(Follow& follow, double time, detector::Detection detection) {
+void CapTracker::see(TrackState& follow, double time, detector::Detection detection) {
   // A degraded pose has the heading that was expected, and is no measure of speed.
   const bool sharp = !isDegraded(detection);
   if (sharp) correctFlip(follow, time, detection);
@@ -287,7 +287,7 @@ void CapTracker::see(Follow& follow, double time, detector::Detection detection)
   follow.blanks = 0;
 }
 
-void CapTracker::correctFlip(Follow& follow, double time, detector::Detection& detection) {
+void CapTracker::correctFlip(TrackState& follow, double time, detector::Detection& detection) {
   const double unseen = std::max(0.0, time - follow.last);
   double limit = turnOf(unseen);
   double from = follow.pose.theta;
@@ -318,7 +318,7 @@ void CapTracker::correctFlip(Follow& follow, double time, detector::Detection& d
   detection.quality = std::min(detection.quality, kFlippedQuality);
 }
 
-void CapTracker::miss(Follow& follow, double time, bool lit) {
+void CapTracker::miss(TrackState& follow, double time, bool lit) {
   const Reckoning reckoning = reckon(follow, time);
   detector::Detection& detection = follow.detection;
   detection.x = reckoning.pose.x;
@@ -334,7 +334,7 @@ void CapTracker::miss(Follow& follow, double time, bool lit) {
 }
 
 void CapTracker::start(double time, const detector::Detection& detection) {
-  Follow follow;
+  TrackState follow;
   follow.number = next_number_++;
   follow.pose = poseOf(detection);
   follow.covariance = detection.covariance;
@@ -344,23 +344,23 @@ void CapTracker::start(double time, const detector::Detection& detection) {
   follow.begun = time;
   follow.begun_at = follow.pose;
   follow.evidence.pairs.resize(binding_.robots());
-  follows_.push_back(std::move(follow));
+  track_states_.push_back(std::move(follow));
 }
 
 void CapTracker::giveUp(double time) {
-  const auto isLost = [&](const Follow& follow) {
+  const auto isLost = [&](const TrackState& follow) {
     if (follow.seen) return false;
     const double patience = std::min(kGiveUp, kBriefly + follow.last - follow.first);
     const detector::Detection& at = follow.detection;
     return time - follow.last > patience || at.x < -kOutside || at.y < -kOutside ||
            at.x > settings_.arena_width + kOutside || at.y > settings_.arena_height + kOutside;
   };
-  const auto end = std::remove_if(follows_.begin(), follows_.end(), isLost);
-  counts_.lost += follows_.end() - end;
-  follows_.erase(end, follows_.end());
+  const auto end = std::remove_if(track_states_.begin(), track_states_.end(), isLost);
+  counts_.lost += track_states_.end() - end;
+  track_states_.erase(end, track_states_.end());
 }
 
-bool CapTracker::isTouching(const Follow& follow) const {
+bool CapTracker::isTouching(const TrackState& follow) const {
   const dynamics::Pose& at = follow.pose;
   const double wall = settings_.robot_radius + kTouch;
   if (at.x < wall || at.y < wall || at.x > settings_.arena_width - wall ||
@@ -368,7 +368,7 @@ bool CapTracker::isTouching(const Follow& follow) const {
     return true;
   }
   const double near = 2 * settings_.robot_radius + kTouch;
-  return std::any_of(follows_.begin(), follows_.end(), [&](const Follow& other) {
+  return std::any_of(track_states_.begin(), track_states_.end(), [&](const TrackState& other) {
     const double dx = other.pose.x - at.x;
     const double dy = other.pose.y - at.y;
     return &other != &follow && dx * dx + dy * dy < near * near;
@@ -377,8 +377,8 @@ bool CapTracker::isTouching(const Follow& follow) const {
 
 void CapTracker::compareMotion(double time) {
   evidence_.clear();
-  for (Follow& follow : follows_) {
-    Evidence& evidence = follow.evidence;
+  for (TrackState& follow : track_states_) {
+    IdentityEvidence& evidence = follow.evidence;
     evidence.placed = follow.seen && !isDegraded(follow.detection);
     evidence.place = follow.pose;
     const double half_base = settings_.wheel_base / 2;
@@ -397,12 +397,12 @@ void CapTracker::compareMotion(double time) {
 bool CapTracker::bind(std::int32_t robot_id, double x, double y, double reach) {
   const int robot = binding_.indexOf(robot_id);
   if (robot < 0) return false;
-  Follow* nearest = nullptr;
+  TrackState* nearest = nullptr;
   double least = reach * reach;
   detector::Detection place;
   place.x = x;
   place.y = y;
-  for (Follow& follow : follows_) {
+  for (TrackState& follow : track_states_) {
     const double distance = distance2(follow.pose, place);
     if (!follow.seen || isDegraded(follow.detection) || distance > least) continue;
     least = distance;
@@ -410,7 +410,7 @@ bool CapTracker::bind(std::int32_t robot_id, double x, double y, double reach) {
   }
   if (nearest == nullptr) return false;
   if (nearest->evidence.robot == robot) return true;
-  for (Follow& follow : follows_) {
+  for (TrackState& follow : track_states_) {
     if (follow.evidence.robot == robot) doubt(follow);
   }
   if (nearest->evidence.robot >= 0) doubt(*nearest);
@@ -418,16 +418,16 @@ bool CapTracker::bind(std::int32_t robot_id, double x, double y, double reach) {
   nearest->evidence.robot = robot;
   nearest->evidence.proven = true;
   ++counts_.bound;
-  for (std::size_t i = 0; i < tracks_.size() && i < follows_.size(); ++i) {
-    tracks_[i].robot_id = binding_.idOf(follows_[i].evidence.robot);
+  for (std::size_t i = 0; i < tracks_.size() && i < track_states_.size(); ++i) {
+    tracks_[i].robot_id = binding_.idOf(track_states_[i].evidence.robot);
   }
   return true;
 }
 
 void CapTracker::publish(double time) {
-  tracks_.resize(follows_.size());
-  for (std::size_t i = 0; i < follows_.size(); ++i) {
-    const Follow& follow = follows_[i];
+  tracks_.resize(track_states_.size());
+  for (std::size_t i = 0; i < track_states_.size(); ++i) {
+    const TrackState& follow = track_states_[i];
     tracks_[i] = {follow.number, binding_.idOf(follow.evidence.robot), follow.detection,
                   follow.seen, follow.seen ? 0 : time - follow.last};
   }

@@ -39,7 +39,7 @@ struct TrackerSettings {
   /// was missed for longer than half a second is itself only within a robot's radius, and as far as
   /// twice its speed takes it: the highest that it has shown over half a second, at least the
   /// median of all tracks' highest (a wall may have held it).
-  bool strangers = false;
+  bool caps_may_be_replaced = false;
 };
 
 struct TrackerCounts {
@@ -62,8 +62,8 @@ struct TrackerCounts {
 /// turn off for longer than it was right before (at most kVotes pictures), the first one was the
 /// mistake.
 ///
-/// A degraded pose (detector::kUsedRim) keeps its track alive and where it is; it begins none, tells
-/// no speed, flips no heading and binds no robot.
+/// A degraded pose (detector::kUsedRim) keeps its track alive and where it is; it begins none,
+/// tells no speed, flips no heading and binds no robot.
 ///
 /// A track binds to a robot when what the cap did fits what that robot's wheels did, and fits no
 /// other free robot and no other free track: a robot that turns on the spot while the others stand
@@ -103,23 +103,23 @@ class CapTracker {
   static constexpr double kGiveUp = 5;
 
  private:
-  struct Follow;
+  struct TrackState;
 
   void clean(std::span<const detector::Detection> detections);
   void matchSure(double time);
   void matchRest(double time);
-  void see(Follow& follow, double time, detector::Detection detection);
-  void correctFlip(Follow& follow, double time, detector::Detection& detection);
-  void miss(Follow& follow, double time, bool lit);
+  void see(TrackState& follow, double time, detector::Detection detection);
+  void correctFlip(TrackState& follow, double time, detector::Detection& detection);
+  void miss(TrackState& follow, double time, bool lit);
   void start(double time, const detector::Detection& detection);
   void giveUp(double time);
-  void doubt(Follow& follow);
+  void doubt(TrackState& follow);
   void compareMotion(double time);
-  [[nodiscard]] bool isTouching(const Follow& follow) const;
+  [[nodiscard]] bool isTouching(const TrackState& follow) const;
   void publish(double time);
-  [[nodiscard]] Reckoning reckon(const Follow& follow, double time);
+  [[nodiscard]] Reckoning reckon(const TrackState& follow, double time);
   [[nodiscard]] double reachOf(double unseen) const;
-  [[nodiscard]] double returnOf(const Follow& follow, double time, double usual) const;
+  [[nodiscard]] double returnOf(const TrackState& follow, double time, double usual) const;
   [[nodiscard]] double usualSpeed() const;
   [[nodiscard]] double turnOf(double unseen) const;
 
@@ -127,12 +127,12 @@ class CapTracker {
   MotionBinding binding_;
   DeadReckoner reckoner_;
   Assignment assignment_;
-  std::vector<Follow> follows_;
+  std::vector<TrackState> track_states_;
   std::vector<Track> tracks_;
   std::vector<detector::Expected> expected_;
   std::vector<detector::Detection> found_;  ///< of this picture
-  std::vector<int> cap_of_;       ///< index into follows_ for each of them, -1: none yet
-  std::vector<Evidence*> evidence_;
+  std::vector<int> cap_of_;  ///< index into track_states_ for each of them, -1: none yet
+  std::vector<IdentityEvidence*> evidence_;
   std::int64_t next_number_ = 1;
   double lit_ = 0;  ///< [s] when caps were last seen
   TrackerCounts counts_;

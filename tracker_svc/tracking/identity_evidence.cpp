@@ -30,7 +30,7 @@ bool isSlower(double way, double reported, double tolerance) {
 
 }  // namespace
 
-void Population::add(std::span<const WheelPath> paths, double duration) {
+void MotionPrior::add(std::span<const WheelPath> paths, double duration) {
   for (double* sum :
        {&weight_, &left_, &right_, &left_left_, &left_right_, &right_right_, &changes_, &slices_}) {
     *sum *= kFade;
@@ -52,7 +52,7 @@ void Population::add(std::span<const WheelPath> paths, double duration) {
   }
 }
 
-void Population::addNormal(const WheelPath& path, double duration) {
+void MotionPrior::addNormal(const WheelPath& path, double duration) {
   const double left = path.left / duration;
   const double right = path.right / duration;
   weight_ += 1;
@@ -65,7 +65,7 @@ void Population::addNormal(const WheelPath& path, double duration) {
   if (path.changed) changes_ += 1;
 }
 
-double Population::normalDensity(const Wheels& way, double variance, double duration) const {
+double MotionPrior::normalDensity(const Wheels& way, double variance, double duration) const {
   if (weight_ <= 0) return 0;
   const double left = left_ / weight_;
   const double right = right_ / weight_;
@@ -80,8 +80,8 @@ double Population::normalDensity(const Wheels& way, double variance, double dura
          (2 * std::numbers::pi * std::sqrt(determinant));
 }
 
-double Population::density(const Wheels& way, double variance, double duration,
-                           double fastest) const {
+double MotionPrior::density(const Wheels& way, double variance, double duration,
+                            double fastest) const {
   double sampled = 0;
   for (const Wheels& sample : samples_) {
     const double z =
@@ -189,7 +189,7 @@ void PairEvidence::sum(double highest) {
   value_ = limited;
 }
 
-void Evidence::forget() {
+void IdentityEvidence::forget() {
   robot = -1;
   std::fill(pairs.begin(), pairs.end(), PairEvidence());
   motions = {};

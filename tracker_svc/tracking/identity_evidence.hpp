@@ -27,7 +27,7 @@ struct SliceMotion {
 };
 
 /// What robots do these days: what may be expected of a cap of which nothing is known.
-class Population {
+class MotionPrior {
  public:
   /// Takes what the robots did in a slice.
   void add(std::span<const WheelPath> paths, double duration);
@@ -106,7 +106,7 @@ class PairEvidence {
 };
 
 /// What is known of one cap's identity.
-struct Evidence {
+struct IdentityEvidence {
   int robot = -1;                   ///< index of the robot it is bound to, -1: unbound
   std::vector<PairEvidence> pairs;  ///< with every robot
   std::array<SliceMotion, 16> motions;

@@ -119,9 +119,9 @@ Reckoning DeadReckoner::reckon(const dynamics::Pose& from, const std::array<doub
     idle += span;
     time = until;
   };
-  stretches_.clear();
-  if (reports != nullptr) reports->stretches(begin, end, stretches_);
-  for (const WheelStretch& part : stretches_) {
+  segments_.clear();
+  if (reports != nullptr) reports->segments(begin, end, segments_);
+  for (const WheelSegment& part : segments_) {
     assume(part.begin);
     const double span = part.end - part.begin;
     const double when = square(part.end - part.begin) / 12 + square(WheelLog::kTimeError);

@@ -54,7 +54,7 @@ class DeadReckoner {
 
  private:
   MotionSettings settings_;
-  std::vector<WheelStretch> stretches_;
+  std::vector<WheelSegment> segments_;
 };
 
 }  // namespace lab::tracker

@@ -42,7 +42,8 @@ double anywhereDensity(double distance, double reach) {
 
 }  // namespace
 
-Outlook::Outlook(const dynamics::Pose& from, const Reckoning& free, double reach, double speed)
+ReappearanceDensity::ReappearanceDensity(const dynamics::Pose& from, const Reckoning& free,
+                                         double reach, double speed)
     : from_(from), free_(free), reach_(reach) {
   const double time = free.known + free.assumed;
   known_ = time > 0 ? free.known / time : 0;
@@ -50,7 +51,7 @@ Outlook::Outlook(const dynamics::Pose& from, const Reckoning& free, double reach
   drift_ = speed * free.assumed + kSlack;
 }
 
-double Outlook::logDensity(const detector::Detection& detection) const {
+double ReappearanceDensity::logDensity(const detector::Detection& detection) const {
   const double distance = std::hypot(detection.x - from_.x, detection.y - from_.y);
   if (distance > 2 * reach_) return -1e9;
   std::array<double, 6> c = free_.covariance;

@@ -11,13 +11,14 @@ namespace lab::tracker {
 /// A cap may have rolled freely as its wheels say, or said last; been held up on its way by others;
 /// have drawn new speeds; or have gone anywhere its wheels can take it. Hands may have taken it
 /// farther.
-class Outlook {
+class ReappearanceDensity {
  public:
   /// @param from where it was last seen
   /// @param free where it would be had nothing held it up
   /// @param reach [m] how far it can have driven since
   /// @param speed [m/s] the highest
-  Outlook(const dynamics::Pose& from, const Reckoning& free, double reach, double speed);
+  ReappearanceDensity(const dynamics::Pose& from, const Reckoning& free, double reach,
+                      double speed);
 
   /// Natural logarithm of the density [1/(m^2 rad)] at a detection.
   [[nodiscard]] double logDensity(const detector::Detection& detection) const;

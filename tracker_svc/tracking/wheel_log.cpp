@@ -25,7 +25,7 @@ void WheelLog::forgetBefore(double time) {
                  reports_.begin() + static_cast<std::ptrdiff_t>(reports_.size() / 2));
 }
 
-void WheelLog::stretches(double begin, double end, std::vector<WheelStretch>& out) const {
+void WheelLog::segments(double begin, double end, std::vector<WheelSegment>& out) const {
   out.clear();
   if (reports_.size() < 2 || end <= begin) return;
   auto next =
@@ -36,7 +36,7 @@ void WheelLog::stretches(double begin, double end, std::vector<WheelStretch>& ou
     const Report& before = *(next - 1);
     const double gap = next->time - before.time;
     if (gap > kLongestGap) continue;
-    WheelStretch stretch;
+    WheelSegment stretch;
     stretch.begin = std::max(begin, before.time);
     stretch.end = std::min(end, next->time);
     // The speed changed at some instant between the two reports, each as likely as any other.
@@ -52,12 +52,12 @@ void WheelLog::stretches(double begin, double end, std::vector<WheelStretch>& ou
 }
 
 WheelPath WheelLog::path(double begin, double end) const {
-  static thread_local std::vector<WheelStretch> parts;
+  static thread_local std::vector<WheelSegment> parts;
   // Changes shortly before and after count with their error of time alone.
-  stretches(begin - kTimeError, end + kTimeError, parts);
+  segments(begin - kTimeError, end + kTimeError, parts);
   WheelPath path;
   double covered = 0;
-  for (const WheelStretch& part : parts) {
+  for (const WheelSegment& part : parts) {
     const double inside = std::max(0.0, std::min(part.end, end) - std::max(part.begin, begin));
     const double when = square(part.end - part.begin) / 12 + square(kTimeError);
     covered += inside;
@@ -73,8 +73,8 @@ WheelPath WheelLog::path(double begin, double end) const {
   path.left_variance += randomVariance(path.left, time);
   path.right_variance += randomVariance(path.right, time);
   if (!parts.empty()) {
-    const WheelStretch& first = parts.front();
-    const WheelStretch& last = parts.back();
+    const WheelSegment& first = parts.front();
+    const WheelSegment& last = parts.back();
     path.first_left = first.left_from * time;
     path.first_right = first.right_from * time;
     path.last_left = (last.left_from + last.left_step) * time;

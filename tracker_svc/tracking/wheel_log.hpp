@@ -20,7 +20,7 @@ struct WheelPath {
 };
 
 /// A stretch of time in which both wheels kept about one speed.
-struct WheelStretch {
+struct WheelSegment {
   double begin = 0;  ///< [s]
   double end = 0;
   double left = 0;  ///< [m/s]
@@ -45,7 +45,7 @@ class WheelLog {
 
   /// What is known of [begin, end], in order; gaps between reports of more than kLongestGap and
   /// what lies before the first or behind the last report are left out.
-  void stretches(double begin, double end, std::vector<WheelStretch>& out) const;
+  void segments(double begin, double end, std::vector<WheelSegment>& out) const;
 
   /// The wheels' ways from begin to end, with the errors of real wheels and of the reports' times.
   [[nodiscard]] WheelPath path(double begin, double end) const;

@@ -2,14 +2,14 @@
 
 #include <algorithm>
 
-#include "tracker_svc/views/debug_view.hpp"
 #include "tracker_svc/overlay.hpp"
+#include "tracker_svc/views/debug_view.hpp"
 
 namespace lab::tracker {
 namespace {
 
 /// Copies what is to be drawn: the drawing itself happens on the view's own thread.
-class HttpDebugPort final : public DebugPort {
+class HttpDebugPort final : public DebugOutput {
  public:
   HttpDebugPort(int port, const optics::CameraModel& camera, const optics::CapGeometry& cap)
       : camera_(camera), cap_(cap), view_(port) {}
@@ -42,8 +42,9 @@ class HttpDebugPort final : public DebugPort {
 
 }  // namespace
 
-std::unique_ptr<DebugPort> openDebugPort(Loop& loop, int port, const optics::CameraModel& camera,
-                                         const optics::CapGeometry& cap) {
+std::unique_ptr<DebugOutput> openDebugOutput(Loop& loop, int port,
+                                             const optics::CameraModel& camera,
+                                             const optics::CapGeometry& cap) {
   if (loop.isVirtual() || port == 0) return nullptr;
   return std::make_unique<HttpDebugPort>(port, camera, cap);
 }

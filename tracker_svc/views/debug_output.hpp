@@ -13,12 +13,12 @@
 namespace lab::tracker {
 
 /// The debug view of a tracker: pictures with detections and with what was refused, and why.
-class DebugPort {
+class DebugOutput {
  public:
-  DebugPort() = default;
-  DebugPort(const DebugPort&) = delete;
-  DebugPort& operator=(const DebugPort&) = delete;
-  virtual ~DebugPort() = default;
+  DebugOutput() = default;
+  DebugOutput(const DebugOutput&) = delete;
+  DebugOutput& operator=(const DebugOutput&) = delete;
+  virtual ~DebugOutput() = default;
 
   /// Whether anybody looks: else there is no need to draw.
   [[nodiscard]] virtual bool wanted() const = 0;
@@ -28,11 +28,11 @@ class DebugPort {
 };
 
 /// On http://127.0.0.1:port/, where the loop is a live one; null where it is virtual or the port 0.
-/// Painting, encoding and sending happen on a thread of its own. `camera` and `cap` are needed to draw
-/// outlines where the caps are.
+/// Painting, encoding and sending happen on a thread of its own. `camera` and `cap` are needed to
+/// draw outlines where the caps are.
 /// @throws CameraError when the port is taken.
-[[nodiscard]] std::unique_ptr<DebugPort> openDebugPort(Loop& loop, int port,
-                                                       const optics::CameraModel& camera,
-                                                       const optics::CapGeometry& cap);
+[[nodiscard]] std::unique_ptr<DebugOutput> openDebugOutput(Loop& loop, int port,
+                                                           const optics::CameraModel& camera,
+                                                           const optics::CapGeometry& cap);
 
 }  // namespace lab::tracker

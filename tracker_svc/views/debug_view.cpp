@@ -305,8 +305,8 @@ void DebugView::Server::send(const Handle& viewer, std::shared_ptr<const Bytes> 
         fmt::format("Content-Type: image/jpeg\r\nContent-Length: {}\r\n\r\n", viewer->body->size());
     tail = "\r\n--picture\r\n";
   } else {
-    viewer->head = responseHead("200 OK", viewer->jpeg ? "image/jpeg" : "image/png",
-                                viewer->body->size());
+    viewer->head =
+        responseHead("200 OK", viewer->jpeg ? "image/jpeg" : "image/png", viewer->body->size());
   }
   const std::array<asio::const_buffer, 3> parts{asio::buffer(viewer->head),
                                                 asio::buffer(*viewer->body), asio::buffer(tail)};

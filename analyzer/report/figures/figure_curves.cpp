@@ -2,10 +2,10 @@
 #include <cmath>
 #include <limits>
 
-#include "common/math/units.hpp"
 #include "analyzer/report/figures/figure_files.hpp"
 #include "analyzer/report/figures/figure_scripts.hpp"
 #include "analyzer/report/figures/gnuplot.hpp"
+#include "common/math/units.hpp"
 #include "common/text/format.hpp"
 
 namespace lab::report {
@@ -25,10 +25,14 @@ struct Quantity {
   std::vector<CurvePoint> analysis::Curves::*curve;
 };
 
-constexpr Quantity kMsd{"msd", "Mean-squared displacement", "MSD (cm²)", "cm2", 1e4,
-                        &analysis::Curves::msd};
-constexpr Quantity kAngular{"angular_msd", "Angular mean-squared displacement",
-                            "angular MSD (rad²)", "rad2", 1, &analysis::Curves::angular_msd};
+constexpr Quantity kMsd{"msd", "Mean-squared displacement", "MSD (cm²)", "cm2",
+                        1e4,   &analysis::Curves::msd};
+constexpr Quantity kAngular{"angular_msd",
+                            "Angular mean-squared displacement",
+                            "angular MSD (rad²)",
+                            "rad2",
+                            1,
+                            &analysis::Curves::angular_msd};
 
 bool drawable(const CurvePoint& point) {
   return point.windows > 0 && std::isfinite(point.value) && point.value > 0 && point.tau > 0;
@@ -125,7 +129,8 @@ std::string upperPanel(const CurveData& data, const Quantity& quantity) {
       "set xrange [{:.6g}:{:.6g}]\nset ylabel '{}' offset 0.5\nset key top left Left reverse\n"
       "plot ",
       data.has_law ? "set format x ''\nset bmargin at screen 0.40\n"
-                   : "set format x '%g'\nset bmargin at screen (on_paper ? 0.18 : 0.13)\nset xlabel 'lag (s)'\n",
+                   : "set format x '%g'\nset bmargin at screen (on_paper ? 0.18 : 0.13)\nset "
+                     "xlabel 'lag (s)'\n",
       data.first / 1.4, data.last * 1.4, quantity.axis);
   std::vector<std::string> plots;
   if (data.has_robots) {
@@ -143,9 +148,9 @@ std::string upperPanel(const CurveData& data, const Quantity& quantity) {
         "$judged using 1:2 with points pt 7 ps 0.5 lc rgb 'black' title 'measured'");
   }
   if (data.has_paper) {
-    plots.push_back(fmt::format(
-        "$paper using 1:2 with lines lw 2 dt (8,5) lc rgb '{}' title 'paper’s formula'",
-        style::kVermillion));
+    plots.push_back(
+        fmt::format("$paper using 1:2 with lines lw 2 dt (8,5) lc rgb '{}' title 'paper’s formula'",
+                    style::kVermillion));
   }
   if (data.has_law) {
     plots.push_back(fmt::format("$law using 1:2 with lines lw 1.6 lc rgb '{}' title 'exact law'",

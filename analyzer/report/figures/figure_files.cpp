@@ -11,8 +11,8 @@ namespace lab::report {
 namespace fs = std::filesystem;
 namespace {
 
-// Every figure opens itself by open_figure(name, width px, height px, width in print cm), so that one
-// script serves both; a journal wants text of 8 pt whatever the width.
+// Every figure opens itself by open_figure(name, width px, height px, width in print cm), so that
+// one script serves both; a journal wants text of 8 pt whatever the width.
 constexpr const char* kForScreen =
     "on_paper = 0\nsmall_font = 'Arial,14'\n"
     "open_figure(name, w, h, cm) = sprintf(\"set terminal svg size %d,%d dynamic font 'Arial,16' "

@@ -1,4 +1,5 @@
-/// Figures as files: drawn by one gnuplot for the screen and for paper, with their data beside them.
+/// Figures as files: drawn by one gnuplot for the screen and for paper, with their data beside
+/// them.
 #pragma once
 
 #include <filesystem>

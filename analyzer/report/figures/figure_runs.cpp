@@ -4,8 +4,8 @@
 
 #include "analyzer/report/figures/figure_files.hpp"
 #include "analyzer/report/figures/gnuplot.hpp"
-#include "common/text/format.hpp"
 #include "analyzer/report/sections/run_section.hpp"
+#include "common/text/format.hpp"
 
 namespace lab::report {
 namespace {

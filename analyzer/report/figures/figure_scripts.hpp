@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "analyzer/report/figures/figures.hpp"
-#include "analyzer/report/summary/findings.hpp"
 #include "analyzer/report/record/run_record.hpp"
+#include "analyzer/report/summary/findings.hpp"
 
 namespace lab::report {
 
@@ -42,8 +42,8 @@ inline constexpr std::string_view kPaleGrey = "#D8D8D8";
 inline constexpr double kColumn_cm = 8.6;
 inline constexpr double kPage_cm = 17.8;
 
-/// Settings that every figure begins with. What follows may ask gnuplot's variables `on_paper` (1 in
-/// the PDF, where text is larger for the width, else 0) and `small_font`.
+/// Settings that every figure begins with. What follows may ask gnuplot's variables `on_paper` (1
+/// in the PDF, where text is larger for the width, else 0) and `small_font`.
 /// @param width, height in pixels at which text has its size on the screen
 [[nodiscard]] std::string preamble(const std::string& name, int width, int height,
                                    double print_cm = kColumn_cm);

@@ -3,10 +3,10 @@
 #include <cstdlib>
 #include <optional>
 
-#include "common/math/units.hpp"
 #include "analyzer/report/figures/figure_files.hpp"
 #include "analyzer/report/figures/figure_scripts.hpp"
 #include "analyzer/report/figures/gnuplot.hpp"
+#include "common/math/units.hpp"
 #include "common/text/format.hpp"
 
 namespace lab::report {

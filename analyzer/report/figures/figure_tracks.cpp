@@ -2,12 +2,12 @@
 #include <cmath>
 #include <set>
 
-#include "common/math/units.hpp"
 #include "analyzer/report/figures/figure_files.hpp"
 #include "analyzer/report/figures/figure_scripts.hpp"
 #include "analyzer/report/figures/gnuplot.hpp"
-#include "common/text/format.hpp"
 #include "analyzer/report/figures/thinning.hpp"
+#include "common/math/units.hpp"
+#include "common/text/format.hpp"
 
 namespace lab::report {
 namespace {
@@ -118,7 +118,8 @@ FigureScript trajectoryByTime(const RunRecord& record) {
   for (const PlotLine& line : plot.lines) {
     if (seen.insert(line.robot).second) starts.row(line.points.front().x, line.points.front().y);
   }
-  script.script += starts.text() + style::preamble(script.figure.name, 900, 640, style::kPage_cm) + arena(record);
+  script.script += starts.text() + style::preamble(script.figure.name, 900, 640, style::kPage_cm) +
+                   arena(record);
   // Viridis (Smith and van der Walt 2015), ordered in lightness too, without its palest end.
   script.script += fmt::format(
       "set palette maxcolors {} defined (0 '#440154', 1 '#414487', 2 '#2a788e', 3 '#22a884', "

@@ -1,4 +1,5 @@
-/// The figures of a run, drawn by gnuplot: for the screen as SVG, for paper as PDF, with their data.
+/// The figures of a run, drawn by gnuplot: for the screen as SVG, for paper as PDF, with their
+/// data.
 #pragma once
 
 #include <filesystem>

@@ -13,8 +13,8 @@
 #include <fstream>
 #include <iterator>
 
-#include "common/text/format.hpp"
 #include "analyzer/report_error.hpp"
+#include "common/text/format.hpp"
 
 namespace lab::report {
 namespace fs = std::filesystem;

@@ -23,7 +23,8 @@ std::string links(const RunRecord& record) {
   }
   return "<h2>Between hosts</h2>\n" + table.text() +
          "<p class=\"soft\">Of the messages that the other host sent here: came twice ones were "
-         "dropped, as were commands that came too late. Not taken: what DDS could not send in time, "
+         "dropped, as were commands that came too late. Not taken: what DDS could not send in "
+         "time, "
          "to any host. Its clock: ahead of this host’s, over the run.</p>\n";
 }
 

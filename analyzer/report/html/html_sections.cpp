@@ -6,11 +6,11 @@
 #include <cctype>
 #include <cmath>
 
-#include "common/process/installation.hpp"
-#include "common/math/units.hpp"
-#include "common/process/version.hpp"
-#include "analyzer/report/record/step_delays.hpp"
 #include "analyzer/report/figures/gnuplot.hpp"
+#include "analyzer/report/record/step_delays.hpp"
+#include "common/math/units.hpp"
+#include "common/process/installation.hpp"
+#include "common/process/version.hpp"
 #include "common/text/format.hpp"
 
 namespace lab::report::html {
@@ -46,7 +46,8 @@ std::string sentence(std::string text) {
 
 void latencyRow(Table& table, const char* name, const Percentiles& percentiles) {
   table.row({name, std::to_string(percentiles.count), milliseconds(percentiles.p50),
-             milliseconds(percentiles.p95), milliseconds(percentiles.p99), milliseconds(percentiles.max)});
+             milliseconds(percentiles.p95), milliseconds(percentiles.p99),
+             milliseconds(percentiles.max)});
 }
 
 }  // namespace
@@ -141,9 +142,9 @@ std::string lightSteps(const RunRecord& record) {
   latencyRow(latency, "first robot acted", firstActedDelays(record.steps));
   latencyRow(latency, "every robot had acted", lastActedDelays(record.steps));
   html += latency.text();
-  Table table({">step", "label", ">commanded at (s)", ">presented after (ms)",
-               ">seen after (ms)", ">first robot after (ms)", ">last robot after (ms)",
-               ">robots acted", "the step before was ended by"});
+  Table table({">step", "label", ">commanded at (s)", ">presented after (ms)", ">seen after (ms)",
+               ">first robot after (ms)", ">last robot after (ms)", ">robots acted",
+               "the step before was ended by"});
   for (std::size_t i = 0; i < std::min(kMostSteps, record.steps.size()); ++i) {
     const StepRecord& step = record.steps[i];
     const StepDelays delays = delaysOf(step);
@@ -222,13 +223,13 @@ std::string losses(const RunRecord& record) {
 std::string poseSource(const RunRecord& record) {
   const PoseSource& poses = *record.poses;
   std::string html = fmt::format(
-      "<h2>Where this comes from</h2>\n<p>{} in {} of a file of poses, {}. Analyzed with Active Lab "
+      "<h2>Where this comes from</h2>\n<p>{} in {} of a file of poses, {}. Analyzed with Active "
+      "Lab "
       "{}.</p>\n<ul>\n",
       countText(poses.rows, "row"), countText(record.log.frames, "frame"),
       record.missing_frames == 0
           ? "without a gap in the frame numbers"
-          : fmt::format("{} missing by their numbers",
-                        countText(record.missing_frames, "frame")),
+          : fmt::format("{} missing by their numbers", countText(record.missing_frames, "frame")),
       kVersion);
   if (poses.without_pose > 0) {
     html += fmt::format("<li>{} without a number for the place or the heading: left out.</li>\n",
@@ -248,7 +249,8 @@ std::string poseSource(const RunRecord& record) {
   }
   if (!poses.headings) {
     html +=
-        "<li>The file has no headings: there is no angular curve, no speed along the heading and no "
+        "<li>The file has no headings: there is no angular curve, no speed along the heading and "
+        "no "
         "D<sub>r</sub>. The tracker’s noise is that of the fit; without a fit nothing is "
         "judged.</li>\n";
   }
@@ -257,16 +259,19 @@ std::string poseSource(const RunRecord& record) {
                         countText(poses.bad_times, "frame"));
   }
   if (poses.clock_steps > 0) {
-    html += fmt::format("<li>{} of the clock against the frame numbers: the tracks are cut there.</li>\n",
-                        countText(poses.clock_steps, "step"));
+    html += fmt::format(
+        "<li>{} of the clock against the frame numbers: the tracks are cut there.</li>\n",
+        countText(poses.clock_steps, "step"));
   }
   html += record.programs.front().program.kind == program_t::NONE
               ? "<li>Without a program there is no telling reversals from what it drives: they are "
                 "part of the motion, and of its curves.</li>\n"
-              : fmt::format("<li>{} found by straight even motion that the program cannot drive.</li>\n",
-                            countText(poses.reversals, "reversal"));
+              : fmt::format(
+                    "<li>{} found by straight even motion that the program cannot drive.</li>\n",
+                    countText(poses.reversals, "reversal"));
   return html +
-         "<li>Contacts are known by distance only.</li>\n<li>No robot said what it did: that all ran one "
+         "<li>Contacts are known by distance only.</li>\n<li>No robot said what it did: that all "
+         "ran one "
          "program all the time is taken from whoever asked for this report.</li>\n</ul>\n";
 }
 

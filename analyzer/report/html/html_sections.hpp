@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "analyzer/report/figures/figures.hpp"
-#include "analyzer/report/summary/findings.hpp"
 #include "analyzer/report/record/run_record.hpp"
+#include "analyzer/report/summary/findings.hpp"
 
 namespace lab::report::html {
 

@@ -3,9 +3,9 @@
 #include <cctype>
 #include <cmath>
 
+#include "analyzer/report/html/html_sections.hpp"
 #include "analyzer/report/sections/brownian_section.hpp"
 #include "analyzer/report/sections/fit_section.hpp"
-#include "analyzer/report/html/html_sections.hpp"
 #include "common/text/format.hpp"
 
 namespace lab::report::html {
@@ -34,7 +34,7 @@ std::string robotTable(const Finding& finding) {
   std::vector<std::string> columns{">robot", ">free motion", ">reversals", "verdict",
                                    ">largest deviation"};
   for (const Estimate& estimate : finding.pool->result.estimates) {
-    const PeopleUnit unit = peopleUnit(estimate.unit);
+    const DisplayUnit unit = displayUnit(estimate.unit);
     columns.push_back(">" + symbolHtml(estimate.name) +
                       (unit.text.empty() ? "" : " (" + unit.text + ")"));
   }
@@ -49,13 +49,13 @@ std::string robotTable(const Finding& finding) {
                     decided ? verdictClass(result.verdict.kind) : "undecided"),
         decided ? fmt::format("{:.1f} σ", std::abs(result.verdict.max_z)) : "–"};
     for (const Estimate& estimate : result.estimates) {
-      const double factor = peopleUnit(estimate.unit).factor;
+      const double factor = displayUnit(estimate.unit).factor;
       const double half = (estimate.high95 - estimate.low95) / 2 * factor;
-      const std::string value = numberText(estimate.value * factor, half);
+      const std::string value = valueText(estimate.value * factor, half);
       cells.push_back(std::isfinite(half)
                           ? fmt::format("{} <span class=\"soft\">({} to {})</span>", value,
-                                        numberText(estimate.low95 * factor, half),
-                                        numberText(estimate.high95 * factor, half))
+                                        valueText(estimate.low95 * factor, half),
+                                        valueText(estimate.high95 * factor, half))
                           : value);
     }
     cells.resize(columns.size());
@@ -97,17 +97,16 @@ std::string card(const Finding& finding) {
 std::string estimateTable(const std::vector<Estimate>& estimates) {
   Table table({"", ">measured", ">95 % interval", ">programmed", "how"});
   for (const Estimate& estimate : estimates) {
-    const PeopleUnit unit = peopleUnit(estimate.unit);
+    const DisplayUnit unit = displayUnit(estimate.unit);
     const double half = (estimate.high95 - estimate.low95) / 2 * unit.factor;
     const std::string interval =
-        std::isfinite(half)
-            ? fmt::format("{} to {}", numberText(estimate.low95 * unit.factor, half),
-                          numberText(estimate.high95 * unit.factor, half))
-            : "–";
+        std::isfinite(half) ? fmt::format("{} to {}", valueText(estimate.low95 * unit.factor, half),
+                                          valueText(estimate.high95 * unit.factor, half))
+                            : "–";
     const double theory = estimate.theory;
     const bool outside = theory < estimate.low95 || theory > estimate.high95;
     table.row({symbolHtml(estimate.name),
-               withUnit(numberText(estimate.value * unit.factor, half), unit.text), interval,
+               withUnit(valueText(estimate.value * unit.factor, half), unit.text), interval,
                fmt::format("<span{}>{}</span>", outside ? " class=\"disagrees\"" : "",
                            withUnit(shortText(theory * unit.factor), unit.text)),
                "<span class=\"soft\">" + escapeHtml(estimate.note) + "</span>"});

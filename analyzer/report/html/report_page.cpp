@@ -2,13 +2,13 @@
 
 #include <fmt/format.h>
 
-#include "analyzer/report/summary/findings.hpp"
 #include "analyzer/report/html/html_sections.hpp"
 #include "analyzer/report/html/html_style.hpp"
 #include "analyzer/report/sections/light_bands.hpp"
-#include "common/text/format.hpp"
-#include "analyzer/report/sections/segments.hpp"
 #include "analyzer/report/sections/run_section.hpp"
+#include "analyzer/report/sections/segments.hpp"
+#include "analyzer/report/summary/findings.hpp"
+#include "common/text/format.hpp"
 
 namespace lab::report {
 namespace {
@@ -20,7 +20,8 @@ std::string lead(const RunRecord& record) {
   if (record.frame_period > 0) {
     parts.push_back(fmt::format("{} frames a second", shortText(1 / record.frame_period)));
   }
-  if (record.experiment && !record.poses) parts.push_back(fmt::format("seed {}", record.experiment->seed));
+  if (record.experiment && !record.poses)
+    parts.push_back(fmt::format("seed {}", record.experiment->seed));
   if (record.poses) {
     parts.emplace_back("from poses alone");
     return fmt::format("{}", fmt::join(parts, " · "));

@@ -17,9 +17,9 @@
 #include <utility>
 #include <vector>
 
-#include "common/math/units.hpp"
 #include "analyzer/report/poses/pose_frames.hpp"
 #include "analyzer/report_error.hpp"
+#include "common/math/units.hpp"
 
 namespace lab::report {
 namespace {
@@ -134,9 +134,10 @@ class Reader {
       const std::string_view unit = field.substr(bracket);
       const bool place = field.starts_with('X') || field.starts_with('Y');
       if (place && unit != "(cm)" && !options_.scale) {
-        fail(1, fmt::format("{}: found a place that is not in cm; expected --scale-cm with the length "
-                            "of its unit in cm",
-                            field));
+        fail(1,
+             fmt::format("{}: found a place that is not in cm; expected --scale-cm with the length "
+                         "of its unit in cm",
+                         field));
       }
       field = trimmed(field.substr(0, bracket));
     }
@@ -175,9 +176,10 @@ class Reader {
       unit_ = *options_.scale;
     }
     if (time_ && options_.fps) {
-      fail(1, fmt::format("{}: found a column of times beside --fps, expected one of them: leave out "
-                          "what is wrong",
-                          time_.name));
+      fail(1,
+           fmt::format("{}: found a column of times beside --fps, expected one of them: leave out "
+                       "what is wrong",
+                       time_.name));
     }
     if (!time_ && !options_.fps) {
       fail(1,
@@ -254,8 +256,8 @@ class Reader {
       }
       fail(line_, fmt::format("{}: found no number, expected a time in s", time_.name));
     }
-    // Fifty times the seconds since 1970. Milliseconds since then are beyond it, and microseconds do
-    // not fit into a utime.
+    // Fifty times the seconds since 1970. Milliseconds since then are beyond it, and microseconds
+    // do not fit into a utime.
     constexpr double kLatest = 1e11;
     if (!(std::abs(row.time) < kLatest)) {
       fail(line_, fmt::format("{}: found {} s, expected less than 1e11 s{}", timeName(), row.time,
@@ -333,9 +335,10 @@ PoseFile readPoses(const std::filesystem::path& file, const PoseFileOptions& opt
   std::vector<std::filesystem::path> files{file};
   if (std::filesystem::is_directory(file)) files = trexFiles(file);
   if (files.empty()) {
-    throw ReportError(fmt::format("{}: found no NAME_fish0.csv or NAME_id0.csv, the files that TRex "
-                                  "exports; expected a file of poses or a folder of these",
-                                  file.string()));
+    throw ReportError(
+        fmt::format("{}: found no NAME_fish0.csv or NAME_id0.csv, the files that TRex "
+                    "exports; expected a file of poses or a folder of these",
+                    file.string()));
   }
   Reader reader(file.string(), options);
   for (const std::filesystem::path& one : files) {

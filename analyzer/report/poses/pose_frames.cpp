@@ -47,12 +47,13 @@ class Collector {
     }
     const auto all = static_cast<std::int64_t>(file_.frames.size()) + file_.bad_times;
     if (bad != nullptr && file_.bad_times * kBadTimesOneIn > all) {
-      const std::string where = fmt::format("{}: found {} s in frame {}", names_.time, bad->time,
-                                            bad->frame);
-      fail(bad->line, fmt::format("{}, expected more than in the frames before it; so it is in {} of "
-                                  "{} frames. Without --fps nothing tells when they were taken: "
-                                  "leave the column of times out",
-                                  where, file_.bad_times, all));
+      const std::string where =
+          fmt::format("{}: found {} s in frame {}", names_.time, bad->time, bad->frame);
+      fail(bad->line,
+           fmt::format("{}, expected more than in the frames before it; so it is in {} of "
+                       "{} frames. Without --fps nothing tells when they were taken: "
+                       "leave the column of times out",
+                       where, file_.bad_times, all));
     }
     measurePeriod();
   }
@@ -98,12 +99,12 @@ class Collector {
     }
     const auto all = static_cast<std::int64_t>(kept.size()) + file_.contradicted;
     if (file_.contradicted * kContradictedOneIn > all) {
-      fail(first->line,
-           fmt::format("{}: found {} twice, and not alike, in frame {}, expected every robot once a "
-                       "frame; so it is with {} of {} poses. Do two robots bear one number, or "
-                       "frames of two films?",
-                       names_.id, first->pose.robot, first->frame, file_.contradicted,
-                       all));
+      fail(
+          first->line,
+          fmt::format("{}: found {} twice, and not alike, in frame {}, expected every robot once a "
+                      "frame; so it is with {} of {} poses. Do two robots bear one number, or "
+                      "frames of two films?",
+                      names_.id, first->pose.robot, first->frame, file_.contradicted, all));
     }
     rows_ = std::move(kept);
   }
@@ -123,13 +124,13 @@ class Collector {
     file_.frame_period = *middle;
     constexpr double kShortest = 0.9e-6;  // a utime knows no less than a microsecond
     if (file_.frame_period < kShortest) {
-      fail(1, fmt::format("{}: found {} s from frame to frame, expected 1e-6 s or more{}", names_.time,
-                          file_.frame_period, names_.time_hint));
+      fail(1, fmt::format("{}: found {} s from frame to frame, expected 1e-6 s or more{}",
+                          names_.time, file_.frame_period, names_.time_hint));
     }
     // A film of which every n-th picture was tracked is whole.
     const std::int64_t span = file_.frames.back().frame - file_.frames.front().frame;
-    file_.missing_frames = span / least_step + 1 -
-                           static_cast<std::int64_t>(file_.frames.size()) - file_.bad_times;
+    file_.missing_frames =
+        span / least_step + 1 - static_cast<std::int64_t>(file_.frames.size()) - file_.bad_times;
     for (std::size_t i = 0; i < periods.size(); ++i) {
       const std::int64_t frames = file_.frames[i + 1].frame - file_.frames[i].frame;
       const double expected = static_cast<double>(frames / least_step) * file_.frame_period;

@@ -25,8 +25,8 @@ struct PoseNames {
   std::string time_hint;
 };
 
-/// Sorts the rows, takes out robots that come twice in a frame and frames whose time does not go on,
-/// counts both, and measures the period, the gaps and the steps of the clock.
+/// Sorts the rows, takes out robots that come twice in a frame and frames whose time does not go
+/// on, counts both, and measures the period, the gaps and the steps of the clock.
 /// @throws ReportError where too many rows contradict each other or frames have bad times
 void collectFrames(std::vector<PoseRow> rows, const PoseNames& names, PoseFile& file);
 

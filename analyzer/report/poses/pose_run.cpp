@@ -13,12 +13,12 @@
 #include <string_view>
 
 #include "analyzer/analysis_feed.hpp"
+#include "analyzer/report/poses/pose_units.hpp"
+#include "analyzer/report_error.hpp"
 #include "analyzer/tracks/reversal_finder.hpp"
 #include "common/experiment/experiment_file.hpp"
 #include "common/experiment/experiment_messages.hpp"
 #include "common/math/units.hpp"
-#include "analyzer/report/poses/pose_units.hpp"
-#include "analyzer/report_error.hpp"
 
 namespace lab::report {
 namespace {
@@ -31,16 +31,15 @@ constexpr double kTouching = 0.001;  // [m] of a gap that cannot be told from no
 
 constexpr std::array<std::string_view, 4> kLaws{"abp", "noisy_abp", "bp", "rtp"};
 
-/// What is wrong with a program, by the names that were typed: nobody wrote the file that is checked
-/// below.
+/// What is wrong with a program, by the names that were typed: nobody wrote the file that is
+/// checked below.
 [[noreturn]] void refuse(const ExperimentError& error, const std::string& model) {
   std::vector<std::string> problems;
   const std::string key = "programs." + model + ".";
   for (const std::string& problem : error.problems()) {
     const std::size_t at = problem.find(": " + key);
-    problems.push_back(at == std::string::npos
-                           ? problem
-                           : "--set " + problem.substr(at + 2 + key.size()));
+    problems.push_back(at == std::string::npos ? problem
+                                               : "--set " + problem.substr(at + 2 + key.size()));
   }
   throw ExperimentError(problems);
 }
@@ -164,8 +163,8 @@ class PoseFeed {
       }
     }
     const Reversal& reversal = experiment_.reversal;
-    analysis::ReversalSearch search = analysis::reversalSearch(
-        law_, speed_is_known_ ? reversal.speed : kNan, reversal.distance);
+    analysis::ReversalSearch search =
+        analysis::reversalSearch(law_, speed_is_known_ ? reversal.speed : kNan, reversal.distance);
     search.headings = poses_.headings;
     search.max_turn_rate = 2 * experiment_.hardware.max_wheel_speed / experiment_.hardware.diameter;
     // Without a program there is no telling what it cannot drive.
@@ -188,8 +187,7 @@ class PoseFeed {
   }
 
   void take(Frame frame, RunRecord& record) {
-    while (next_step_ < poses_.clock_steps.size() &&
-           poses_.clock_steps[next_step_] <= frame.time) {
+    while (next_step_ < poses_.clock_steps.size() && poses_.clock_steps[next_step_] <= frame.time) {
       epoch_start_ = poses_.clock_steps[next_step_++];
     }
     const std::set<int> contacts = touching(frame, experiment_, poses_.in_arena);
@@ -241,7 +239,7 @@ class PoseFeed {
   analysis::ProgramLaw law_;
   bool speed_is_known_ = false;
   double run_share_ = 1;
-  std::map<int, analysis::ReversalTeller> tellers_;
+  std::map<int, analysis::ReversalReporter> tellers_;
   std::map<int, std::map<double, double>> mended_;  ///< by robot and time, where any was
   std::map<int, double> heading_noise_;             ///< by robot [rad]
   std::size_t next_step_ = 0;
@@ -302,9 +300,9 @@ void fillRobots(RunRecord& record) {
 RunRecord poseRun(const PoseFile& poses, const std::string& name, const PoseProgram& program,
                   const ReadOptions& options) {
   if (poses.frames.size() < 2) {
-    throw ReportError(fmt::format(
-        "{}: found poses in {}, expected at least two: a single picture has no motion", name,
-        poses.frames.empty() ? "no frame" : "one frame"));
+    throw ReportError(
+        fmt::format("{}: found poses in {}, expected at least two: a single picture has no motion",
+                    name, poses.frames.empty() ? "no frame" : "one frame"));
   }
   RunRecord record;
   record.stitched = options.stitch;
@@ -325,7 +323,7 @@ RunRecord poseRun(const PoseFile& poses, const std::string& name, const PoseProg
                             .contradicted = poses.contradicted,
                             .bad_times = poses.bad_times,
                             .clock_steps = static_cast<std::int64_t>(poses.clock_steps.size()),
-                            .doubts = unitDoubts(poses)};
+                            .doubts = unitWarnings(poses)};
   record.log.frames = static_cast<std::int64_t>(poses.frames.size());
   record.missing_frames = poses.missing_frames;
   record.frame_period = poses.frame_period;
@@ -334,9 +332,8 @@ RunRecord poseRun(const PoseFile& poses, const std::string& name, const PoseProg
   record.ended = true;
 
   const bool speed_is_known =
-      std::any_of(program.set.begin(), program.set.end(), [](const std::string& set) {
-        return set.starts_with("reversal.speed_cm_s=");
-      });
+      std::any_of(program.set.begin(), program.set.end(),
+                  [](const std::string& set) { return set.starts_with("reversal.speed_cm_s="); });
   PoseFeed(poses, experiment, analysis::toLaw(robots_run.program, experiment.hardware.diameter),
            speed_is_known)
       .run(record, options.depth, options.stitch);

@@ -31,7 +31,6 @@ struct PoseProgram {
 /// @throws ExperimentError where the program is not a valid one, ReportError where there are fewer
 /// than two frames.
 [[nodiscard]] RunRecord poseRun(const PoseFile& poses, const std::string& name,
-                                const PoseProgram& program,
-                                const ReadOptions& options = {});
+                                const PoseProgram& program, const ReadOptions& options = {});
 
 }  // namespace lab::report

@@ -132,7 +132,7 @@ std::string timeDoubt(const PoseFile& poses) {
 
 }  // namespace
 
-std::vector<std::string> unitDoubts(const PoseFile& poses) {
+std::vector<std::string> unitWarnings(const PoseFile& poses) {
   std::vector<std::string> doubts;
   for (std::string doubt : {headingDoubt(poses), timeDoubt(poses)}) {
     if (!doubt.empty()) doubts.push_back(std::move(doubt));

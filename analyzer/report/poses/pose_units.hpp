@@ -15,6 +15,6 @@ namespace lab::report {
 /// at most pi from frame to frame (so it is made). One that turns slowly is told by the motion,
 /// which is along the axis of theta pi / 180 and not along that of theta. A film with less than 5 s
 /// between its pictures may have its times in anything; one with more has them hardly in s.
-[[nodiscard]] std::vector<std::string> unitDoubts(const PoseFile& poses);
+[[nodiscard]] std::vector<std::string> unitWarnings(const PoseFile& poses);
 
 }  // namespace lab::report

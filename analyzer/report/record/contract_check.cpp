@@ -24,11 +24,11 @@
 #include <lab/tracker_status_t.hpp>
 #include <sstream>
 
+#include "analyzer/report_error.hpp"
 #include "common/bus/channels.hpp"
 #include "common/bus/contract_upgrade.hpp"
 #include "common/bus/fingerprints.hpp"
 #include "common/process/version.hpp"
-#include "analyzer/report_error.hpp"
 
 namespace lab::report {
 namespace {

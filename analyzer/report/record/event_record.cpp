@@ -55,7 +55,8 @@ void EventRecord::finish(RunRecord& record) const {
   record.faults = faults_;
   record.marks = marks_;
   if (!light_calibration_.empty()) {
-    record.light_calibration = parseLightFile("calibration of light in the log", light_calibration_);
+    record.light_calibration =
+        parseLightFile("calibration of light in the log", light_calibration_);
   }
   record.version = version_;
   record.contract_version = contract_version_;

@@ -25,7 +25,7 @@ struct LinkRecord {
   double lowest_offset = std::numeric_limits<double>::quiet_NaN();   ///< [s] its clock minus ours
   double highest_offset = std::numeric_limits<double>::quiet_NaN();  ///< [s]
   double round_trip = std::numeric_limits<double>::quiet_NaN();      ///< [s] as said last
-  std::string trouble;        ///< as said last that was any
+  std::string trouble;                                               ///< as said last that was any
 };
 
 /// Collects LINK_STATUS.

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <tuple>
 
-#include "common/experiment/service_placement.hpp"
 #include "common/bus/stream_counter.hpp"
+#include "common/experiment/service_placement.hpp"
 #include "common/math/units.hpp"
 
 namespace lab::report {
@@ -14,12 +14,13 @@ LossTotal totalOf(const std::vector<StreamLoss>& streams) {
   for (const StreamLoss& stream : streams) {
     total.received += stream.received;
     total.lost += stream.lost;
-    total.at_least = total.at_least || (stream.at_least && stream.sender != kOnlooker);
+    total.at_least = total.at_least || (stream.at_least && stream.sender != kObserverService);
   }
   return total;
 }
 
-LossLedger::Sender& LossLedger::sender(std::string_view name, std::int64_t instance) {
+MessageLossCounter::Sender& MessageLossCounter::sender(std::string_view name,
+                                                       std::int64_t instance) {
   const auto found = std::find_if(senders_.begin(), senders_.end(), [&](const Sender& one) {
     return one.instance == instance && one.name == name;
   });
@@ -28,7 +29,7 @@ LossLedger::Sender& LossLedger::sender(std::string_view name, std::int64_t insta
   return senders_.back();
 }
 
-LossLedger::Stream& LossLedger::Sender::stream(std::string_view channel) {
+MessageLossCounter::Stream& MessageLossCounter::Sender::stream(std::string_view channel) {
   const auto found = std::find_if(streams.begin(), streams.end(),
                                   [&](const Stream& one) { return one.channel == channel; });
   if (found != streams.end()) return *found;
@@ -36,8 +37,8 @@ LossLedger::Stream& LossLedger::Sender::stream(std::string_view channel) {
   return streams.back();
 }
 
-void LossLedger::count(std::string_view channel, const Header& header,
-                       std::int64_t received_utime) {
+void MessageLossCounter::count(std::string_view channel, const MessageHeader& header,
+                               std::int64_t received_utime) {
   if (first_utime_ == 0) first_utime_ = received_utime;
   Stream& stream = sender(header.sender, header.instance).stream(channel);
   if (stream.received++ == 0) stream.first_seq = stream.last_seq = header.seq;
@@ -46,7 +47,7 @@ void LossLedger::count(std::string_view channel, const Header& header,
   stream.largest_age_us = std::max(stream.largest_age_us, received_utime - header.utime);
 }
 
-void LossLedger::take(const service_status_t& status) {
+void MessageLossCounter::take(const service_status_t& status) {
   Sender& from = sender(status.sender, status.instance);
   from.start_utime = status.start_utime;
   from.ended = from.ended || status.state == service_status_t::ENDED;
@@ -61,7 +62,7 @@ void LossLedger::take(const service_status_t& status) {
   from.has_status = true;
 }
 
-StreamLoss LossLedger::loss(const Sender& sender, const Stream& stream) const {
+StreamLoss MessageLossCounter::loss(const Sender& sender, const Stream& stream) const {
   const bool seq_counts = seqCountsMessages(stream.channel);
   const bool started_before = !sender.has_status || sender.start_utime < first_utime_;
   // What was sent before the log began: at most what the first status counted, and nothing from
@@ -86,7 +87,7 @@ StreamLoss LossLedger::loss(const Sender& sender, const Stream& stream) const {
   return loss;
 }
 
-int LossLedger::startOf(std::string_view sender, std::int64_t instance) const {
+int MessageLossCounter::startOf(std::string_view sender, std::int64_t instance) const {
   int start = 0;
   for (const Sender& one : senders_) {
     if (one.name != sender) continue;
@@ -96,7 +97,7 @@ int LossLedger::startOf(std::string_view sender, std::int64_t instance) const {
   return 0;
 }
 
-std::vector<StreamLoss> LossLedger::streams() const {
+std::vector<StreamLoss> MessageLossCounter::streams() const {
   std::vector<StreamLoss> losses;
   for (const Sender& sender : senders_) {
     for (const Stream& stream : sender.streams) losses.push_back(loss(sender, stream));

@@ -36,10 +36,10 @@ struct LossTotal {
 /// A sender that started after the log began must have all of its messages in it. One that was
 /// there before is counted from its first message that can be in the log. The counts of a clean
 /// stop are final, and each of the closing messages carries them, so that any one is enough.
-class LossLedger {
+class MessageLossCounter {
  public:
   /// Counts a message. Every message must come here, SERVICE_STATUS before take().
-  void count(std::string_view channel, const Header& header, std::int64_t received_utime);
+  void count(std::string_view channel, const MessageHeader& header, std::int64_t received_utime);
 
   void take(const service_status_t& status);
 

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <deque>
 
+#include "analyzer/report/record/event_record.hpp"
 #include "analyzer/service/program_keys.hpp"
 #include "common/experiment/experiment_file.hpp"
 #include "common/experiment/experiment_messages.hpp"
 #include "common/math/units.hpp"
-#include "analyzer/report/record/event_record.hpp"
 
 namespace lab::report {
 namespace {
@@ -153,7 +153,7 @@ RunRecord readRun(const std::vector<std::filesystem::path>& files, const ReadOpt
   analysis::AnalysisFeed feed(experiment);
   if (depth == analysis::Depth::kFull) feed.findRuns();
   feed.stitch(options.stitch, depth == analysis::Depth::kFull);
-  analysis::ProgramBook book;
+  analysis::ProgramKeys book;
   record.stitched = options.stitch;
   feed.onPiece([&](int robot, const program_t& program, const analysis::Piece& piece) {
     record.pieces.push_back({robot, book.key(program), piece});

@@ -9,11 +9,11 @@
 #include <vector>
 
 #include "analyzer/analysis_feed.hpp"
-#include "common/experiment/experiment.hpp"
-#include "common/calibration/light_file.hpp"
-#include "analyzer/report/record/link_records.hpp"
 #include "analyzer/log_source.hpp"
+#include "analyzer/report/record/link_records.hpp"
 #include "analyzer/report/record/timelines.hpp"
+#include "common/calibration/light_file.hpp"
+#include "common/experiment/experiment.hpp"
 
 namespace lab::report {
 
@@ -120,7 +120,7 @@ struct HeadingRecord {
 };
 
 struct RunRecord {
-  std::optional<PoseSource> poses;  ///< where there is no log
+  std::optional<PoseSource> poses;       ///< where there is no log
   std::optional<Experiment> experiment;  ///< as run; nothing: the log has no readable START
   std::string experiment_text;           ///< the effective file
   std::string experiment_problem;        ///< why it is not there
@@ -137,7 +137,7 @@ struct RunRecord {
   std::vector<Remark> faults;
   std::vector<Remark> marks;
   std::vector<LightSpan> light;
-  std::string calibration;  ///< of the projector, empty: none
+  std::string calibration;                            ///< of the projector, empty: none
   std::optional<LightCalibration> light_calibration;  ///< that the robots' bands went by
   std::map<std::int32_t, RobotRecord> robots;
   std::vector<ServiceRecord> services;
@@ -145,9 +145,9 @@ struct RunRecord {
   std::vector<LinkRecord> links;
 
   Tracks tracks;
-  std::int64_t missing_frames = 0;   ///< numbers that the camera counted and the log has not
-  double frame_period = 0;           ///< [s] nominal
-  std::vector<PieceRecord> pieces;   ///< of free motion
+  std::int64_t missing_frames = 0;  ///< numbers that the camera counted and the log has not
+  double frame_period = 0;          ///< [s] nominal
+  std::vector<PieceRecord> pieces;  ///< of free motion
   HeadingRecord headings;
   bool stitched = true;              ///< reversals were joined, not cut
   std::vector<RunProgram> programs;  ///< by key

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "common/math/percentiles.hpp"
 #include "analyzer/report/record/run_record.hpp"
+#include "common/math/percentiles.hpp"
 
 namespace lab::report {
 

@@ -5,10 +5,10 @@
 #include <map>
 
 #include "analyzer/analysis_feed.hpp"
-#include "common/math/units.hpp"
 #include "analyzer/log_source.hpp"
-#include "analyzer/report_error.hpp"
 #include "analyzer/report/record/run_record.hpp"
+#include "analyzer/report_error.hpp"
+#include "common/math/units.hpp"
 
 namespace lab::report {
 namespace {
@@ -17,7 +17,7 @@ using analysis::Sample;
 using units::kCm;
 
 constexpr std::size_t kPathPoints = 3000;
-constexpr double kCloseUp = 12;       // [s]
+constexpr double kCloseUp = 12;         // [s]
 constexpr double kSpeedBaseline = 0.1;  // [s]
 constexpr int kBlocks = 20;
 constexpr int kLengths = 48;
@@ -41,12 +41,11 @@ std::vector<Sample> samplesOf(const std::vector<std::filesystem::path>& files,
   return samples;
 }
 
-void takePath(const std::vector<Sample>& samples, FilmData& film) {
+void takePath(const std::vector<Sample>& samples, RecordingData& film) {
   const double begin = samples.front().free_time;
   const std::size_t stride = std::max<std::size_t>(1, samples.size() / kPathPoints);
   for (std::size_t i = 0; i < samples.size(); i += stride) {
-    film.path.push_back(
-        {samples[i].free_time - begin, samples[i].x * kCm, samples[i].y * kCm});
+    film.path.push_back({samples[i].free_time - begin, samples[i].x * kCm, samples[i].y * kCm});
   }
   const double middle = begin + (samples.back().free_time - begin) / 2;
   for (const Sample& s : samples) {
@@ -55,7 +54,7 @@ void takePath(const std::vector<Sample>& samples, FilmData& film) {
   }
 }
 
-void takeRuns(const std::vector<Sample>& samples, FilmData& film) {
+void takeRuns(const std::vector<Sample>& samples, RecordingData& film) {
   const double begin = samples.front().free_time;
   std::size_t from = 0;
   for (std::size_t to = 0; to < samples.size(); ++to) {
@@ -114,7 +113,7 @@ struct CorrelationSums {
 
 /// C(l) along the stitched track. An ABP's speed is constant, so that l is speed times time: a path
 /// length summed from frames would be that of the tracker's noise.
-void takeCorrelation(const std::vector<Sample>& samples, double speed, FilmData& film) {
+void takeCorrelation(const std::vector<Sample>& samples, double speed, RecordingData& film) {
   const analysis::ProgramLaw& law = film.result.law;
   const double period = (samples.back().free_time - samples.front().free_time) /
                         static_cast<double>(samples.size() - 1);
@@ -184,8 +183,8 @@ double measuredSpeed(const analysis::ProgramResult& result) {
 
 }  // namespace
 
-FilmWants wantsOf(const std::vector<PaperPanel>& panels, const PaperSet& set) {
-  FilmWants wants;
+RecordingContents contentsFor(const std::vector<PaperPanel>& panels, const PaperSet& set) {
+  RecordingContents wants;
   for (const PaperPanel& panel : panels) {
     if (std::find(panel.curves.begin(), panel.curves.end(), set.id) == panel.curves.end()) continue;
     wants.path = wants.path || panel.kind == PanelKind::kTrajectory;
@@ -195,10 +194,11 @@ FilmWants wantsOf(const std::vector<PaperPanel>& panels, const PaperSet& set) {
   return wants;
 }
 
-FilmData readFilm(const std::filesystem::path& run, const FilmWants& wants, analysis::Depth depth) {
+RecordingData readRecording(const std::filesystem::path& run, const RecordingContents& wants,
+                            analysis::Depth depth) {
   const std::vector<std::filesystem::path> files = logFiles(run);
   const RunRecord record = readRun(files, {.depth = depth});
-  FilmData film;
+  RecordingData film;
   const auto pool = std::find_if(record.results.begin(), record.results.end(), [](const auto& one) {
     return one.result.robot == analysis::kPool;
   });

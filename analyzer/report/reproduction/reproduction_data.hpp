@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "analyzer/service/program_analysis.hpp"
 #include "analyzer/report/reproduction/reproduction_plan.hpp"
+#include "analyzer/service/program_analysis.hpp"
 
 namespace lab::report {
 
@@ -30,7 +30,7 @@ struct CorrelationPoint {
 };
 
 /// One film of one program.
-struct FilmData {
+struct RecordingData {
   analysis::ProgramResult result;
   std::vector<std::string> faults;  ///< of the run; empty: none
   std::vector<PathPoint> path;      ///< the whole film, thinned
@@ -43,23 +43,24 @@ struct FilmData {
 };
 
 /// What a film is read for besides its curves and estimates.
-struct FilmWants {
+struct RecordingContents {
   bool path = false;
   bool correlation = false;
   bool runs = false;
 };
 
 /// What the panels want of a set.
-[[nodiscard]] FilmWants wantsOf(const std::vector<PaperPanel>& panels, const PaperSet& set);
+[[nodiscard]] RecordingContents contentsFor(const std::vector<PaperPanel>& panels,
+                                            const PaperSet& set);
 
 /// Reads the run's log. @throws ReportError when the program is not in it.
-[[nodiscard]] FilmData readFilm(const std::filesystem::path& run, const FilmWants& wants,
-                                analysis::Depth depth);
+[[nodiscard]] RecordingData readRecording(const std::filesystem::path& run,
+                                          const RecordingContents& wants, analysis::Depth depth);
 
 /// All films of one program: one, or the members of an ensemble.
 struct SetData {
   PaperSet set;
-  std::vector<FilmData> films;
+  std::vector<RecordingData> films;
 };
 
 }  // namespace lab::report

@@ -4,23 +4,23 @@
 #include <array>
 #include <cmath>
 
-#include "common/math/units.hpp"
 #include "analyzer/report/figures/figure_files.hpp"
 #include "analyzer/report/figures/gnuplot.hpp"
+#include "common/math/units.hpp"
 #include "common/text/format.hpp"
 
 namespace lab::report {
 namespace panels {
 
-Look look(std::size_t series, std::size_t of) {
+SeriesStyle look(std::size_t series, std::size_t of) {
   // Okabe and Ito's colours without vermillion, which is the paper's formula.
-  constexpr std::array<Look, 6> kLooks{{{"#0072B2", 7, 6},
-                                        {"#E69F00", 5, 4},
-                                        {"#009E73", 9, 8},
-                                        {"#CC79A7", 13, 12},
-                                        {"#56B4E9", 11, 10},
-                                        {"#707070", 15, 14}}};
-  return of == 1 ? Look{"#000000", 7, 6} : kLooks[series % kLooks.size()];
+  constexpr std::array<SeriesStyle, 6> kLooks{{{"#0072B2", 7, 6},
+                                               {"#E69F00", 5, 4},
+                                               {"#009E73", 9, 8},
+                                               {"#CC79A7", 13, 12},
+                                               {"#56B4E9", 11, 10},
+                                               {"#707070", 15, 14}}};
+  return of == 1 ? SeriesStyle{"#000000", 7, 6} : kLooks[series % kLooks.size()];
 }
 
 namespace {
@@ -36,7 +36,7 @@ struct Series {
   const SetData* set;
   std::string label;
   std::vector<CurvePoint> points;
-  Look look;
+  SeriesStyle look;
 };
 
 bool drawable(const CurvePoint& point) {
@@ -108,14 +108,13 @@ std::string pointsInset(const PaperPanel& panel, const Reproduction& reproductio
             "", "");
   }
   if (last == 0) return {};
-  const char* x = diffusion                               ? "ε V²/24 (cm²/s)"
+  const char* x = diffusion                              ? "ε V²/24 (cm²/s)"
                   : panel.inset == Inset::kDrOverEpsilon ? "ε (s)"
-                                                          : "η (rad/s)";
+                                                         : "η (rad/s)";
   drawing += inset(0.70, 0.955, 0.49, 0.645, x, diffusion ? "D (cm²/s)" : "D_r (1/s)");
-  const std::string theory = diffusion ? "x"
-                             : panel.inset == Inset::kDrOverEpsilon
-                                 ? "x*9/6."
-                                 : "0.25*x**2/6.";
+  const std::string theory = diffusion                              ? "x"
+                             : panel.inset == Inset::kDrOverEpsilon ? "x*9/6."
+                                                                    : "0.25*x**2/6.";
   const bool logarithmic = panel.inset == Inset::kDrOverEta || diffusion;
   drawing += fmt::format(
       "{}set xrange [{:.4g}:{:.4g}]\nset yrange [*:*]\n"
@@ -126,12 +125,14 @@ std::string pointsInset(const PaperPanel& panel, const Reproduction& reproductio
       logarithmic ? "set logscale xy\n" : "", logarithmic ? first / 1.4 : 0.0,
       last * (logarithmic ? 1.4 : 1.1), theory, style::kVermillion, style::kBlue, style::kBlue);
   if (panel.inset == Inset::kDrOverEta) {
-    drawing.replace(drawing.rfind("set logscale xy\n"), 16, "set logscale xy\nset xtics (1,2,3,6)\nset ytics (0.1,1)\n");
+    drawing.replace(drawing.rfind("set logscale xy\n"), 16,
+                    "set logscale xy\nset xtics (1,2,3,6)\nset ytics (0.1,1)\n");
   } else if (diffusion) {
     drawing.replace(drawing.rfind("set logscale xy\n"), 16,
                     "set logscale xy\nset xtics (0.1,1)\nset ytics (0.1,1)\n");
   } else {
-    drawing.replace(drawing.rfind("set xrange ["), 12, "set xtics 0.4\nset ytics 0.5\nset xrange [");
+    drawing.replace(drawing.rfind("set xrange ["), 12,
+                    "set xtics 0.4\nset ytics 0.5\nset xrange [");
   }
   return points.text() + origin.text();
 }
@@ -154,9 +155,10 @@ FigureScript curves(const PaperPanel& panel, const Reproduction& reproduction) {
     script.figure.sentence = "Too little motion for a curve.";
     return script;
   }
-  CsvText csv(fmt::format("what,set,lag_s,value_{0},standard_error_{0},noise_{0},exact_{0},"
-                          "paper_{0},z,judged",
-                          unit));
+  CsvText csv(
+      fmt::format("what,set,lag_s,value_{0},standard_error_{0},noise_{0},exact_{0},"
+                  "paper_{0},z,judged",
+                  unit));
   std::string data;
   std::string upper;
   std::string laws;
@@ -174,7 +176,8 @@ FigureScript curves(const PaperPanel& panel, const Reproduction& reproduction) {
     DataBlock law(fmt::format("law{}", s));
     DataBlock paper(fmt::format("paper{}", s));
     DataBlock off(fmt::format("off{}", s));
-    for (DataBlock* block : {&points, &open, &law, &paper, &off}) block->row(kNan, kNan, kNan, kNan);
+    for (DataBlock* block : {&points, &open, &law, &paper, &off})
+      block->row(kNan, kNan, kNan, kNan);
     for (const CurvePoint& p : one.points) {
       if (!drawable(p)) continue;
       constexpr double kLeastShare = 0.02;  // a bar ends above 0, which a logarithm does not have
@@ -217,16 +220,18 @@ FigureScript curves(const PaperPanel& panel, const Reproduction& reproduction) {
       "set ylabel '{}' offset 0.5\nset key top left Left reverse samplen 1.6 spacing 0.95\n"
       "plot {}{}{}\n",
       first / 1.4, last * 1.4, least / (panel.inset == Inset::kNone ? 1.6 : 5),
-      most * (all.size() == 1 ? 2.5 : panel.inset == Inset::kNone ? 6 : 200),
+      most * (all.size() == 1               ? 2.5
+              : panel.inset == Inset::kNone ? 6
+                                            : 200),
       angular ? "angular MSD (rad²)" : "MSD (cm²)", papers, laws, upper);
   drawing += strip(largest, lower, "lag (s)");
   data += pointsInset(panel, reproduction, drawing, csv);
-  script.script = data + style::preamble(script.figure.name, kWidth, kHeight) + drawing +
-                  "unset multiplot\n";
+  script.script =
+      data + style::preamble(script.figure.name, kWidth, kHeight) + drawing + "unset multiplot\n";
   script.figure.csv = csv.text();
   script.figure.caption = fmt::format(
       "Bars: one standard error. Hollow: not judged. Below, deviations from the exact law.{}",
-      panel.inset == Inset::kNone  ? ""
+      panel.inset == Inset::kNone ? ""
       : panel.inset == Inset::kDOverTheory
           ? " Inset: D of the exact law’s fit (dots), of the paper’s line through the origin "
             "(squares), and D = ε V²/24."
@@ -243,7 +248,8 @@ FigureScript persistence(const PaperPanel& panel, const Reproduction& reproducti
   DataBlock off("off");
   DataBlock off_paper("offpaper");
   DataBlock law("law");
-  for (DataBlock* block : {&integral, &fitted, &off, &off_paper, &law}) block->row(kNan, kNan, kNan);
+  for (DataBlock* block : {&integral, &fitted, &off, &off_paper, &law})
+    block->row(kNan, kNan, kNan);
   std::string correlations;
   std::string data;
   double largest = 0;
@@ -252,7 +258,7 @@ FigureScript persistence(const PaperPanel& panel, const Reproduction& reproducti
   for (const std::string& id : panel.curves) {
     const auto found = reproduction.find(id);
     if (found == reproduction.end() || found->second.films.empty()) continue;
-    const FilmData& film = found->second.films.front();
+    const RecordingData& film = found->second.films.front();
     const analysis::ProgramLaw& program = film.result.law;
     const auto length = estimateOf(found->second, "L_s");
     if (!length || !std::isfinite(length->value)) continue;
@@ -279,7 +285,7 @@ FigureScript persistence(const PaperPanel& panel, const Reproduction& reproducti
               std::exp(-p.length / paper));
     }
     data += block.text();
-    const Look own = look(number, panel.curves.size());
+    const SeriesStyle own = look(number, panel.curves.size());
     correlations += fmt::format("{}$c{} using 1:2 with linespoints pt {} ps 0.3 lw 0.8 lc rgb '{}'",
                                 number == 0 ? "" : ", ", number, own.symbol, own.colour);
     ++number;
@@ -316,16 +322,19 @@ FigureScript persistence(const PaperPanel& panel, const Reproduction& reproducti
   if (!correlations.empty()) {
     drawing += inset(0.60, 0.945, 0.73, 0.945, "l (cm)", "") +
                "set label 1 'C(l)' at graph 0.8,0.84 left font small_font\n" +
-               fmt::format("set xrange [0:30]\nset yrange [-0.1:1.05]\nset xtics 10\nset ytics 0.5\n"
-                           "plot {}\n",
-                           correlations);
+               fmt::format(
+                   "set xrange [0:30]\nset yrange [-0.1:1.05]\nset xtics 10\nset ytics 0.5\n"
+                   "plot {}\n",
+                   correlations);
   }
   script.script =
       data + style::preamble(script.figure.name, kWidth, kHeight) + drawing + "unset multiplot\n";
   script.figure.csv = csv.text();
   script.figure.caption =
-      "Dots: the integral of C(l) of the fitted exact law; squares: an exponential fitted to C(l), as "
-      "the paper does. Inset: C(l) = 〈n(0)·n(l)〉 of the heading along the stitched track for η = 1 "
+      "Dots: the integral of C(l) of the fitted exact law; squares: an exponential fitted to C(l), "
+      "as "
+      "the paper does. Inset: C(l) = 〈n(0)·n(l)〉 of the heading along the stitched track for η = "
+      "1 "
       "(slowest) to 6 rad/s.";
   return script;
 }

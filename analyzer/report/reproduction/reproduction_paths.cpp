@@ -5,8 +5,8 @@
 
 #include "analyzer/report/figures/figure_files.hpp"
 #include "analyzer/report/figures/gnuplot.hpp"
-#include "common/text/format.hpp"
 #include "analyzer/report/reproduction/reproduction_figures.hpp"
+#include "common/text/format.hpp"
 
 namespace lab::report::panels {
 namespace {
@@ -41,7 +41,8 @@ std::string frame(const std::vector<PathPoint>& points, const Box& box) {
   const double scale =
       kMargin * std::max({(x.high - x.low) / width, (y.high - y.low) / height, 1e-6}) / 2;
   return fmt::format(
-      "set lmargin at screen {:.4g} + 0.04 * on_paper\nset rmargin at screen {:.4g}\nset bmargin at screen {:.4g}\n"
+      "set lmargin at screen {:.4g} + 0.04 * on_paper\nset rmargin at screen {:.4g}\nset bmargin "
+      "at screen {:.4g}\n"
       "set tmargin at screen {:.4g}\nset xrange [{:.6g}:{:.6g}]\nset yrange [{:.6g}:{:.6g}]\n",
       box.left, box.right, box.bottom, box.top, x.middle() - scale * width,
       x.middle() + scale * width, y.middle() - scale * height, y.middle() + scale * height);
@@ -77,7 +78,8 @@ std::string colouredPath(const std::vector<PathPoint>& path, double scale, std::
     if (rows == 0) continue;
     data += block.text();
     plots += fmt::format("{}$path{} using 1:2 with lines lw 1 lc palette cb {:.6g} notitle",
-                         plots.empty() ? "" : ", ", bin, (begin + length * (bin + 0.5) / kColours) / scale);
+                         plots.empty() ? "" : ", ", bin,
+                         (begin + length * (bin + 0.5) / kColours) / scale);
   }
   return plots;
 }
@@ -88,7 +90,7 @@ FigureScript trajectory(const PaperPanel& panel, const SetData& set) {
   FigureScript script;
   script.figure.name = "fig" + panel.id;
   script.figure.title = fmt::format("Figure {}. {}", panel.id, panel.title);
-  const FilmData& film = set.films.front();
+  const RecordingData& film = set.films.front();
   if (film.path.size() < 2 || film.close_up.size() < 2) {
     script.figure.sentence = "Too short a film for a trajectory.";
     return script;
@@ -105,7 +107,8 @@ FigureScript trajectory(const PaperPanel& panel, const SetData& set) {
       "set palette maxcolors {} defined (0 '#440154', 1 '#414487', 2 '#2a788e', 3 '#22a884', "
       "4 '#7ad151', 5 '#d8d020')\n"
       "set cbrange [{:.6g}:{:.6g}]\nset colorbox horizontal user origin 0.17,0.93 size 0.60,0.025\n"
-      "set cbtics font small_font\nset label 2 'time ({})' at screen 0.80,0.94 left font small_font\n"
+      "set cbtics font small_font\nset label 2 'time ({})' at screen 0.80,0.94 left font "
+      "small_font\n"
       "set xlabel 'x (cm)'\nset ylabel 'y (cm)' offset 0.5\nset xtics {:.4g}\nset ytics {:.4g}\n"
       "{}plot {}\nunset label 2\n",
       kColours, film.path.front().t / axis.scale, film.path.back().t / axis.scale, axis.unit,
@@ -118,9 +121,8 @@ FigureScript trajectory(const PaperPanel& panel, const SetData& set) {
       "plot $close using 1:2 with lines lw 1 lc rgb '{}', "
       "$close using 1:2 every {} with points pt 7 ps 0.3 lc rgb '{}'\nunset multiplot\n",
       film.close_up.back().t - film.close_up.front().t,
-      frame(film.close_up, {0.775, 0.965, 0.16, 0.77}), tic(film.close_up),
-      tic(film.close_up), style::kBlue, 10,
-      style::kVermillion);
+      frame(film.close_up, {0.775, 0.965, 0.16, 0.77}), tic(film.close_up), tic(film.close_up),
+      style::kBlue, 10, style::kVermillion);
   CsvText csv("part,t_s,x_cm,y_cm");
   for (const PathPoint& p : film.path) csv.row("whole", p.t, p.x, p.y);
   for (const PathPoint& p : film.close_up) csv.row("enlarged", p.t, p.x, p.y);
@@ -135,7 +137,7 @@ FigureScript runsAndTumbles(const PaperPanel& panel, const SetData& set) {
   FigureScript script;
   script.figure.name = "fig" + panel.id;
   script.figure.title = fmt::format("Figure {}. {}", panel.id, panel.title);
-  const FilmData& film = set.films.front();
+  const RecordingData& film = set.films.front();
   if (film.speeds.size() < 100 || film.run_times.size() < 10) {
     script.figure.sentence = "Too short a film for speeds and run times.";
     return script;
@@ -178,25 +180,30 @@ FigureScript runsAndTumbles(const PaperPanel& panel, const SetData& set) {
     const double error = std::sqrt(counts[i]) * unit;
     csv.row("density_per_s_at_run_time_s", from + run_bin / 2, counts[i] * unit, error, exact);
     if (counts[i] == 0) continue;
-    runs.row(from + run_bin / 2, counts[i] * unit, std::max(0.02, 1 - 1 / std::sqrt(counts[i])) * counts[i] * unit,
+    runs.row(from + run_bin / 2, counts[i] * unit,
+             std::max(0.02, 1 - 1 / std::sqrt(counts[i])) * counts[i] * unit,
              counts[i] * unit + error);
   }
   script.script = trace.text() + speeds.text() + runs.text() +
                   style::preamble(script.figure.name, kWidth, kHeight);
   script.script += fmt::format(
-      "unset key\nset multiplot\nset lmargin at screen 0.17 + 0.04 * on_paper\nset rmargin at screen 0.965\n"
-      "set tmargin at screen 0.965\nset bmargin at screen 0.68\nset xlabel 'time (s)' offset 0,0.5\n"
+      "unset key\nset multiplot\nset lmargin at screen 0.17 + 0.04 * on_paper\nset rmargin at "
+      "screen 0.965\n"
+      "set tmargin at screen 0.965\nset bmargin at screen 0.68\nset xlabel 'time (s)' offset "
+      "0,0.5\n"
       "set ylabel 'speed (cm/s)' offset 0.5\nset yrange [0:7.5]\nset xrange [0:{:.4g}]\n"
       "plot {:.5g} with lines lw 1 dt (6,4) lc rgb 'black', "
       "$trace using 1:2 with lines lw 1.2 lc rgb '{}'\n"
       "set tmargin at screen 0.51\nset bmargin at screen 0.16\n"
       "set rmargin at screen 0.49\nset xlabel 'speed (cm/s)' offset 0,0\n"
-      "set ylabel 'density (s/cm)' offset 0.5\nset xrange [-0.3:7.5]\nset yrange [0:*]\nset xtics 2.5\n"
+      "set ylabel 'density (s/cm)' offset 0.5\nset xrange [-0.3:7.5]\nset yrange [0:*]\nset xtics "
+      "2.5\n"
       "set boxwidth 0.25\n"
       "plot $speeds using 1:2 with boxes lc rgb '{}' fs solid 0.5\n",
       kTrace, law.v * 100, style::kBlue, style::kBlue);
   script.script += fmt::format(
-      "set lmargin at screen 0.68 + 0.03 * on_paper\nset rmargin at screen 0.965\nset xlabel 'run time (s)'\n"
+      "set lmargin at screen 0.68 + 0.03 * on_paper\nset rmargin at screen 0.965\nset xlabel 'run "
+      "time (s)'\n"
       "set ylabel 'density (1/s)' offset 1\nset logscale y\nset yrange [{:.3g}:{:.3g}]\n"
       "set xrange [0:{:.4g}]\nset xtics {:.4g}\nset format y '%g'\n"
       "plot {:.6g}*exp(-{:.6g}*x) with lines lw 1.6 lc rgb 'black', "

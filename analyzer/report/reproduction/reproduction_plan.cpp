@@ -5,17 +5,17 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "common/math/units.hpp"
 #include "analyzer/report_error.hpp"
+#include "common/math/units.hpp"
 
 namespace lab::report {
 namespace {
 
 using units::kCentimetre;
 
-constexpr double kHour = 3600;       // [s]
-constexpr double kShortFilm = 180;   // [s] figure 4b
-constexpr double kFps = 50;          // 3b and gamma = 3 need as much; the others may have it
+constexpr double kHour = 3600;      // [s]
+constexpr double kShortFilm = 180;  // [s] figure 4b
+constexpr double kFps = 50;         // 3b and gamma = 3 need as much; the others may have it
 constexpr std::uint64_t kMembers = 1000;
 constexpr std::uint64_t kSeeds = kMembers * 1000;
 
@@ -46,21 +46,43 @@ PaperSet bp(double amplitude, double epsilon) {
   return set;
 }
 
-PaperSet rtp(double gamma, double tau_t, bool short_film = false) {
+PaperSet rtp(double gamma, double tau_t, bool short_recording = false) {
   PaperSet set;
-  set.id = fmt::format("rtp_gamma{:g}_taut{:g}{}", gamma, tau_t, short_film ? "_3min" : "");
+  set.id = fmt::format("rtp_gamma{:g}_taut{:g}{}", gamma, tau_t, short_recording ? "_3min" : "");
   set.program = {
       .name = "rtp", .model = Model::kRtp, .v = 5 * kCentimetre, .gamma = gamma, .tau_t = tau_t};
-  set.short_film = short_film;
+  set.short_recording = short_recording;
   return set;
 }
 
 std::vector<PaperSet> makeSets() {
-  std::vector<PaperSet> sets{
-      abp(0.5, 3), abp(0.1, 3), abp(0.25, 3), abp(0.7, 3), abp(0.9, 3), abp(0.25, 1), abp(0.25, 2),
-      abp(0.25, 4), abp(0.25, 5), abp(0.25, 6), noisyAbp(1, 10, 0.1), bp(3, 0.2), bp(5, 0.2),
-      bp(7, 0.2), bp(10, 0.2), bp(7, 0.1), bp(7, 0.4), bp(10, 0.1), bp(10, 0.4), bp(5, 0.4),
-      rtp(3, 0.5, true), rtp(0.5, 0.5), rtp(1, 0.5), rtp(2, 0.5), rtp(3, 0.5), rtp(1, 1), rtp(1, 2)};
+  std::vector<PaperSet> sets{abp(0.5, 3),
+                             abp(0.1, 3),
+                             abp(0.25, 3),
+                             abp(0.7, 3),
+                             abp(0.9, 3),
+                             abp(0.25, 1),
+                             abp(0.25, 2),
+                             abp(0.25, 4),
+                             abp(0.25, 5),
+                             abp(0.25, 6),
+                             noisyAbp(1, 10, 0.1),
+                             bp(3, 0.2),
+                             bp(5, 0.2),
+                             bp(7, 0.2),
+                             bp(10, 0.2),
+                             bp(7, 0.1),
+                             bp(7, 0.4),
+                             bp(10, 0.1),
+                             bp(10, 0.4),
+                             bp(5, 0.4),
+                             rtp(3, 0.5, true),
+                             rtp(0.5, 0.5),
+                             rtp(1, 0.5),
+                             rtp(2, 0.5),
+                             rtp(3, 0.5),
+                             rtp(1, 1),
+                             rtp(1, 2)};
   for (std::size_t i = 0; i < sets.size(); ++i) sets[i].number = static_cast<int>(i) + 1;
   return sets;
 }
@@ -70,50 +92,112 @@ std::vector<PaperPanel> makePanels() {
   const std::string b3 = "noisy_abp_va1_V10_eps0.1";
   const std::string b4 = "rtp_gamma3_taut0.5_3min";
   return {
-      {"2a", PanelKind::kTrajectory, "ABP: trajectory", "v = 3 cm/s, ε = 0.5 s, η = 3 rad/s", "",
+      {"2a",
+       PanelKind::kTrajectory,
+       "ABP: trajectory",
+       "v = 3 cm/s, ε = 0.5 s, η = 3 rad/s",
+       "",
        {b2}},
-      {"2b", PanelKind::kMsd, "ABP: MSD", "v = 3 cm/s, ε = 0.5 s, η = 3 rad/s", "", {b2},
-       Inset::kNone, {}, "eq. 4"},
-      {"2c", PanelKind::kAngularMsd, "ABP: angular MSD for three ε", "η = 3 rad/s",
+      {"2b",
+       PanelKind::kMsd,
+       "ABP: MSD",
+       "v = 3 cm/s, ε = 0.5 s, η = 3 rad/s",
+       "",
+       {b2},
+       Inset::kNone,
+       {},
+       "eq. 4"},
+      {"2c",
+       PanelKind::kAngularMsd,
+       "ABP: angular MSD for three ε",
+       "η = 3 rad/s",
        "ε = 0.1, 0.5, 0.9 s (inset also 0.25, 0.7 s), v = 3 cm/s",
-       {"abp_eps0.1_eta3", b2, "abp_eps0.9_eta3"}, Inset::kDrOverEpsilon,
+       {"abp_eps0.1_eta3", b2, "abp_eps0.9_eta3"},
+       Inset::kDrOverEpsilon,
        {"abp_eps0.1_eta3", "abp_eps0.25_eta3", b2, "abp_eps0.7_eta3", "abp_eps0.9_eta3"},
        "2 D_r τ"},
-      {"2d", PanelKind::kAngularMsd, "ABP: angular MSD for different η", "ε = 0.25 s",
+      {"2d",
+       PanelKind::kAngularMsd,
+       "ABP: angular MSD for different η",
+       "ε = 0.25 s",
        "η = 1, 3, 6 rad/s (inset 1 to 6 rad/s), v = 3 cm/s",
-       {"abp_eps0.25_eta1", "abp_eps0.25_eta3", "abp_eps0.25_eta6"}, Inset::kDrOverEta,
+       {"abp_eps0.25_eta1", "abp_eps0.25_eta3", "abp_eps0.25_eta6"},
+       Inset::kDrOverEta,
        {"abp_eps0.25_eta1", "abp_eps0.25_eta2", "abp_eps0.25_eta3", "abp_eps0.25_eta4",
         "abp_eps0.25_eta5", "abp_eps0.25_eta6"},
        "2 D_r τ"},
-      {"2e", PanelKind::kPersistence, "ABP: persistence length", "ε = 0.25 s",
+      {"2e",
+       PanelKind::kPersistence,
+       "ABP: persistence length",
+       "ε = 0.25 s",
        "η = 1 to 6 rad/s, v = 3 cm/s",
        {"abp_eps0.25_eta1", "abp_eps0.25_eta2", "abp_eps0.25_eta3", "abp_eps0.25_eta4",
         "abp_eps0.25_eta5", "abp_eps0.25_eta6"},
-       Inset::kNone, {}, "v / D_r"},
-      {"3a", PanelKind::kTrajectory, "Noisy ABP: trajectory",
-       "V = 10 cm/s, ε = 0.1 s, v_a = 1 cm/s", "", {b3}},
-      {"3b", PanelKind::kMsd, "Noisy ABP: MSD", "V = 10 cm/s, ε = 0.1 s, v_a = 1 cm/s", "", {b3},
-       Inset::kNone, {}, "eq. 5"},
-      {"3c", PanelKind::kTrajectory, "BP: trajectory", "V = 7 cm/s, ε = 0.2 s, v_a = 0", "",
+       Inset::kNone,
+       {},
+       "v / D_r"},
+      {"3a",
+       PanelKind::kTrajectory,
+       "Noisy ABP: trajectory",
+       "V = 10 cm/s, ε = 0.1 s, v_a = 1 cm/s",
+       "",
+       {b3}},
+      {"3b",
+       PanelKind::kMsd,
+       "Noisy ABP: MSD",
+       "V = 10 cm/s, ε = 0.1 s, v_a = 1 cm/s",
+       "",
+       {b3},
+       Inset::kNone,
+       {},
+       "eq. 5"},
+      {"3c",
+       PanelKind::kTrajectory,
+       "BP: trajectory",
+       "V = 7 cm/s, ε = 0.2 s, v_a = 0",
+       "",
        {"bp_V7_eps0.2"}},
-      {"3d", PanelKind::kMsd, "BP: MSD for different V", "ε = 0.2 s",
+      {"3d",
+       PanelKind::kMsd,
+       "BP: MSD for different V",
+       "ε = 0.2 s",
        "V = 3, 5, 7, 10 cm/s; inset also (V, ε) = (7, 0.1), (7, 0.4), (10, 0.1), (10, 0.4), "
        "(5, 0.4) in cm/s and s",
-       {"bp_V3_eps0.2", "bp_V5_eps0.2", "bp_V7_eps0.2", "bp_V10_eps0.2"}, Inset::kDOverTheory,
+       {"bp_V3_eps0.2", "bp_V5_eps0.2", "bp_V7_eps0.2", "bp_V10_eps0.2"},
+       Inset::kDOverTheory,
        {"bp_V3_eps0.2", "bp_V5_eps0.2", "bp_V7_eps0.2", "bp_V10_eps0.2", "bp_V7_eps0.1",
         "bp_V7_eps0.4", "bp_V10_eps0.1", "bp_V10_eps0.4", "bp_V5_eps0.4"},
        "4 D τ"},
-      {"4b", PanelKind::kTrajectory, "RTP: trajectory of three minutes",
-       "v = 5 cm/s, γ = 3 /s, τ_t = 0.5 s, 3 min", "", {b4}},
-      {"4c", PanelKind::kRunTumble, "RTP: speed and run times",
-       "v = 5 cm/s, γ = 3 /s, τ_t = 0.5 s, 3 min", "", {b4}},
-      {"4d", PanelKind::kMsd, "RTP: MSD for different γ", "τ_t = 0.5 s",
+      {"4b",
+       PanelKind::kTrajectory,
+       "RTP: trajectory of three minutes",
+       "v = 5 cm/s, γ = 3 /s, τ_t = 0.5 s, 3 min",
+       "",
+       {b4}},
+      {"4c",
+       PanelKind::kRunTumble,
+       "RTP: speed and run times",
+       "v = 5 cm/s, γ = 3 /s, τ_t = 0.5 s, 3 min",
+       "",
+       {b4}},
+      {"4d",
+       PanelKind::kMsd,
+       "RTP: MSD for different γ",
+       "τ_t = 0.5 s",
        "γ = 0.5, 1, 2, 3 /s, v = 5 cm/s",
        {"rtp_gamma0.5_taut0.5", "rtp_gamma1_taut0.5", "rtp_gamma2_taut0.5", "rtp_gamma3_taut0.5"},
-       Inset::kNone, {}, "eq. 6"},
-      {"4e", PanelKind::kMsd, "RTP: MSD for three τ_t", "γ = 1 /s",
+       Inset::kNone,
+       {},
+       "eq. 6"},
+      {"4e",
+       PanelKind::kMsd,
+       "RTP: MSD for three τ_t",
+       "γ = 1 /s",
        "τ_t = 0.5, 1, 2 s, v = 5 cm/s",
-       {"rtp_gamma1_taut0.5", "rtp_gamma1_taut1", "rtp_gamma1_taut2"}, Inset::kNone, {}, "eq. 6"},
+       {"rtp_gamma1_taut0.5", "rtp_gamma1_taut1", "rtp_gamma1_taut2"},
+       Inset::kNone,
+       {},
+       "eq. 6"},
   };
 }
 
@@ -182,16 +266,16 @@ std::vector<PaperPanel> choosePanels(std::string_view list) {
     word.clear();
   }
   for (const std::string& wanted : words) {
-    const bool known =
-        !wanted.empty() &&
-        std::any_of(paperPanels().begin(), paperPanels().end(),
-                    [&](const PaperPanel& panel) { return panel.id.starts_with(wanted); });
+    const bool known = !wanted.empty() && std::any_of(paperPanels().begin(), paperPanels().end(),
+                                                      [&](const PaperPanel& panel) {
+                                                        return panel.id.starts_with(wanted);
+                                                      });
     if (known) continue;
     std::string all;
     for (const PaperPanel& panel : paperPanels()) all += (all.empty() ? "" : ", ") + panel.id;
     throw ReportError(fmt::format(
-        "--panels {}: found \"{}\", allowed a list of {} or figures 2, 3, 4 (4a is a drawing)", list,
-        wanted, all));
+        "--panels {}: found \"{}\", allowed a list of {} or figures 2, 3, 4 (4a is a drawing)",
+        list, wanted, all));
   }
   std::vector<PaperPanel> chosen;
   for (const PaperPanel& panel : paperPanels()) {
@@ -203,7 +287,7 @@ std::vector<PaperPanel> choosePanels(std::string_view list) {
   return chosen;
 }
 
-std::string experimentText(const PaperSet& set, const FilmOptions& options) {
+std::string experimentText(const PaperSet& set, const RecordingOptions& options) {
   // Each set and member has a seed of its own, whichever panels are asked for.
   const std::uint64_t seed = options.seed * kSeeds +
                              static_cast<std::uint64_t>(options.member) * kMembers +
@@ -216,7 +300,7 @@ std::string experimentText(const PaperSet& set, const FilmOptions& options) {
       // A robot on the wire cannot tell a wall from a robot; alone it need not.
       "[reversal]\non = \"{}\"\ndistance_cm = 40\n"
       "[camera]\nfps = {}\nposition_noise_cm = 0.03\nheading_noise_deg = 0.6\n",
-      set.id, seed, set.short_film ? kShortFilm : options.hours * kHour, set.program.name,
+      set.id, seed, set.short_recording ? kShortFilm : options.hours * kHour, set.program.name,
       options.through_firmware ? "firmware" : "sim", set.program.name, parameters(set.program),
       options.through_firmware ? "any" : "walls", kFps);
 }

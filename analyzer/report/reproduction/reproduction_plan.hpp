@@ -12,10 +12,10 @@ namespace lab::report {
 
 /// A program of the paper's with its parameters, filmed on its own.
 struct PaperSet {
-  int number = 0;       ///< place in the list of all sets, from which its seeds derive
-  std::string id;       ///< "abp_eps0.5_eta3": of its runs and in tables
-  ProgramSpec program;  ///< SI units
-  bool short_film = false;  ///< the three minutes of figure 4b,c instead of the hour
+  int number = 0;                ///< place in the list of all sets, from which its seeds derive
+  std::string id;                ///< "abp_eps0.5_eta3": of its runs and in tables
+  ProgramSpec program;           ///< SI units
+  bool short_recording = false;  ///< the three minutes of figure 4b,c instead of the hour
 };
 
 enum class PanelKind {
@@ -57,15 +57,15 @@ struct PaperPanel {
 /// @throws ReportError that names what is not a panel
 [[nodiscard]] std::vector<PaperPanel> choosePanels(std::string_view list);
 
-struct FilmOptions {
-  double hours = 1;            ///< of every film but the short one
-  std::uint64_t seed = 1;      ///< of the whole reproduction
-  int member = 0;              ///< of an ensemble
+struct RecordingOptions {
+  double hours = 1;        ///< of every film but the short one
+  std::uint64_t seed = 1;  ///< of the whole reproduction
+  int member = 0;          ///< of an ensemble
   bool through_firmware = false;
 };
 
 /// The experiment that films the set, as an experiment file: one robot, walls with reversals, clock
 /// errors and PWM steps as the simulator gives them, a good camera's tracking errors.
-[[nodiscard]] std::string experimentText(const PaperSet& set, const FilmOptions& options);
+[[nodiscard]] std::string experimentText(const PaperSet& set, const RecordingOptions& options);
 
 }  // namespace lab::report

@@ -29,7 +29,7 @@ constexpr int kMinJudged = 5;
 
 const ProgramResult& resultOf(const SetData& set) { return set.films.front().result; }
 
-const std::vector<CurvePoint>& pointsOf(const FilmData& film, bool angular) {
+const std::vector<CurvePoint>& pointsOf(const RecordingData& film, bool angular) {
   return angular ? film.result.curves.angular_msd : film.result.curves.msd;
 }
 
@@ -54,7 +54,7 @@ double speedScale(const ProgramResult& result) {
 double scaleOf(const SetData& set, bool angular) {
   if (angular) return 1;
   double sum = 0;
-  for (const FilmData& film : set.films) sum += speedScale(film.result);
+  for (const RecordingData& film : set.films) sum += speedScale(film.result);
   return sum / static_cast<double>(set.films.size());
 }
 
@@ -79,8 +79,9 @@ bool known(const CurvePoint& point) {
 }
 
 std::string probability(double p) {
-  return p < 1e-12 ? "p < 1e-12" : p < 1e-3 ? fmt::format("p = {:.0e}", p)
-                                            : fmt::format("p = {:.2g}", p);
+  return p < 1e-12  ? "p < 1e-12"
+         : p < 1e-3 ? fmt::format("p = {:.0e}", p)
+                    : fmt::format("p = {:.2g}", p);
 }
 
 /// "at most 1.7 standard errors over 57 lags"
@@ -122,8 +123,9 @@ const SetData* findSet(const Reproduction& reproduction, const std::string& id) 
 }
 
 std::string filmWord(const SetData& set) {
-  return set.films.size() > 1 ? fmt::format("{} films", set.films.size())
-                              : fmt::format("this film of {}", durationText(resultOf(set).observed));
+  return set.films.size() > 1
+             ? fmt::format("{} films", set.films.size())
+             : fmt::format("this film of {}", durationText(resultOf(set).observed));
 }
 
 /// Curves against both laws.
@@ -194,9 +196,10 @@ PanelVerdict judgeCurves(const PaperPanel& panel, const std::vector<const SetDat
     verdict.paper = !tested    ? PaperVerdict::kUndecided
                     : rejected ? PaperVerdict::kRejected
                                : PaperVerdict::kNotRejected;
-    verdict.paper_text =
-        fmt::format("The paper’s {}{}: {}", panel.formula, angular || resultOf(*sets.front()).law.kind == ProgramKind::kBp ? " from 2 ε on" : "",
-                    fmt::join(paper, "; "));
+    verdict.paper_text = fmt::format(
+        "The paper’s {}{}: {}", panel.formula,
+        angular || resultOf(*sets.front()).law.kind == ProgramKind::kBp ? " from 2 ε on" : "",
+        fmt::join(paper, "; "));
   }
   return verdict;
 }
@@ -241,11 +244,10 @@ PanelVerdict judgeRuns(const std::vector<const SetData*>& sets) {
   }
   verdict.max_z = std::abs(gamma->value - gamma->theory) / gamma->sigma;
   verdict.exact = verdict.max_z < kAgreeZ ? VerdictKind::kAgrees : VerdictKind::kDisagrees;
-  verdict.exact_text = fmt::format("γ = {} /s, 95 % from {} to {}, z = {:.1f}, from {}",
-                                   numberText(gamma->value, gamma->sigma),
-                                   numberText(gamma->low95, gamma->sigma),
-                                   numberText(gamma->high95, gamma->sigma), verdict.max_z,
-                                   filmWord(*sets.front()));
+  verdict.exact_text =
+      fmt::format("γ = {} /s, 95 % from {} to {}, z = {:.1f}, from {}",
+                  valueText(gamma->value, gamma->sigma), valueText(gamma->low95, gamma->sigma),
+                  valueText(gamma->high95, gamma->sigma), verdict.max_z, filmWord(*sets.front()));
   return verdict;
 }
 
@@ -254,7 +256,7 @@ PanelVerdict judgeRuns(const std::vector<const SetData*>& sets) {
 std::vector<CurvePoint> curveOf(const SetData& set, bool angular) {
   std::vector<CurvePoint> curve = pointsOf(set.films.front(), angular);
   if (set.films.size() < 2) return curve;
-  for (const FilmData& film : set.films) {
+  for (const RecordingData& film : set.films) {
     curve.resize(std::min(curve.size(), pointsOf(film, angular).size()));
   }
   const auto films = static_cast<double>(set.films.size());
@@ -263,7 +265,7 @@ std::vector<CurvePoint> curveOf(const SetData& set, bool angular) {
     std::vector<double> values;
     std::vector<double> off;
     mean.tau = mean.noise = mean.exact = mean.paper = mean.windows = 0;
-    for (const FilmData& film : set.films) {
+    for (const RecordingData& film : set.films) {
       const CurvePoint& point = pointsOf(film, angular)[i];
       const double scale = angular ? 1 : speedScale(film.result);
       mean.tau += point.tau / films;
@@ -296,7 +298,7 @@ std::optional<Estimate> estimateOf(const SetData& set, const std::string& name) 
     if (first == nullptr) return std::nullopt;
     Estimate mean = *first;
     std::vector<double> values;
-    for (const FilmData& film : set.films) {
+    for (const RecordingData& film : set.films) {
       const Estimate* one = find(film.result.estimates, name);
       if (one != nullptr && std::isfinite(one->value)) values.push_back(one->value);
     }

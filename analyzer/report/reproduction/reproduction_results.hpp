@@ -14,8 +14,8 @@ namespace lab::report {
 using Reproduction = std::map<std::string, SetData, std::less<>>;
 
 /// The measured curve of a set, SI units: that of its film, or the mean of an ensemble with the
-/// standard error of its scatter. z is as analysis::curves() has it, with Student's t of the members
-/// turned into a normal deviate.
+/// standard error of its scatter. z is as analysis::curves() has it, with Student's t of the
+/// members turned into a normal deviate.
 [[nodiscard]] std::vector<analysis::CurvePoint> curveOf(const SetData& set, bool angular);
 
 /// How far the paper's formula at the measured speed is from what was measured [standard errors,

@@ -2,8 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "common/text/json_number.hpp"
 #include "common/text/format.hpp"
+#include "common/text/json_number.hpp"
 
 namespace lab::report {
 namespace {

@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "analyzer/report/html/html_sections.hpp"
-#include "common/text/json_number.hpp"
 #include "common/text/format.hpp"
+#include "common/text/json_number.hpp"
 
 namespace lab::report {
 namespace {
@@ -54,7 +54,7 @@ std::string testText(const std::optional<LawTest>& test, const char* what) {
 Json estimatesJson(const std::vector<analysis::Estimate>& estimates) {
   Json all = Json::object();
   for (const analysis::Estimate& estimate : estimates) {
-    const PeopleUnit unit = peopleUnit(estimate.unit);
+    const DisplayUnit unit = displayUnit(estimate.unit);
     all[unit.key.empty() ? estimate.name : estimate.name + "_" + unit.key] = {
         {"value", number(estimate.value * unit.factor)},
         {"standard_error", number(estimate.sigma * unit.factor)},
@@ -81,7 +81,7 @@ Json fitJson(const LawFit& fit) {
   json["p_value"] = number(fit.p_value);
   json["least_squares_guard_z"] = number(fit.guard_z);
   json["covariance"] = {{"films", fit.films},
-                        {"film_s", number(fit.film_duration)},
+                        {"film_s", number(fit.recording_duration)},
                         {"regularised", fit.regularised}};
   json["test_exact"] = testJson(fit.exact);
   json["test_exact_msd"] = testJson(fit.exact_msd);

@@ -4,8 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "common/math/units.hpp"
 #include "analyzer/report/html/html_sections.hpp"
+#include "common/math/units.hpp"
 #include "common/text/format.hpp"
 
 namespace lab::report {
@@ -39,8 +39,7 @@ std::string placeTable(const calibration::BandMargin& band, const LightBand& lim
   html::Table table(columns);
   for (int row = calibration::kMarginRows; row-- > 0;) {
     const auto first = static_cast<std::size_t>(row * calibration::kMarginColumns);
-    std::vector<std::string> cells{
-        fmt::format("{:.0f}", centimetres(band.places[first].place.y))};
+    std::vector<std::string> cells{fmt::format("{:.0f}", centimetres(band.places[first].place.y))};
     for (int column = 0; column < calibration::kMarginColumns; ++column) {
       const auto& place = band.places[first + static_cast<std::size_t>(column)];
       const bool inside = place.reading > limits.low && place.reading < limits.high;
@@ -68,8 +67,10 @@ std::string html::lightBands(const RunRecord& record) {
   const auto margins = lightMargins(*record.light_calibration, *record.experiment);
   if (margins.empty()) return {};
   std::string html = fmt::format(
-      "<h2>Light bands</h2>\n<p>With the calibration of light {} the same light is the same reading "
-      "everywhere, so the margin of a band holds at every place: how far the light in its middle is "
+      "<h2>Light bands</h2>\n<p>With the calibration of light {} the same light is the same "
+      "reading "
+      "everywhere, so the margin of a band holds at every place: how far the light in its middle "
+      "is "
       "from its edge, for the least sensitive of {} robots' sensors, whose readings follow the "
       "calibration within {:.2g} % of full scale (rms).</p>\n",
       record.light_calibration->id, record.light_calibration->gains.size(),
@@ -87,10 +88,10 @@ std::string html::lightBands(const RunRecord& record) {
           "light.</p>\n";
   const auto& bands = record.experiment->light_table.bands;
   for (std::size_t i = 0; i < margins.size(); ++i) {
-    html += fmt::format("<h3>{}: light {:.3f}, band {:g} to {:g}</h3>\n",
-                        escapeHtml(margins[i].program), margins[i].light, bands[i].low,
-                        bands[i].high) +
-            placeTable(margins[i], bands[i]);
+    html +=
+        fmt::format("<h3>{}: light {:.3f}, band {:g} to {:g}</h3>\n",
+                    escapeHtml(margins[i].program), margins[i].light, bands[i].low, bands[i].high) +
+        placeTable(margins[i], bands[i]);
   }
   return html + "</details>\n";
 }

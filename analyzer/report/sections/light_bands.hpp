@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "light/photometry/light_margin.hpp"
-#include "common/calibration/light_file.hpp"
 #include "analyzer/report/record/run_record.hpp"
+#include "common/calibration/light_file.hpp"
+#include "light/photometry/light_margin.hpp"
 
 namespace lab::report {
 

@@ -1,11 +1,12 @@
+#include "analyzer/report/sections/run_section.hpp"
+
 #include <fmt/format.h>
 
 #include <cmath>
 
-#include "common/math/units.hpp"
 #include "analyzer/report/html/html_sections.hpp"
+#include "common/math/units.hpp"
 #include "common/text/format.hpp"
-#include "analyzer/report/sections/run_section.hpp"
 
 namespace lab::report::html {
 namespace {

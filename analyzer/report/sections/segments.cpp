@@ -8,12 +8,12 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
-#include "common/math/units.hpp"
-#include "analyzer/report/summary/findings.hpp"
 #include "analyzer/report/html/html_sections.hpp"
-#include "common/text/json_number.hpp"
-#include "common/text/format.hpp"
+#include "analyzer/report/summary/findings.hpp"
 #include "analyzer/report/summary/trajectories.hpp"
+#include "common/math/units.hpp"
+#include "common/text/format.hpp"
+#include "common/text/json_number.hpp"
 
 namespace lab::report {
 namespace {
@@ -39,7 +39,7 @@ std::array<std::int64_t, kReasons> countsOf(const RunRecord& record) {
 }
 
 Json curveJson(const std::vector<JoinLag>& lags, const std::string& si_unit) {
-  const PeopleUnit unit = peopleUnit(si_unit);
+  const DisplayUnit unit = displayUnit(si_unit);
   const auto column = [&lags](double JoinLag::*member, double factor) {
     Json values = Json::array();
     for (const JoinLag& lag : lags) values.push_back(number(lag.*member * factor));
@@ -91,9 +91,8 @@ std::string_view pieceEndText(PieceEnd reason) {
 std::string segmentsCsv(const RunRecord& record) {
   std::vector<const PieceRecord*> rows;
   for (const PieceRecord& one : record.pieces) rows.push_back(&one);
-  std::stable_sort(rows.begin(), rows.end(), [](const PieceRecord* a, const PieceRecord* b) {
-    return a->robot < b->robot;
-  });
+  std::stable_sort(rows.begin(), rows.end(),
+                   [](const PieceRecord* a, const PieceRecord* b) { return a->robot < b->robot; });
   fmt::memory_buffer out;
   const auto put = std::back_inserter(out);
   fmt::format_to(put,
@@ -132,9 +131,9 @@ Json joinsJson(const analysis::ProgramResult& result) {
   return {{"joins", joins.joins},
           {"mean_piece_s", number(joins.mean_piece)},
           {"longest_compared_lag_s", number(joins.longest_lag)},
-          {"verdict", !judged                              ? "undecided"
+          {"verdict", !judged                           ? "undecided"
                       : std::abs(joins.max_z) < kDefect ? "fit"
-                                                           : "do not fit"},
+                                                        : "do not fit"},
           {"max_z", number(joins.max_z)},
           {"max_z_lag_s", judged ? number(joins.max_z_tau) : Json(nullptr)},
           {"max_z_curve", joins.max_z_angular ? "angular_msd" : "msd"},
@@ -158,12 +157,13 @@ std::string joinsText(const analysis::ProgramResult& result) {
                       "lags up to {} s)",
                       std::abs(joins.max_z), shortText(joins.longest_lag));
   }
-  return what + fmt::format(
-                    "the joins do not fit: with windows that straddle one the {} at {} s differs by "
-                    "{:.1f} standard errors beyond what the choice of walls explains; "
-                    "--no-stitch analyzes without them",
-                    joins.max_z_angular ? "angular MSD" : "MSD", shortText(joins.max_z_tau),
-                    std::abs(joins.max_z));
+  return what +
+         fmt::format(
+             "the joins do not fit: with windows that straddle one the {} at {} s differs by "
+             "{:.1f} standard errors beyond what the choice of walls explains; "
+             "--no-stitch analyzes without them",
+             joins.max_z_angular ? "angular MSD" : "MSD", shortText(joins.max_z_tau),
+             std::abs(joins.max_z));
 }
 
 namespace html {
@@ -199,7 +199,8 @@ std::string stitching(const RunRecord& record) {
   }
   if (headings.sense_turns > 0) {
     html += fmt::format(
-        "<li>{} in which the motion showed the head to be the tail: turned round as a whole.</li>\n",
+        "<li>{} in which the motion showed the head to be the tail: turned round as a "
+        "whole.</li>\n",
         countText(headings.sense_turns, "track"));
   }
   return html + "</ul>\n";

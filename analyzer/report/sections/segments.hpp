@@ -12,7 +12,8 @@ namespace lab::report {
 /// "reversal, joined", "program switch", ...
 [[nodiscard]] std::string_view pieceEndText(analysis::PieceEnd reason);
 
-/// segments.csv (docs/stitching.md): a row for each piece of free motion, ordered by robot and time.
+/// segments.csv (docs/stitching.md): a row for each piece of free motion, ordered by robot and
+/// time.
 [[nodiscard]] std::string segmentsCsv(const RunRecord& record);
 
 /// Of a run: pieces by the reason for their end, and mended headings.

@@ -51,7 +51,7 @@ std::string_view telling(analysis::ProgramKind kind) {
 }
 
 std::string uniqueFile(const std::vector<Finding>& before, const std::string& name) {
-  const std::string word = fileWord(name);
+  const std::string word = sanitizedFileName(name);
   std::string file = word;
   const auto taken = [&] {
     return std::any_of(before.begin(), before.end(),
@@ -70,16 +70,16 @@ std::string nameOf(const RunRecord& record, const program_t& program) {
 
 /// "D_r = 0.748 rad²/s (95 %: 0.736 to 0.760; programmed 0.75)"
 std::string estimateText(const Estimate& estimate) {
-  const PeopleUnit unit = peopleUnit(estimate.unit);
+  const DisplayUnit unit = displayUnit(estimate.unit);
   const double error = (estimate.high95 - estimate.low95) / 2 * unit.factor;
   const std::string programmed =
       std::isfinite(estimate.theory)
           ? fmt::format("; programmed {}", shortText(estimate.theory * unit.factor))
           : "";
   return fmt::format("{} = {} {} (95 %: {} to {}{})", estimate.name,
-                     numberText(estimate.value * unit.factor, error), unit.text,
-                     numberText(estimate.low95 * unit.factor, error),
-                     numberText(estimate.high95 * unit.factor, error), programmed);
+                     valueText(estimate.value * unit.factor, error), unit.text,
+                     valueText(estimate.low95 * unit.factor, error),
+                     valueText(estimate.high95 * unit.factor, error), programmed);
 }
 
 /// The curves are compared at the measured speed: a reader must know where that differs.
@@ -133,7 +133,8 @@ std::string verdictText(const ProgramResult& result) {
 std::string verdictReason(const ProgramResult& result) {
   const analysis::Verdict& verdict = result.verdict;
   if (result.law.kind == analysis::ProgramKind::kNone) {
-    return "No program was given, so that there are curves and no theory: name it with --program and "
+    return "No program was given, so that there are curves and no theory: name it with --program "
+           "and "
            "--set.";
   }
   if (verdict.kind == VerdictKind::kUndecided) {
@@ -169,7 +170,8 @@ std::vector<std::string> reservations(const ProgramResult& result) {
         "motion between contacts, which favours places with room{}.",
         result.contact_share * kPercents,
         result.law.kind == analysis::ProgramKind::kRtp
-            ? ", and tumbles, since contacts end runs: in a crowd gamma comes out too high and the law "
+            ? ", and tumbles, since contacts end runs: in a crowd gamma comes out too high and the "
+              "law "
               "is rejected"
             : ""));
   }
@@ -287,12 +289,13 @@ std::vector<std::string> headlines(const RunRecord& record) {
   }
   const bool any = !findings.empty();
   if (!any && record.poses && record.poses->in_contact > 0) {
-    lines.push_back(fmt::format(
-        "no free motion: {} of {} touch another robot or a wall of the {:g} x {:g} cm arena (another "
-        "one: --set arena.width_cm=... --set arena.height_cm=...)",
-        groupedText(record.poses->in_contact), countText(record.poses->rows, "pose"),
-        record.experimentOrDefault().arena_width * kCm,
-        record.experimentOrDefault().arena_height * kCm));
+    lines.push_back(
+        fmt::format("no free motion: {} of {} touch another robot or a wall of the {:g} x {:g} cm "
+                    "arena (another "
+                    "one: --set arena.width_cm=... --set arena.height_cm=...)",
+                    groupedText(record.poses->in_contact), countText(record.poses->rows, "pose"),
+                    record.experimentOrDefault().arena_width * kCm,
+                    record.experimentOrDefault().arena_height * kCm));
   } else if (!any) {
     lines.emplace_back("no robot ran a program that has a law: nothing to compare");
   }
@@ -318,8 +321,8 @@ std::vector<std::string> headlines(const RunRecord& record) {
       if (count > 0) lines.push_back(fmt::format("{} {}", countText(count, "pose"), what));
     }
     if (record.missing_frames > 0) {
-      lines.push_back(fmt::format("{} missing by their numbers",
-                                  countText(record.missing_frames, "frame")));
+      lines.push_back(
+          fmt::format("{} missing by their numbers", countText(record.missing_frames, "frame")));
     }
     return lines;
   }

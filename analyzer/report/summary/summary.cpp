@@ -5,16 +5,16 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "common/process/version.hpp"
-#include "analyzer/report/sections/brownian_section.hpp"
 #include "analyzer/report/record/step_delays.hpp"
-#include "analyzer/report/summary/findings.hpp"
+#include "analyzer/report/sections/brownian_section.hpp"
 #include "analyzer/report/sections/fit_section.hpp"
-#include "common/text/json_number.hpp"
 #include "analyzer/report/sections/light_bands.hpp"
-#include "common/text/format.hpp"
-#include "analyzer/report/sections/segments.hpp"
 #include "analyzer/report/sections/run_section.hpp"
+#include "analyzer/report/sections/segments.hpp"
+#include "analyzer/report/summary/findings.hpp"
+#include "common/process/version.hpp"
+#include "common/text/format.hpp"
+#include "common/text/json_number.hpp"
 
 namespace lab::report {
 namespace {
@@ -30,7 +30,7 @@ Json secondsOrNull(const RunRecord& record, std::int64_t utime) {
 
 /// One array a column. A robot's own curve goes without what its program's pool says already.
 Json curve(const std::vector<CurvePoint>& points, const std::string& si_unit, bool whole) {
-  const PeopleUnit unit = peopleUnit(si_unit);
+  const DisplayUnit unit = displayUnit(si_unit);
   const auto column = [&points](auto value) {
     Json values = Json::array();
     for (const CurvePoint& point : points) {

@@ -1,8 +1,8 @@
 #include <nlohmann/json.hpp>
 
-#include "common/text/json_number.hpp"
 #include "analyzer/report/sections/fit_section.hpp"
 #include "analyzer/report/sections/run_section.hpp"
+#include "common/text/json_number.hpp"
 
 namespace lab::report {
 namespace {

@@ -33,7 +33,7 @@ std::string hostList(const Experiment& e) {
   return list.empty() ? "there is no [hosts.NAME]" : list;
 }
 
-void checkPlace(const Experiment& e, const ServicePlace& place, Problems& problems) {
+void checkPlace(const Experiment& e, const ServicePlacement& place, Problems& problems) {
   const std::string path = "services." + place.service;
   if (std::ranges::find(kServiceNames, place.service) == kServiceNames.end()) {
     problems.add(path, "found an unknown service, allowed " + serviceList());
@@ -157,7 +157,7 @@ void checkDashboard(const Dashboard& dashboard, Problems& problems) {
                      ", allowed \"\" (this machine only) or an address in numbers, as "
                      "\"192.168.0.5\"; \"ip addr\" lists those of this machine");
   }
-  if (dashboard.control_from_elsewhere && isOnlyHere(dashboard)) {
+  if (dashboard.control_from_elsewhere && isLocalOnly(dashboard)) {
     problems.add("dashboard.control_from_elsewhere",
                  "found true with a page that only this machine sees, needed for it: "
                  "dashboard.address");

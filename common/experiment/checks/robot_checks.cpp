@@ -8,8 +8,8 @@
 
 #include "common/experiment/checks/experiment_checks.hpp"
 #include "common/experiment/experiment_conversions.hpp"
-#include "common/experiment/keys/experiment_keys.hpp"
 #include "common/experiment/experiment_messages.hpp"
+#include "common/experiment/keys/experiment_keys.hpp"
 #include "common/files/file_values.hpp"
 
 namespace lab::keys {
@@ -88,8 +88,8 @@ void checkLines(const ExperimentForm& form, Problems& problems) {
     chips = chips || entry.body == Body::kFirmware;
     if (entry.body != Body::kSerial) continue;
     if (entry.count > 1) {
-      problems.add(entryPath(i) + ".count", "found " + std::to_string(entry.count) +
-                                                ", allowed 1 where a uid is given");
+      problems.add(entryPath(i) + ".count",
+                   "found " + std::to_string(entry.count) + ", allowed 1 where a uid is given");
     }
     const auto [owner, is_new] = uids.emplace(entry.uid, i);
     if (!is_new) {
@@ -131,8 +131,9 @@ void checkPose(const ExperimentForm& form, std::size_t index, Problems& problems
   const int given = (entry.x ? 1 : 0) + (entry.y ? 1 : 0) + (entry.theta ? 1 : 0);
   if (given == 0) return;
   if (!isSimulated(entry.body)) {
-    problems.add(path + ".x_cm", "found a start for a robot that no simulator places, allowed with "
-                                 "body = \"sim\", \"wire\" or \"firmware\"");
+    problems.add(path + ".x_cm",
+                 "found a start for a robot that no simulator places, allowed with "
+                 "body = \"sim\", \"wire\" or \"firmware\"");
     return;
   }
   if (given < 3) {
@@ -231,7 +232,7 @@ void checkProgram(const ProgramSpec& program, const RobotHardware& hardware, Pro
     checkTime(path + ".tau_t_s", program.tau_t, hardware.sensor_period, problems);
   }
   if (problems.concern(path)) return;
-  const auto result = dynamics::paramsFromPhysics(toPhysics(program), wheelLimits(hardware));
+  const auto result = dynamics::toProgramParams(toPhysics(program), wheelLimits(hardware));
   if (!result.ok) {
     problems.add(path, "found " + result.reason + "; allowed: " + wayOut(model) +
                            ", or raise robot.max_wheel_speed_cm_s");

@@ -8,8 +8,8 @@
 
 #include "common/experiment/checks/experiment_checks.hpp"
 #include "common/experiment/keys/experiment_keys.hpp"
-#include "common/files/file_values.hpp"
 #include "common/experiment/script_plan.hpp"
+#include "common/files/file_values.hpp"
 
 namespace lab::keys {
 namespace {
@@ -215,7 +215,8 @@ bool checkGroups(const LightScript& script, Problems& problems) {
   const std::vector<StepGroup> groups = groupsOf(script);
   for (std::size_t i = 0; i < groups.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
-      // In the order of their last steps: the later one either begins behind the earlier or holds it.
+      // In the order of their last steps: the later one either begins behind the earlier or holds
+      // it.
       if (groups[i].first > groups[j].last || groups[i].first <= groups[j].first) continue;
       problems.add(stepPath(groups[i].last) + ".back_to",
                    "found " + tomlString(script.steps[groups[i].last].back_to) +
@@ -287,12 +288,12 @@ void checkLimits(const ExperimentForm& form, const LightScript& script, Problems
       if (group.first <= i && group.last >= i) last = std::max(last, group.last);
     }
     if (begins[last + 1] <= form.common.duration) return;
-    problems.add(stepPath(i) + ".hold_s",
-                 "found a limit that may come " + numberText(begins[last + 1]) +
-                     " s after the start, allowed up to duration_s = " +
-                     numberText(form.common.duration) +
-                     ": shorten the limits, or raise duration_s (a run that ends early costs no "
-                     "more for it)");
+    problems.add(
+        stepPath(i) + ".hold_s",
+        "found a limit that may come " + numberText(begins[last + 1]) +
+            " s after the start, allowed up to duration_s = " + numberText(form.common.duration) +
+            ": shorten the limits, or raise duration_s (a run that ends early costs no "
+            "more for it)");
     return;
   }
 }
@@ -310,9 +311,9 @@ void checkStopRules(const ExperimentForm& form, Problems& problems) {
     checkEstimate(form, path, until, problems);
     checkOneRobot(form, path, until.robot, problems);
     if (!problems.concern("duration_s") && rules[i].at_least >= form.common.duration) {
-      problems.add(path + ".at_least_s", "found " + numberText(rules[i].at_least) +
-                                             ", allowed below duration_s = " +
-                                             numberText(form.common.duration));
+      problems.add(path + ".at_least_s",
+                   "found " + numberText(rules[i].at_least) +
+                       ", allowed below duration_s = " + numberText(form.common.duration));
     }
     for (std::size_t k = 0; k < i; ++k) {
       const Until& other = rules[k].until;

@@ -96,7 +96,7 @@ std::vector<double> stepTimes(const ExperimentForm& form) {
   std::vector<double> times;
   if (!form.light_steps.empty() && form.light_steps.front().hold) {
     for (const StepEntry& step : form.light_steps) times.push_back(step.hold.value_or(0));
-    return latestBegins(times, groupsOf(scriptOf(form)));
+    return latestStartTimes(times, groupsOf(scriptOf(form)));
   }
   for (const StepEntry& step : form.light_steps) times.push_back(step.at.value_or(0));
   times.push_back(form.light_length.value_or(std::numeric_limits<double>::infinity()));

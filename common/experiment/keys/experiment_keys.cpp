@@ -16,10 +16,10 @@ const std::array<Choice, 6> kModels = {
     {choiceOf("abp", Model::kAbp), choiceOf("noisy_abp", Model::kNoisyAbp),
      choiceOf("bp", Model::kBp), choiceOf("rtp", Model::kRtp), choiceOf("stand", Model::kNone),
      choiceOf("wheels", Model::kWheels)}};
-const std::array<Choice, 5> kBodies = {
-    {choiceOf("sim", Body::kSim), choiceOf("wire", Body::kWire),
-     choiceOf("firmware", Body::kFirmware), choiceOf("serial", Body::kSerial),
-     choiceOf("replay", Body::kReplay)}};
+const std::array<Choice, 5> kBodies = {{choiceOf("sim", Body::kSim), choiceOf("wire", Body::kWire),
+                                        choiceOf("firmware", Body::kFirmware),
+                                        choiceOf("serial", Body::kSerial),
+                                        choiceOf("replay", Body::kReplay)}};
 const std::array<Choice, 3> kSensors = {{choiceOf("mean", LightSensor::kMean),
                                          choiceOf("front", LightSensor::kFront),
                                          choiceOf("back", LightSensor::kBack)}};
@@ -43,8 +43,7 @@ void visitHardware(KeyVisitor& v, RobotHardware& robot) {
             "standard deviation of the wheels' gains, drawn once for "
             "each wheel; turns straight runs into circles"},
            {0, 20}, robot.wheel_gain_error);
-  v.number({"wheel_base_error_percent",
-            "standard deviation of the distances between the wheels"},
+  v.number({"wheel_base_error_percent", "standard deviation of the distances between the wheels"},
            {0, 20}, robot.wheel_base_error);
   v.number({"motor_dead_band_percent", "of full duty, up to which a wheel does not turn"}, {0, 40},
            robot.motor_dead_band);
@@ -117,8 +116,8 @@ void visitRobot(KeyVisitor& v, RobotEntry& robot) {
   v.text(body.only({Body::kReplay},
                    {"log", "log, or folder of a run, beside the experiment file", Need::kRequired}),
          {.most = 400}, robot.log);
-  v.integer(body.only({Body::kReplay}, {.name = "recorded_id",
-                                        .meaning = "the robot in that log; 0: the same id"}),
+  v.integer(body.only({Body::kReplay},
+                      {.name = "recorded_id", .meaning = "the robot in that log; 0: the same id"}),
             0, kLargestId, robot.recorded_id);
   v.number(body.only({Body::kReplay}, {"from_s", "where in that log's script the replay begins"}),
            {0, kLongestRun}, robot.from);
@@ -194,8 +193,9 @@ void visitCamera(KeyVisitor& v, Camera& camera) {
       kTrackers, camera.tracker);
   const auto painted = [&](Key key) { return tracker.only({Tracker::kCamera}, std::move(key)); };
   const auto modelled = [&](Key key) { return tracker.only({Tracker::kSimPoses}, std::move(key)); };
-  v.text(painted({"camera", "sim: the one that sim_svc paints; else a device, a movie or an "
-                               "address (docs/cameras.md)"}),
+  v.text(painted({"camera",
+                  "sim: the one that sim_svc paints; else a device, a movie or an "
+                  "address (docs/cameras.md)"}),
          {.most = 400}, camera.source);
   v.number({"fps", "frames a second"}, {1, 500}, camera.fps);
   std::int64_t width = camera.width;
@@ -209,16 +209,17 @@ void visitCamera(KeyVisitor& v, Camera& camera) {
   v.number(painted({"gain", "of the simulated camera a factor, of a device in its own units"}),
            {0, 1e6}, camera.gain);
   v.text(painted({.name = "calibration",
-                     .meaning = "camera.json of lab calibrate camera; the simulated camera's own "
-                                "where empty",
-                     .default_text = "empty"}),
+                  .meaning = "camera.json of lab calibrate camera; the simulated camera's own "
+                             "where empty",
+                  .default_text = "empty"}),
          {.most = 400}, camera.calibration);
-  v.flag(painted({"handshake", "before the script each robot turns for a moment, so that the "
-                                  "tracker knows which cap it is"}),
+  v.flag(painted({"handshake",
+                  "before the script each robot turns for a moment, so that the "
+                  "tracker knows which cap it is"}),
          camera.handshake);
   std::int64_t port = camera.debug_port;
-  v.integer(painted({"debug_port", "of the tracker's debug view on 127.0.0.1, 0: none"}), 0,
-            65535, port);
+  v.integer(painted({"debug_port", "of the tracker's debug view on 127.0.0.1, 0: none"}), 0, 65535,
+            port);
   camera.debug_port = static_cast<int>(port);
   v.number(painted({"ambient", "room light in the simulated picture, of the projector's white"}),
            kShare, camera.ambient);

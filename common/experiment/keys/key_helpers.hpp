@@ -42,14 +42,14 @@ void visitList(KeyVisitor& visitor, const Key& key, const ListRule& rule,
 }
 
 /// A key that is written only where it says something.
-inline Key orNothing(bool something, Key key) {
+inline Key writtenIf(bool something, Key key) {
   if (key.default_text.empty()) key.default_text = "-";
   key.need = something ? Need::kOptional : Need::kShorthand;
   return key;
 }
 
 /// A key that has a meaning only next to another one.
-inline Key onlyWith(bool applies, const char* condition, Key key) {
+inline Key applicableIf(bool applies, const char* condition, Key key) {
   key.applies = applies ? Applies::kYes : Applies::kNo;
   key.condition = condition;
   return key;

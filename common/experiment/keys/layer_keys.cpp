@@ -57,7 +57,7 @@ void visitSeed(KeyVisitor& v, const Key& key, std::uint64_t& seed) {
 void visitImages(KeyVisitor& v, const Selector& kind, LayerSpec& layer) {
   light::Drive& drive = layer.drive;
   v.texts(kind.only({LayerKind::kImage},
-                    orNothing(!drive.images.empty(),
+                    writtenIf(!drive.images.empty(),
                               {"files", "image files that are shown one after the other"})),
           {.most = 200}, {.fewest = 1, .most = light::kMostImages}, drive.images);
   const bool sequence = !drive.images.empty();
@@ -69,11 +69,11 @@ void visitImages(KeyVisitor& v, const Selector& kind, LayerSpec& layer) {
   if (sequence && file.applies == Applies::kYes) file.applies = Applies::kNo;
   file.condition += " and no files";
   v.text(file, {.most = 200}, layer.image);
-  v.number(onlyWith(sequence, "files", {"images_per_s", "of the sequence"}),
+  v.number(applicableIf(sequence, "files", {"images_per_s", "of the sequence"}),
            {.low = 0, .high = light::kLargestRate, .above_low = true}, drive.image_rate);
-  v.flag(
-      onlyWith(sequence, "files", {"loop", "the sequence begins again; else its last image stays"}),
-      drive.image_loop);
+  v.flag(applicableIf(sequence, "files",
+                      {"loop", "the sequence begins again; else its last image stays"}),
+         drive.image_loop);
 }
 
 // Lengths and places go to the fields of the same layer that light/field/layer.hpp lists.
@@ -128,7 +128,7 @@ void visitShape(KeyVisitor& v, const Selector& kind, LayerEntry& entry) {
 void visitIntensities(KeyVisitor& v, const Selector& kind, LayerEntry& entry) {
   using enum LayerKind;
   LayerSpec& layer = entry.layer;
-  v.text(orNothing(false, {"program",
+  v.text(writtenIf(false, {"program",
                            "instead of intensity: the middle of the light band that selects this "
                            "program"}),
          {.most = 32, .bare = true}, entry.program);
@@ -146,12 +146,12 @@ void visitIntensities(KeyVisitor& v, const Selector& kind, LayerEntry& entry) {
 void visitMotion(KeyVisitor& v, const Selector& kind, LayerEntry& entry) {
   light::Drive& drive = entry.layer.drive;
   const Range speed{-100 * light::kLargestSpeed, 100 * light::kLargestSpeed};
-  v.number(kind.only(kPlaced, orNothing(drive.vx != 0, {"vx_cm_s", "speed of the layer along x"})),
+  v.number(kind.only(kPlaced, writtenIf(drive.vx != 0, {"vx_cm_s", "speed of the layer along x"})),
            speed, drive.vx);
-  v.number(kind.only(kPlaced, orNothing(drive.vy != 0, {"vy_cm_s", "speed of the layer along y"})),
+  v.number(kind.only(kPlaced, writtenIf(drive.vy != 0, {"vy_cm_s", "speed of the layer along y"})),
            speed, drive.vy);
   v.number(
-      kind.only(kPlaced, orNothing(drive.spin != 0,
+      kind.only(kPlaced, writtenIf(drive.spin != 0,
                                    {"spin_deg_s", "turns about x_cm, y_cm, counter-clockwise"})),
       kAngle, drive.spin);
   v.number(kind.only({LayerKind::kWave}, {"speed_cm_s", "of the crests, along angle_deg"}), kSpeed,
@@ -167,7 +167,7 @@ void visitWaveform(KeyVisitor& v, const Selector& kind, LayerSpec& layer) {
   light::Drive& drive = layer.drive;
   const Selector waveform(
       v,
-      orNothing(drive.waveform != kSteady, {"waveform",
+      writtenIf(drive.waveform != kSteady, {"waveform",
                                             "how the intensity goes between its own value and "
                                             "low; a telegraph switches at random times"}),
       kWaveforms, drive.waveform);
@@ -196,7 +196,7 @@ void visitFollow(KeyVisitor& v, const Selector& kind, light::Drive& drive) {
   using enum Follow;
   const Selector follow(
       v,
-      kind.only(kPlaced, orNothing(drive.follow != kNothing,
+      kind.only(kPlaced, writtenIf(drive.follow != kNothing,
                                    {"follow",
                                     "robots: a copy of the layer on each robot, x_cm, y_cm and "
                                     "angle_deg in its frame; trail: what robots leave behind"})),
@@ -227,7 +227,7 @@ void visitGate(KeyVisitor& v, light::Drive& drive) {
   using enum Gate;
   const Selector gate(
       v,
-      orNothing(drive.gate != kOpen, {"gate",
+      writtenIf(drive.gate != kOpen, {"gate",
                                       "the layer is shown only while a robot runs the program, "
                                       "is inside the circle, or outside"}),
       kGates, drive.gate);

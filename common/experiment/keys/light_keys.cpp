@@ -9,8 +9,8 @@ namespace {
 const std::array<Choice, 2> kRegions = {
     {choiceOf("circle", Region::kCircle), choiceOf("rectangle", Region::kRectangle)}};
 const std::array<Choice, 2> kWho = {{choiceOf("any", Who::kAny), choiceOf("all", Who::kAll)}};
-const std::array<Choice, 3> kIfNot = {{choiceOf("next", IfNot::kNext), choiceOf("end", IfNot::kEnd),
-                                       choiceOf("safe", IfNot::kSafe)}};
+const std::array<Choice, 3> kIfNot = {
+    {choiceOf("next", IfNot::kNext), choiceOf("end", IfNot::kEnd), choiceOf("safe", IfNot::kSafe)}};
 
 const std::array<Choice, 2> kStopOn = {
     {choiceOf("all", StopOn::kAll), choiceOf("any", StopOn::kAny)}};
@@ -27,26 +27,27 @@ const TextRule kProgramRule{.most = 32, .bare = true};
 
 void visitOneRobot(KeyVisitor& v, std::int32_t& robot) {
   std::int64_t id = robot;
-  v.integer(orNothing(id != 0, {"robot", kRobot}), 1, kLargestId, id);
+  v.integer(writtenIf(id != 0, {"robot", kRobot}), 1, kLargestId, id);
   robot = static_cast<std::int32_t>(id);
 }
 
 // Which of the three kinds of condition it is, is a matter of what is there.
 void visitUntil(KeyVisitor& v, Until& until) {
   using enum Region;
-  v.text(orNothing(!until.estimate.empty(), {"estimate", kEstimate}), kEstimateRule,
+  v.text(writtenIf(!until.estimate.empty(), {"estimate", kEstimate}), kEstimateRule,
          until.estimate);
   const bool estimate = !until.estimate.empty();
-  v.text(onlyWith(estimate, "estimate", {"program", kOfProgram, Need::kRequired}), kProgramRule,
+  v.text(applicableIf(estimate, "estimate", {"program", kOfProgram, Need::kRequired}), kProgramRule,
          until.program);
-  v.number(onlyWith(estimate, "estimate", {"relative_error", kKnown, Need::kRequired}),
+  v.number(applicableIf(estimate, "estimate", {"relative_error", kKnown, Need::kRequired}),
            {.low = 0, .high = 1, .above_low = true}, until.relative_error);
-  v.integer(orNothing(until.tumbles != 0,
-                      {"tumbles", "how many, since the step began, of all robots together or of one"}),
-            1, 1'000'000'000, until.tumbles);
+  v.integer(
+      writtenIf(until.tumbles != 0,
+                {"tumbles", "how many, since the step began, of all robots together or of one"}),
+      1, 1'000'000'000, until.tumbles);
   visitOneRobot(v, until.robot);
   const Selector region(
-      v, orNothing(until.region != kNone, {"region", "where a robot's axis has to be"}), kRegions,
+      v, writtenIf(until.region != kNone, {"region", "where a robot's axis has to be"}), kRegions,
       until.region);
   const auto both = {kCircle, kRectangle};
   Key who = region.only(both, {"robots", "whether one of them has to be there or all at a time"});
@@ -81,16 +82,18 @@ void visitStep(KeyVisitor& v, StepEntry& step) {
                  .default_text = "-"},
                 step.has_until, [&] { visitUntil(v, step.until); });
   enumerate(v,
-            onlyWith(step.has_until, "until",
-                     {"if_not", "what follows when the limit comes first: the next step, the run's "
-                                "end, or the safe light and then the run's end"}),
+            applicableIf(step.has_until, "until",
+                         {"if_not",
+                          "what follows when the limit comes first: the next step, the run's "
+                          "end, or the safe light and then the run's end"}),
             kIfNot, step.if_not);
-  v.text(orNothing(!step.back_to.empty(),
-                   {"back_to", "label of a step before this one, or of this one: the steps from "
-                               "there to here are shown several times; with hold_s"}),
+  v.text(writtenIf(!step.back_to.empty(),
+                   {"back_to",
+                    "label of a step before this one, or of this one: the steps from "
+                    "there to here are shown several times; with hold_s"}),
          {.most = 60}, step.back_to);
-  v.integer(onlyWith(!step.back_to.empty(), "back_to",
-                     {"times", "how often they are shown in all", Need::kRequired}),
+  v.integer(applicableIf(!step.back_to.empty(), "back_to",
+                         {"times", "how often they are shown in all", Need::kRequired}),
             2, 100'000, step.times);
   v.number({"ramp_s", "cross-fade from the step before, as long at most as the step"}, {0, 3600},
            step.ramp);
@@ -103,7 +106,7 @@ void visitStep(KeyVisitor& v, StepEntry& step) {
 
 void visitStopOn(KeyVisitor& v, StopOn& on) {
   enumerate(v,
-            orNothing(on != StopOn::kAll,
+            writtenIf(on != StopOn::kAll,
                       {"stop_on", "whether all rules of stop_when have to hold at a time, or any"}),
             kStopOn, on);
 }
@@ -114,8 +117,8 @@ void visitStopRule(KeyVisitor& v, StopRule& rule) {
   v.number({"relative_error_percent", kKnown, Need::kRequired},
            {.low = 0, .high = 100, .above_low = true}, rule.until.relative_error);
   visitOneRobot(v, rule.until.robot);
-  v.number({"at_least_s", "of the script, before which the rule does not count"},
-           {0, kLongestRun}, rule.at_least);
+  v.number({"at_least_s", "of the script, before which the rule does not count"}, {0, kLongestRun},
+           rule.at_least);
 }
 
 void visitLight(KeyVisitor& v, ExperimentForm& form) {
@@ -133,8 +136,8 @@ void visitLight(KeyVisitor& v, ExperimentForm& form) {
             [&](StepEntry& step) { visitStep(v, step); });
 }
 
-// A robot in the corner has its axis 3.75 cm from both walls, and a light sensor 3 cm from its axis:
-// that comes as near as 1.63 cm to both.
+// A robot in the corner has its axis 3.75 cm from both walls, and a light sensor 3 cm from its
+// axis: that comes as near as 1.63 cm to both.
 constexpr double kLargestPatch_cm = 1.6;
 
 void visitProjector(KeyVisitor& v, Projector& projector) {
@@ -166,9 +169,9 @@ void visitProjector(KeyVisitor& v, Projector& projector) {
   v.integer({"height_px", "of the simulated projector's picture"}, 120, 8192, height);
   projector.width = static_cast<int>(width);
   projector.height = static_cast<int>(height);
-  v.number({"keystone_percent",
-            "how much wider the simulated projector's picture is at its far side"},
-           {-40, 40}, projector.keystone);
+  v.number(
+      {"keystone_percent", "how much wider the simulated projector's picture is at its far side"},
+      {-40, 40}, projector.keystone);
   v.number({"barrel_percent", "how much the simulated projector's lens pulls the corners in"},
            {-20, 20}, projector.barrel);
   v.number({"offset_x_cm", "where the simulated projector's picture is shifted to"}, {-50, 50},

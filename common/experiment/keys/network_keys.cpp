@@ -123,7 +123,7 @@ void visitNetworks(KeyVisitor& v, Experiment& e) {
              });
   visitNamed(v, {"services", "Where services run; NAME is a service, as sim_svc"},
              {.most = 32, .bare = true}, e.services,
-             [&](const std::string& name, ServicePlace& place) {
+             [&](const std::string& name, ServicePlacement& place) {
                place.service = name;
                v.text({"host",
                        "NAME of [hosts.NAME], or \"pi@robot-bench\" as ssh takes it; \"\": this "

@@ -20,8 +20,8 @@ TEST(SegmentLengths, TellHowManyWindowsOfALagAreLeft) {
   EXPECT_EQ(dut.covered(2000), 0);
 }
 
-TEST(FilmGaps, AreInSimulatedFilmsAsInTheMeasuredOne) {
-  FilmGaps gaps;
+TEST(RecordingGaps, AreInSimulatedFilmsAsInTheMeasuredOne) {
+  RecordingGaps gaps;
   gaps.lost = 0.2;
   gaps.lost_length = 3;
   gaps.cut = true;
@@ -29,7 +29,7 @@ TEST(FilmGaps, AreInSimulatedFilmsAsInTheMeasuredOne) {
   for (int i = 0; i < 10; ++i) gaps.segments.add(500);
   constexpr std::size_t kFrames = 2'000'000;
   constexpr std::size_t kLag = 40;
-  const FilmStretches dut = drawStretches(gaps, 0.05, 0.05, kFrames, 1);
+  const RecordingStretches dut = drawStretches(gaps, 0.05, 0.05, kFrames, 1);
   double lost = 0;
   double lost_runs = 0;
   double cuts = 0;
@@ -51,10 +51,10 @@ TEST(FilmGaps, AreInSimulatedFilmsAsInTheMeasuredOne) {
   EXPECT_GT(dut.of_headings.back(), dut.of_places.back());
 }
 
-TEST(FilmGaps, LoseFewerOfFewerFrames) {
-  FilmGaps gaps;
+TEST(RecordingGaps, LoseFewerOfFewerFrames) {
+  RecordingGaps gaps;
   gaps.lost = 0.1;
-  const FilmStretches dut = drawStretches(gaps, 0.01, 0.04, 400'000, 1);
+  const RecordingStretches dut = drawStretches(gaps, 0.01, 0.04, 400'000, 1);
   double lost = 0;
   for (const int stretch : dut.of_places) lost += stretch < 0 ? 1 : 0;
   EXPECT_NEAR(lost / 400'000, 0.1 / 0.9 / 4 / (1 + 0.1 / 0.9 / 4), 0.001);

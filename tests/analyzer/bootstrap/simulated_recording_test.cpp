@@ -7,22 +7,22 @@
 
 #include "analyzer/bootstrap/curve_covariance.hpp"
 #include "analyzer/observation.hpp"
-#include "tests/analyzer/recording_ensemble.hpp"
 #include "tests/analyzer/paper_programs.hpp"
+#include "tests/analyzer/recording_ensemble.hpp"
 
 namespace lab::analysis {
 namespace {
 
 /// Every lag of both curves, averaged over films, is the law as the camera sees it.
-void expectLaw(const FilmPlan& plan, const char* what) {
+void expectLaw(const RecordingPlan& plan, const char* what) {
   const std::vector<int> lags{1, 2, 4, 8, 16, 32, 64, 128};
   const ExactLaw exact(plan.law);
   const Observation observation{plan.exposure, plan.sigma, plan.sigma_theta};
   std::vector<Scatter> curves(2 * lags.size());
-  FilmPoses poses;
+  RecordingPoses poses;
   for (std::uint64_t seed = 0; seed < 400; ++seed) {
-    simulateFilm(plan, seed, poses);
-    const std::vector<double> one = filmCurves(poses, lags);
+    simulateRecording(plan, seed, poses);
+    const std::vector<double> one = recordingCurves(poses, lags);
     for (std::size_t i = 0; i < curves.size(); ++i) curves[i].add(one[i]);
   }
   for (std::size_t i = 0; i < lags.size(); ++i) {
@@ -46,22 +46,25 @@ TEST(SyntheticFilm, SeesThroughACamera) {
 }
 
 TEST(SyntheticFilm, IsTheSameForTheSameSeed) {
-  const FilmPlan plan{rtpLaw(1, 0.5), 50, 0.1, 0.001, 0.01, 0};
-  FilmPoses a;
-  FilmPoses b;
-  simulateFilm(plan, 7, a);
-  simulateFilm(plan, 7, b);
+  const RecordingPlan plan{rtpLaw(1, 0.5), 50, 0.1, 0.001, 0.01, 0};
+  RecordingPoses a;
+  RecordingPoses b;
+  simulateRecording(plan, 7, a);
+  simulateRecording(plan, 7, b);
   EXPECT_EQ(a.x, b.x);
   EXPECT_EQ(a.theta, b.theta);
-  simulateFilm(plan, 8, b);
+  simulateRecording(plan, 8, b);
   EXPECT_NE(a.x, b.x);
 }
 
 TEST(SyntheticFilm, RefusesWhatItCannotFilm) {
-  FilmPoses poses;
-  EXPECT_THROW(simulateFilm({ProgramLaw{}, 10, 0.1, 0, 0, 0}, 1, poses), std::invalid_argument);
-  EXPECT_THROW(simulateFilm({abpLaw(3, 0.5), 10, 0, 0, 0, 0}, 1, poses), std::invalid_argument);
-  EXPECT_THROW(simulateFilm({abpLaw(3, 0.5), 10, 0.1, 0, 0, 0.2}, 1, poses), std::invalid_argument);
+  RecordingPoses poses;
+  EXPECT_THROW(simulateRecording({ProgramLaw{}, 10, 0.1, 0, 0, 0}, 1, poses),
+               std::invalid_argument);
+  EXPECT_THROW(simulateRecording({abpLaw(3, 0.5), 10, 0, 0, 0, 0}, 1, poses),
+               std::invalid_argument);
+  EXPECT_THROW(simulateRecording({abpLaw(3, 0.5), 10, 0.1, 0, 0, 0.2}, 1, poses),
+               std::invalid_argument);
 }
 
 TEST(Random, IsNormalToTheFourthMomentAndInItsTail) {

@@ -1,12 +1,11 @@
 // Ensembles large enough to see small biases and wrong error bars.
-#include "tests/analyzer/recording_ensemble.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <string>
 
 #include "tests/analyzer/paper_programs.hpp"
+#include "tests/analyzer/recording_ensemble.hpp"
 
 namespace lab::analysis::film_ensemble_test {
 namespace {
@@ -23,19 +22,19 @@ TEST_P(FilmEnsemble, OfWalledFilmsFollowsTheExactLaw) {
   constexpr int kFilms = 150;
   EnsembleCurves curves;
   for (int i = 0; i < kFilms; ++i) {
-    Film film;
+    WalkerRecording film;
     film.law = GetParam().law;
     film.duration = 1800;
     film.walls = true;
     film.seed = 20000U + static_cast<unsigned>(i);
-    curves.add(analyseFilm(film, stitch(film)));
+    curves.add(analyseRecording(film, stitch(film)));
   }
   expectUnbiased(curves.msd, kFilms, "MSD");
   expectUnbiased(curves.angular, kFilms, "angular MSD");
 }
 
 TEST_P(FilmEnsemble, HasTheStatedErrorsUpToAFilmOver180) {
-  Film film;
+  WalkerRecording film;
   film.law = GetParam().law;
   film.duration = 900;
   film.fps = 24.3;
@@ -47,7 +46,7 @@ TEST_P(FilmEnsemble, HasTheStatedErrorsUpToAFilmOver180) {
 }
 
 TEST_P(FilmEnsemble, OfShortFilmsCoversTheTruthAtTheStatedRate) {
-  const Coverage dut = cover(shortFilm(GetParam().law), 1000, 10);
+  const Coverage dut = cover(shortRecording(GetParam().law), 1000, 10);
   for (const std::string& name : GetParam().estimates) {
     expectCoverage(dut, name);
     const double deviation = dut.value.at(name).deviation();

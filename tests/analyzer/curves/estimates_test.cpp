@@ -7,14 +7,14 @@
 #include <string>
 #include <utility>
 
-#include "tests/analyzer/recording_ensemble.hpp"
 #include "tests/analyzer/paper_programs.hpp"
+#include "tests/analyzer/recording_ensemble.hpp"
 
 namespace lab::analysis {
 namespace {
 
 TEST(Estimates, CoverTheTruthOfTheAbpAtTheStatedRate) {
-  const Coverage dut = cover(shortFilm(abpLaw(3, 0.5)), 250, 10);
+  const Coverage dut = cover(shortRecording(abpLaw(3, 0.5)), 250, 10);
   for (const char* name : {"D_r", "v", "D", "L_s"}) {
     expectCoverage(dut, name);
   }
@@ -24,14 +24,14 @@ TEST(Estimates, CoverTheTruthOfTheAbpAtTheStatedRate) {
 }
 
 TEST(Estimates, CoverTheTruthOfTheRtpAtTheStatedRate) {
-  const Coverage dut = cover(shortFilm(rtpLaw(1, 0.5)), 200, 5);
+  const Coverage dut = cover(shortRecording(rtpLaw(1, 0.5)), 200, 5);
   for (const char* name : {"v", "gamma", "tau_r", "D", "L_s"}) {
     expectCoverage(dut, name);
   }
 }
 
 TEST(CurveErrors, AreTheTrueScatterUpToAFilmOver180) {
-  Film film;
+  WalkerRecording film;
   film.law = abpLaw(3, 0.5);
   film.duration = 300;
   film.fps = 24.3;
@@ -42,9 +42,9 @@ TEST(CurveErrors, AreTheTrueScatterUpToAFilmOver180) {
 }
 
 TEST(Estimates, SayWhatAFewSecondsCannotTell) {
-  Film film = shortFilm(abpLaw(3, 0.5));
+  WalkerRecording film = shortRecording(abpLaw(3, 0.5));
   film.duration = 3;
-  const ProgramResult dut = analyseFilm(film, stitch(film));
+  const ProgramResult dut = analyseRecording(film, stitch(film));
   ASSERT_FALSE(dut.estimates.empty());
   EXPECT_EQ(dut.verdict.kind, VerdictKind::kUndecided);
   for (const Estimate& estimate : dut.estimates) {
@@ -81,7 +81,8 @@ Estimate speedOfUnknown(double turn_rate, double rotational_diffusivity) {
     analysis.add(seen);
     for (int i = 0; i < kSteps; ++i) {
       const double before = pose.theta;
-      pose.theta += turn_rate * kStep + std::sqrt(2 * rotational_diffusivity * kStep) * normal(random);
+      pose.theta +=
+          turn_rate * kStep + std::sqrt(2 * rotational_diffusivity * kStep) * normal(random);
       const double between = 0.5 * (before + pose.theta);
       pose.x += 0.03 * kStep * std::cos(between);
       pose.y += 0.03 * kStep * std::sin(between);
@@ -95,7 +96,8 @@ Estimate speedOfUnknown(double turn_rate, double rotational_diffusivity) {
 }
 
 TEST(Estimates, KnowTheSpeedHoweverTheHeadingTurns) {
-  for (const auto& [rate, diffusivity] : {std::pair{0.0, 2.0}, {4.0, 0.0}, {3.0, 0.5}, {0.0, 0.0}}) {
+  for (const auto& [rate, diffusivity] :
+       {std::pair{0.0, 2.0}, {4.0, 0.0}, {3.0, 0.5}, {0.0, 0.0}}) {
     SCOPED_TRACE(rate);
     SCOPED_TRACE(diffusivity);
     const Estimate dut = speedOfUnknown(rate, diffusivity);
@@ -106,26 +108,26 @@ TEST(Estimates, KnowTheSpeedHoweverTheHeadingTurns) {
 }
 
 TEST(Verdict, DisagreesWithANeighbouringProgram) {
-  Film film = shortFilm(abpLaw(3, 0.5));
+  WalkerRecording film = shortRecording(abpLaw(3, 0.5));
   film.duration = 600;
-  const StitchedFilm stitched = stitch(film);
-  EXPECT_EQ(analyseFilm(film, stitched).verdict.kind, VerdictKind::kAgrees);
+  const StitchedRecording stitched = stitch(film);
+  EXPECT_EQ(analyseRecording(film, stitched).verdict.kind, VerdictKind::kAgrees);
 
   film.law = abpLaw(3.6, 0.5);  // 44 % more D_r
-  EXPECT_EQ(analyseFilm(film, stitched).verdict.kind, VerdictKind::kDisagrees);
+  EXPECT_EQ(analyseRecording(film, stitched).verdict.kind, VerdictKind::kDisagrees);
   film.law = abpLaw(3, 0.5, 0.035);  // beyond what a calibration explains
-  EXPECT_EQ(analyseFilm(film, stitched).verdict.kind, VerdictKind::kDisagrees);
+  EXPECT_EQ(analyseRecording(film, stitched).verdict.kind, VerdictKind::kDisagrees);
 }
 
 // Of long lags contacts leave few windows, in the few segments that are as long.
 TEST(Verdict, JudgesNoLagOfWhichCutsLeaveLittle) {
   int disagree = 0;
   for (unsigned i = 0; i < 40; ++i) {
-    Film film = shortFilm(abpLaw(3, 0.5));
+    WalkerRecording film = shortRecording(abpLaw(3, 0.5));
     film.duration = 1200;
     film.cut_every = 3;
     film.seed = 500 + i;
-    const ProgramResult dut = analyseFilm(film, stitch(film));
+    const ProgramResult dut = analyseRecording(film, stitch(film));
     disagree += dut.verdict.kind == VerdictKind::kDisagrees ? 1 : 0;
     EXPECT_GE(dut.verdict.judged, 20);
     for (const CurvePoint& point : dut.curves.msd) {
@@ -136,11 +138,11 @@ TEST(Verdict, JudgesNoLagOfWhichCutsLeaveLittle) {
 }
 
 TEST(Verdict, TakesASmallSpeedErrorForACalibration) {
-  Film film = shortFilm(abpLaw(3, 0.5, 0.0297));
+  WalkerRecording film = shortRecording(abpLaw(3, 0.5, 0.0297));
   film.duration = 600;
-  const StitchedFilm stitched = stitch(film);
+  const StitchedRecording stitched = stitch(film);
   film.law.v = 0.03;
-  const ProgramResult dut = analyseFilm(film, stitched);
+  const ProgramResult dut = analyseRecording(film, stitched);
   EXPECT_EQ(dut.verdict.kind, VerdictKind::kAgrees);
   for (const Estimate& estimate : dut.estimates) {
     if (estimate.name == "v") {
@@ -150,9 +152,9 @@ TEST(Verdict, TakesASmallSpeedErrorForACalibration) {
 }
 
 TEST(Curves, SeparateTheTrackersNoise) {
-  Film film = shortFilm(abpLaw(3, 0.5));
+  WalkerRecording film = shortRecording(abpLaw(3, 0.5));
   film.duration = 600;
-  const ProgramResult dut = analyseFilm(film, stitch(film));
+  const ProgramResult dut = analyseRecording(film, stitch(film));
   const double sigma2 = film.sigma * film.sigma;
   const double sigma_theta2 = film.sigma_theta * film.sigma_theta;
   EXPECT_NEAR(dut.curves.msd.front().noise / (4 * sigma2), 1, 0.03);

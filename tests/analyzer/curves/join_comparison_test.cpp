@@ -4,15 +4,15 @@
 
 #include <cmath>
 
-#include "tests/analyzer/recording_ensemble.hpp"
 #include "tests/analyzer/paper_programs.hpp"
+#include "tests/analyzer/recording_ensemble.hpp"
 
 namespace lab::analysis {
 namespace {
 
 /// Every join misplaces what follows by `defect` (m).
 JoinComparison compared(const ProgramLaw& law, double defect, bool join = true) {
-  Film film;
+  WalkerRecording film;
   film.law = law;
   film.duration = 1800;
   film.fps = 9.97;
@@ -29,7 +29,7 @@ JoinComparison compared(const ProgramLaw& law, double defect, bool join = true) 
   walker.on_telemetry = [&](const RobotTelemetry& told) { stitcher.addTelemetry(told, samples); };
   walker.run();
   stitcher.flush(samples);
-  JoinWatch watch(1 / film.fps, 100);
+  JoinAccumulator watch(1 / film.fps, 100);
   double offset = 0;
   Sample last;
   last.segment = -1;
@@ -52,9 +52,7 @@ TEST_P(Joins, FitWhereTheRobotResumesExactly) {
   for (const JoinLag& lag : dut.msd) EXPECT_EQ(lag.compared && lag.tau > dut.longest_lag, false);
 }
 
-TEST_P(Joins, DoNotFitWhereTheyAreMisplaced) {
-  EXPECT_GT(compared(GetParam(), 0.02).max_z, 4);
-}
+TEST_P(Joins, DoNotFitWhereTheyAreMisplaced) { EXPECT_GT(compared(GetParam(), 0.02).max_z, 4); }
 
 INSTANTIATE_TEST_SUITE_P(Programs, Joins,
                          testing::Values(abpLaw(3, 0.5), abpLaw(1, 0.25), rtpLaw(1, 0.5)));

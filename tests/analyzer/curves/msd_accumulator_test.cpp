@@ -190,10 +190,18 @@ Track eventfulTrack(int events) {
   for (int i = 0; i < events; ++i) {
     track.walk(frames(random));
     switch (kind(random)) {
-      case 0: track.lose(frames(random)); break;
-      case 1: track.cut(); break;
-      case 2: track.cutAngle(); break;
-      default: track.join(0.001 * frames(random)); break;
+      case 0:
+        track.lose(frames(random));
+        break;
+      case 1:
+        track.cut();
+        break;
+      case 2:
+        track.cutAngle();
+        break;
+      default:
+        track.join(0.001 * frames(random));
+        break;
     }
   }
   return track;
@@ -395,8 +403,7 @@ TEST(MsdAccumulator, GivesWindowsOfLongLagsTheirExactLengthAcrossLostFramesAndJo
     const LagSums& sums = total.lags[i];
     const double tau = data.lagTime(i, total);
     const auto n = static_cast<double>(sums.windows);
-    EXPECT_GT(n, 0.6 * static_cast<double>(track.samples().size()) /
-                     std::max(1.0, lags[i] / 7.9));
+    EXPECT_GT(n, 0.6 * static_cast<double>(track.samples().size()) / std::max(1.0, lags[i] / 7.9));
     EXPECT_EQ(sums.angular_windows, sums.windows);
     EXPECT_NEAR(tau / (lags[i] * kPeriod), 1, 1e-3) << lags[i];
     EXPECT_NEAR(sums.r2 / n / std::pow(0.03 * tau, 2), 1, 1e-6) << lags[i];

@@ -15,8 +15,8 @@ ProgramLaw bp(double amplitude, double epsilon) {
   return law;
 }
 
-BrownianTest testOf(const Film& film, const ProgramLaw& asked) {
-  const StitchedFilm stitched = stitch(film);
+BrownianTest testOf(const WalkerRecording& film, const ProgramLaw& asked) {
+  const StitchedRecording stitched = stitch(film);
   ProgramAnalysis analysis(asked, 1 / film.fps, 100);
   for (const Sample& sample : stitched.samples) analysis.add(sample);
   const auto test = testBrownian(asked, analysis.data());
@@ -24,7 +24,7 @@ BrownianTest testOf(const Film& film, const ProgramLaw& asked) {
 }
 
 TEST(BrownianTest, ARobotsOwnAxisIsSeenInOneHour) {
-  Film film;
+  WalkerRecording film;
   film.law = bp(0.07, 0.2);
   film.duration = 3600;
   film.fps = 10.3;
@@ -39,7 +39,7 @@ TEST(BrownianTest, ARobotsOwnAxisIsSeenInOneHour) {
 
 TEST(BrownianTest, AnotherLawIsRejected) {
   // Robots that turn twenty times as fast are isotropic within a second: not the programmed law.
-  Film film;
+  WalkerRecording film;
   film.law = bp(0.07, 0.2);
   film.law.wheel_base = 0.075 / 6;
   film.duration = 3600;
@@ -50,11 +50,11 @@ TEST(BrownianTest, AnotherLawIsRejected) {
 }
 
 TEST(BrownianTest, IsForBrownianParticlesWithEnoughData) {
-  Film film;
+  WalkerRecording film;
   film.law = bp(0.07, 0.2);
   film.duration = 2;
   film.fps = 10.3;
-  const StitchedFilm stitched = stitch(film);
+  const StitchedRecording stitched = stitch(film);
   ProgramAnalysis analysis(film.law, 1 / film.fps, 100);
   for (const Sample& sample : stitched.samples) analysis.add(sample);
   EXPECT_FALSE(testBrownian(film.law, analysis.data()));
@@ -69,7 +69,7 @@ TEST(BrownianTest, RejectsTheTruthAsRarelyAsItSays) {
   constexpr int kFilms = 100;
   Scatter largest;
   for (int i = 0; i < kFilms; ++i) {
-    Film film;
+    WalkerRecording film;
     film.law = bp(0.07, 0.2);
     film.duration = 1200;
     film.fps = 10.3;

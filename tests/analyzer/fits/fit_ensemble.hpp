@@ -56,7 +56,7 @@ struct FitScatter {
 };
 
 /// The curves of one film by the analyzer's own way from poses to sums.
-inline MeasuredCurves curvesOfFilm(const Film& film, double max_lag) {
+inline MeasuredCurves curvesOfRecording(const WalkerRecording& film, double max_lag) {
   ProgramAnalysis analysis(film.law, 1 / film.fps, max_lag);
   for (const Sample& sample : stitch(film).samples) analysis.add(sample);
   return measuredCurves(film.law, analysis.data());
@@ -64,14 +64,15 @@ inline MeasuredCurves curvesOfFilm(const Film& film, double max_lag) {
 
 /// Fits `films` films. Unless nested, the films behind the covariance are simulated once, at the
 /// true parameters, and reused.
-inline FitScatter fitFilms(Film film, int films, double max_lag, bool nested, bool tests) {
+inline FitScatter fitRecordings(WalkerRecording film, int films, double max_lag, bool nested,
+                                bool tests) {
   FitScatter result;
   SimulatedCurves truth;
   SimulatedCurves octaves;
   const FitOptions options;
   for (int i = 0; i < films; ++i) {
     film.seed = 90000U + static_cast<unsigned>(i);
-    const MeasuredCurves curves = curvesOfFilm(film, max_lag);
+    const MeasuredCurves curves = curvesOfRecording(film, max_lag);
     if (i == 0) {
       MeasuredCurves known = curves;
       known.offset = 4 * film.sigma * film.sigma;
@@ -91,8 +92,8 @@ inline FitScatter fitFilms(Film film, int films, double max_lag, bool nested, bo
 }
 
 /// Nobody locks to the camera: no hold time is a multiple of its period.
-inline Film fitFilm(const ProgramLaw& law, double duration) {
-  Film film;
+inline WalkerRecording fitRecording(const ProgramLaw& law, double duration) {
+  WalkerRecording film;
   film.law = law;
   film.duration = duration;
   film.fps = 9.97;

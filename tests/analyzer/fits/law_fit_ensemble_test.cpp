@@ -34,9 +34,9 @@ void expectUnbiasedAtLimit(const FitScatter& dut, const char* name, double limit
 }
 
 TEST(LawFitEnsemble, Figure2bAThousandHours) {
-  Film film = fitFilm(abpLaw(3, 0.5), kHour);
+  WalkerRecording film = fitRecording(abpLaw(3, 0.5), kHour);
   film.sigma_theta = 3 * std::numbers::pi / 180;
-  const FitScatter dut = fitFilms(film, 1000, 70, false, true);
+  const FitScatter dut = fitRecordings(film, 1000, 70, false, true);
   print(dut);
   expectUnbiasedAtLimit(dut, "D_r", std::sqrt(0.8 * 0.5 / kHour));
   EXPECT_LE(dut.exact_rejected, 20);
@@ -44,18 +44,18 @@ TEST(LawFitEnsemble, Figure2bAThousandHours) {
 }
 
 TEST(LawFitEnsemble, Figure2bNested) {
-  Film film = fitFilm(abpLaw(3, 0.5), kHour);
+  WalkerRecording film = fitRecording(abpLaw(3, 0.5), kHour);
   film.sigma_theta = 3 * std::numbers::pi / 180;
-  const FitScatter dut = fitFilms(film, 50, 10, true, false);
+  const FitScatter dut = fitRecordings(film, 50, 10, true, false);
   print(dut);
   EXPECT_GE(dut.share("D_r"), 0.86);  // 95 % less 3 sigma of 50 films
   EXPECT_NEAR(dut.numbers.at("D_r").sigma.mean(), std::sqrt(0.8 * 0.5 / kHour), 0.0011);
 }
 
 TEST(LawFitEnsemble, BrownianParticle) {
-  Film film = fitFilm(noisyLaw(0, 0.07, 0.2), kHour);
+  WalkerRecording film = fitRecording(noisyLaw(0, 0.07, 0.2), kHour);
   film.fps = 19.97;
-  const FitScatter dut = fitFilms(film, 400, 30, false, true);
+  const FitScatter dut = fitRecordings(film, 400, 30, false, true);
   print(dut);
   EXPECT_LT(std::abs(dut.numbers.at("V").relative.mean()), 0.002);
   // sd(V^2) / V^2 = sqrt(0.8 / 2N) where all 2N draws of both wheels are known.
@@ -65,10 +65,10 @@ TEST(LawFitEnsemble, BrownianParticle) {
 }
 
 TEST(LawFitEnsemble, RunAndTumble) {
-  const FitScatter dut = fitFilms(fitFilm(rtpLaw(1, 0.5), kHour), 200, 70, false, true);
+  const FitScatter dut = fitRecordings(fitRecording(rtpLaw(1, 0.5), kHour), 200, 70, false, true);
   print(dut);
   EXPECT_LT(std::abs(dut.numbers.at("gamma").relative.z(0)), 4);
-  EXPECT_LT(dut.sd("gamma"), 0.03);  // counting tumbles: 2.0 %
+  EXPECT_LT(dut.sd("gamma"), 0.03);      // counting tumbles: 2.0 %
   EXPECT_GE(dut.share("gamma"), 0.904);  // of 200 films
   EXPECT_LE(dut.share("gamma"), 0.996);
   EXPECT_LE(dut.paper_rejected, 8);  // eq. 6 is exact
@@ -76,9 +76,9 @@ TEST(LawFitEnsemble, RunAndTumble) {
 
 TEST(LawFitEnsemble, AbpOfFigure2dSlowAndFast) {
   for (const double eta : {1.0, 6.0}) {
-    Film film = fitFilm(abpLaw(eta, 0.25), kHour);
+    WalkerRecording film = fitRecording(abpLaw(eta, 0.25), kHour);
     film.sigma_theta = 0.005;
-    const FitScatter dut = fitFilms(film, 300, 10, false, false);
+    const FitScatter dut = fitRecordings(film, 300, 10, false, false);
     print(dut);
     EXPECT_LT(std::abs(dut.numbers.at("D_r").relative.mean()), 0.002) << eta;
     EXPECT_LT(dut.sd("D_r"), 1.1 * std::sqrt(0.8 * 0.25 / kHour)) << eta;

@@ -29,7 +29,7 @@ void expectOwnLaw(const FitScatter& dut, int most) {
 }
 
 TEST(LawFit, ReachesTheLimitOfTheDrawsForTheAbp) {
-  const FitScatter dut = fitFilms(fitFilm(abpLaw(3, 0.5), 600), 200, 10, false, true);
+  const FitScatter dut = fitRecordings(fitRecording(abpLaw(3, 0.5), 600), 200, 10, false, true);
   EXPECT_EQ(dut.refused, 0);
   for (const char* name : {"D_r", "D", "L_s"}) expectFitCoverage(dut, name);
   EXPECT_LT(std::abs(dut.numbers.at("D_r").relative.z(0)), 4);
@@ -43,9 +43,9 @@ TEST(LawFit, ReachesTheLimitOfTheDrawsForTheAbp) {
 }
 
 TEST(LawFit, HoldsForTheBp) {
-  Film film = fitFilm(noisyLaw(0, 0.07, 0.2), 300);
+  WalkerRecording film = fitRecording(noisyLaw(0, 0.07, 0.2), 300);
   film.fps = 19.97;
-  const FitScatter dut = fitFilms(film, 100, 5, false, true);
+  const FitScatter dut = fitRecordings(film, 100, 5, false, true);
   EXPECT_EQ(dut.refused, 0);
   expectFitCoverage(dut, "V");
   EXPECT_LT(std::abs(dut.numbers.at("V").relative.z(0)), 4);
@@ -53,7 +53,7 @@ TEST(LawFit, HoldsForTheBp) {
 }
 
 TEST(LawFit, HoldsForTheRtpWhoseFormulaInThePaperIsExact) {
-  const FitScatter dut = fitFilms(fitFilm(rtpLaw(1, 0.5), 600), 100, 20, false, true);
+  const FitScatter dut = fitRecordings(fitRecording(rtpLaw(1, 0.5), 600), 100, 20, false, true);
   EXPECT_EQ(dut.refused, 0);
   expectFitCoverage(dut, "gamma");
   EXPECT_LT(std::abs(dut.numbers.at("gamma").relative.z(0)), 4);
@@ -61,7 +61,7 @@ TEST(LawFit, HoldsForTheRtpWhoseFormulaInThePaperIsExact) {
 }
 
 TEST(LawFit, NeedsNoCovarianceFromOutside) {
-  const FitScatter dut = fitFilms(fitFilm(abpLaw(3, 0.5), 300), 15, 10, true, false);
+  const FitScatter dut = fitRecordings(fitRecording(abpLaw(3, 0.5), 300), 15, 10, true, false);
   EXPECT_EQ(dut.refused, 0);
   EXPECT_GE(dut.share("D_r"), 0.7);
   EXPECT_NEAR(dut.numbers.at("D_r").sigma.mean(), std::sqrt(0.8 * 0.5 / 300), 0.005);
@@ -71,11 +71,11 @@ TEST(LawFit, NeedsNoCovarianceFromOutside) {
 // accumulator does, which leaves out more the more frames a lag has.
 TEST(LawFit, SaysHowWellItFitsAtEveryFrameRate) {
   for (const double fps : {24.3, 49.9, 121.0, 240.0}) {
-    Film film = fitFilm(abpLaw(4, 0.4), 300);
+    WalkerRecording film = fitRecording(abpLaw(4, 0.4), 300);
     film.fps = fps;
     film.sigma = 0.0003;
     film.sigma_theta = 0.0105;
-    const FitScatter dut = fitFilms(film, 30, 5, false, false);
+    const FitScatter dut = fitRecordings(film, 30, 5, false, false);
     EXPECT_EQ(dut.refused, 0) << fps;
     EXPECT_LE(dut.unlikely, 3) << fps;  // 0.3 expected; 4 by chance once in 10^4
     EXPECT_LT(std::abs(dut.numbers.at("D_r").relative.z(0)), 4) << fps;
@@ -90,35 +90,35 @@ TEST(LawFit, SaysHowWellItFitsWhereFramesAreLost) {
   for (const Loss loss : {Loss{0.05, 1.05, 20.3}, {0.2, 3, 20.3}, {0.05, 1.05, 121}}) {
     SCOPED_TRACE(loss.share);
     SCOPED_TRACE(loss.fps);
-    Film film = fitFilm(abpLaw(3, 0.47), 300);
+    WalkerRecording film = fitRecording(abpLaw(3, 0.47), 300);
     film.fps = loss.fps;
     film.sigma = 0.0005;
     film.sigma_theta = 0.0175;
     film.missing = loss.share;
     film.missing_length = loss.length;
-    const FitScatter dut = fitFilms(film, 40, 5, false, true);
+    const FitScatter dut = fitRecordings(film, 40, 5, false, true);
     expectOwnLaw(dut, 4);  // 0.4 expected; 5 by chance once in 10^4
   }
 }
 
-// So do films of robots that meet others, which are left out: of long lags little is left, and other
-// windows than of short ones.
+// So do films of robots that meet others, which are left out: of long lags little is left, and
+// other windows than of short ones.
 TEST(LawFit, SaysHowWellItFitsInACrowd) {
   for (const double every : {2.0, 6.0}) {
     SCOPED_TRACE(every);
-    Film film = fitFilm(abpLaw(3, 0.5), 400);
+    WalkerRecording film = fitRecording(abpLaw(3, 0.5), 400);
     film.fps = 20.3;
     film.sigma = 0.0005;
     film.sigma_theta = 0.0175;
     film.cut_every = every;
-    const FitScatter dut = fitFilms(film, 60, 5, false, true);
+    const FitScatter dut = fitRecordings(film, 60, 5, false, true);
     expectOwnLaw(dut, 5);  // 0.6 expected; 6 by chance once in 10^4
   }
 }
 
 TEST(LawFit, IsTheSameToTheBitAgain) {
-  const Film film = fitFilm(abpLaw(3, 0.5), 120);
-  const MeasuredCurves curves = curvesOfFilm(film, 10);
+  const WalkerRecording film = fitRecording(abpLaw(3, 0.5), 120);
+  const MeasuredCurves curves = curvesOfRecording(film, 10);
   const LawFit once = fitLaw(film.law, curves, {});
   const LawFit again = fitLaw(film.law, curves, {});
   ASSERT_TRUE(once.fitted()) << once.refusal;
@@ -127,8 +127,8 @@ TEST(LawFit, IsTheSameToTheBitAgain) {
 }
 
 TEST(LawFit, WorksWithoutHeadings) {
-  const Film film = fitFilm(abpLaw(3, 0.5), 600);
-  MeasuredCurves curves = curvesOfFilm(film, 10);
+  const WalkerRecording film = fitRecording(abpLaw(3, 0.5), 600);
+  MeasuredCurves curves = curvesOfRecording(film, 10);
   curves.angular_msd.assign(curves.lags.size(), std::nan(""));
   const LawFit dut = fitLaw(film.law, curves, {});
   ASSERT_TRUE(dut.fitted()) << dut.refusal;
@@ -140,29 +140,29 @@ TEST(LawFit, RefusesInWordsWhereDataDoNotSuffice) {
   const ProgramLaw law = abpLaw(3, 0.5);
   EXPECT_NE(fitLaw(law, MeasuredCurves{}, {}).refusal.find("no free motion"), std::string::npos);
 
-  const Film shorter = fitFilm(law, 30);
-  EXPECT_NE(fitLaw(law, curvesOfFilm(shorter, 10), {}).refusal.find("draws of the noise"),
+  const WalkerRecording shorter = fitRecording(law, 30);
+  EXPECT_NE(fitLaw(law, curvesOfRecording(shorter, 10), {}).refusal.find("draws of the noise"),
             std::string::npos);
 
-  const Film film = fitFilm(law, 120);
-  MeasuredCurves still = curvesOfFilm(film, 10);
+  const WalkerRecording film = fitRecording(law, 120);
+  MeasuredCurves still = curvesOfRecording(film, 10);
   const double noise = still.offset;
   for (double& value : still.msd) value = noise;
   EXPECT_NE(fitLaw(law, still, {}).refusal.find("no motion"), std::string::npos);
 
-  MeasuredCurves one = curvesOfFilm(film, 10);
+  MeasuredCurves one = curvesOfRecording(film, 10);
   for (std::size_t i = 1; i < one.lags.size(); ++i) one.msd[i] = one.angular_msd[i] = std::nan("");
   EXPECT_NE(fitLaw(law, one, {}).refusal.find("lags"), std::string::npos);
 
   ProgramLaw other = law;
   other.v = 0.3;  // ten times what was filmed
-  EXPECT_NE(fitLaw(other, curvesOfFilm(film, 10), {}).refusal.find("not like the program's"),
+  EXPECT_NE(fitLaw(other, curvesOfRecording(film, 10), {}).refusal.find("not like the program's"),
             std::string::npos);
 }
 
 TEST(LawFit, TellsAProgramThatIsNotTheFilms) {
-  const Film film = fitFilm(abpLaw(3, 0.5), 600);
-  const MeasuredCurves curves = curvesOfFilm(film, 10);
+  const WalkerRecording film = fitRecording(abpLaw(3, 0.5), 600);
+  const MeasuredCurves curves = curvesOfRecording(film, 10);
   const ProgramLaw wrong = abpLaw(3.6, 0.5);
   const LawTest dut =
       testLaw(TestedLaw::kExact, wrong, curves, simulateForTest(wrong, curves, 300, 1), {});
@@ -173,7 +173,7 @@ TEST(LawFit, TellsAProgramThatIsNotTheFilms) {
 }
 
 TEST(FilmFit, GivesThePoolsFilmsToItsRobots) {
-  Film film = fitFilm(abpLaw(3, 0.5), 300);
+  WalkerRecording film = fitRecording(abpLaw(3, 0.5), 300);
   std::vector<BlockData> blocks;
   for (int robot = 0; robot < 4; ++robot) {
     film.seed = 60U + static_cast<unsigned>(robot);
@@ -190,7 +190,7 @@ TEST(FilmFit, GivesThePoolsFilmsToItsRobots) {
     robots.push_back(analyse(film.law, block, {}, {}));
   }
   ProgramResult pool = analyse(film.law, all, {}, {});
-  completeWithFilms(pool, all, robots, data, {});
+  addBootstrapResults(pool, all, robots, data, {});
   ASSERT_TRUE(pool.fit && pool.fit->fitted());
   ASSERT_TRUE(pool.fit->exact && pool.fit->paper);
   EXPECT_GT(pool.fit->exact->p_value, 1e-3);
@@ -203,7 +203,7 @@ TEST(FilmFit, GivesThePoolsFilmsToItsRobots) {
 }
 
 TEST(CurvesWithFilms, StateTheScatterOfLongLags) {
-  Film film = fitFilm(abpLaw(3, 0.5), 300);
+  WalkerRecording film = fitRecording(abpLaw(3, 0.5), 300);
   Scatter value;
   Scatter sigma;
   SimulatedCurves films;

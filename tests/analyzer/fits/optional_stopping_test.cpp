@@ -45,11 +45,11 @@ struct Coverage {
   }
   [[nodiscard]] double share() const { return static_cast<double>(covered) / films; }
   void print(const char* what) const {
-    std::printf("%-34s %d films, %.0f +- %.0f s: bias %+.2f +- %.2f %%, covered %.1f %%, "
-                "too low in %.1f %%\n",
-                what, films, length.mean(), length.deviation(), 100 * (value.mean() - 1),
-                100 * value.deviation() / std::sqrt(value.n), 100 * share(),
-                100.0 * missed_low / films);
+    std::printf(
+        "%-34s %d films, %.0f +- %.0f s: bias %+.2f +- %.2f %%, covered %.1f %%, "
+        "too low in %.1f %%\n",
+        what, films, length.mean(), length.deviation(), 100 * (value.mean() - 1),
+        100 * value.deviation() / std::sqrt(value.n), 100 * share(), 100.0 * missed_low / films);
   }
 };
 
@@ -63,14 +63,14 @@ struct Stopped {
 Stopped measure(double wanted, double at_least, double longest, double every, double fixed) {
   Stopped result;
   for (int i = 0; i < kFilms; ++i) {
-    Film film;
+    WalkerRecording film;
     film.law = figure2b();
     film.duration = longest;
     film.fps = 10.07;
     film.sigma_theta = 0.01;
     film.sigma = 0.0005;
     film.seed = 7000 + static_cast<std::uint64_t>(i);
-    const StitchedFilm stitched = stitch(film);
+    const StitchedRecording stitched = stitch(film);
     ProgramAnalysis analysis(film.law, 1 / film.fps, 100);
     double next = every;
     std::optional<Estimate> stopped;

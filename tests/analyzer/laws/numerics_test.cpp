@@ -4,9 +4,9 @@
 #include <cmath>
 #include <limits>
 
-#include "analyzer/laws/chebyshev.hpp"
 #include "analyzer/curves/lags.hpp"
 #include "analyzer/curves/statistics.hpp"
+#include "analyzer/laws/chebyshev.hpp"
 #include "tests/analyzer/paper_programs.hpp"
 
 namespace lab::analysis {

@@ -98,7 +98,10 @@ TEST(RtpLaw, AgreesWithSimulatedRobotsForAnyTurning) {
        [=](std::mt19937_64& random) {
          return std::min(limit, std::uniform_real_distribution<double>(0, 2 * kPi)(random));
        }},
-      {"backwards", {0.05, 2, 0.2}, Turning::uniform(kPi, kPi), [](std::mt19937_64&) { return kPi; }},
+      {"backwards",
+       {0.05, 2, 0.2},
+       Turning::uniform(kPi, kPi),
+       [](std::mt19937_64&) { return kPi; }},
       {"0 to 360 degrees", {0.05, 2, 0.7}, Turning::uniform(0, 2 * kPi), uniform(0, 2 * kPi)}};
   const std::vector<double> lags = {0.05, 0.3, 0.5, 0.9, 1.7, 4, 12};
   std::uint64_t seed = 1;

@@ -13,10 +13,10 @@
 #include <utility>
 
 #include "common/bus/channels.hpp"
-#include "common/experiment/experiment_file.hpp"
-#include "common/experiment/experiment_messages.hpp"
 #include "common/bus/fingerprints.hpp"
 #include "common/bus/message_header.hpp"
+#include "common/experiment/experiment_file.hpp"
+#include "common/experiment/experiment_messages.hpp"
 #include "common/math/units.hpp"
 #include "common/process/version.hpp"
 #include "tests/analyzer/report/synthetic_robot.hpp"

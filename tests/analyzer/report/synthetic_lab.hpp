@@ -9,11 +9,11 @@
 #include <string>
 #include <vector>
 
-#include "common/experiment/experiment.hpp"
 #include "common/bus/log_file.hpp"
 #include "common/bus/memory_bus.hpp"
-#include "common/service/node.hpp"
+#include "common/experiment/experiment.hpp"
 #include "common/loop/virtual_loop.hpp"
+#include "common/service/node.hpp"
 
 namespace lab::report {
 

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "analyzer/runs/run_statistics.hpp"
-#include "tests/analyzer/recording_ensemble.hpp"
 #include "tests/analyzer/paper_programs.hpp"
+#include "tests/analyzer/recording_ensemble.hpp"
 #include "tests/analyzer/runs/run_recording.hpp"
 
 namespace lab::analysis::run_ensemble_test {
@@ -69,7 +69,7 @@ TEST_P(RunEnsemble, RateFromTelemetryAndFromPoses) {
   int covered_truncated = 0;
   int rejected = 0;
   for (int i = 0; i < kFilms; ++i) {
-    Film film;
+    WalkerRecording film;
     film.law = rtpLaw(gamma, 0.5);
     film.duration = 3600;
     film.fps = GetParam().fps;
@@ -113,7 +113,7 @@ TEST_P(RunEnsemble, RateFromTelemetryAndFromPoses) {
       ratio.deviation() / std::sqrt(ratio.n), truncated.mean() / gamma,
       truncated.deviation() / gamma, tumble.mean(), covered_telemetry, covered, covered_truncated,
       rejected, kFilms);
-  // Film by film against telemetry, which removes most of the chance: the bias itself.
+  // WalkerRecording by film against telemetry, which removes most of the chance: the bias itself.
   EXPECT_NEAR(ratio.mean(), 1, 0.003);
   EXPECT_LT(std::abs(telemetry.z(gamma)), 4);
   EXPECT_NEAR(tumble.mean(), 0.5, 0.0005);

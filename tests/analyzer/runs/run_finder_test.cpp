@@ -13,8 +13,8 @@
 namespace lab::analysis {
 namespace {
 
-RunFilm film(double gamma, double fps, double duration, std::uint64_t seed) {
-  RunFilm film;
+RunRecording film(double gamma, double fps, double duration, std::uint64_t seed) {
+  RunRecording film;
   film.law = rtpLaw(gamma, 0.5);
   film.fps = fps;
   film.duration = duration;
@@ -24,7 +24,7 @@ RunFilm film(double gamma, double fps, double duration, std::uint64_t seed) {
 
 double totalOf(const FoundRuns& found) {
   double total = 0;
-  for (const SeenRun& run : found.runs) total += run.duration;
+  for (const ObservedRun& run : found.runs) total += run.duration;
   return total + static_cast<double>(found.hidden) * found.shortest / 2;
 }
 
@@ -32,9 +32,9 @@ class FrameRates : public testing::TestWithParam<double> {};
 
 TEST_P(FrameRates, EveryTumbleIsCountedAndAllRunTimeIsFound) {
   for (const double gamma : {1.0, 3.0}) {
-    const RunFilm plan = film(gamma, GetParam(), 1200, 5);
-    RunTruth truth;
-    const FoundRuns dut = findRuns(plan, filmRuns(plan, &truth));
+    const RunRecording plan = film(gamma, GetParam(), 1200, 5);
+    TrueRuns truth;
+    const FoundRuns dut = findRuns(plan, recordRuns(plan, &truth));
 
     // The film's ends are a tumble or two's uncertainty; a thousandth of them may be misjudged.
     EXPECT_NEAR(static_cast<double>(dut.tumbles), static_cast<double>(truth.turns.size()),
@@ -51,15 +51,15 @@ INSTANTIATE_TEST_SUITE_P(Fps, FrameRates, testing::Values(9.94, 24.9, 49.7, 99.4
 TEST(RunFinder, FindsARunShorterThanAFrame) {
   // 0.5 s of standing, 60 ms of running, 0.5 s of standing: at 10 frames a second no frame need see
   // it move.
-  RunFilm plan = film(3, 9.94, 300, 3);
+  RunRecording plan = film(3, 9.94, 300, 3);
   int drawn = 0;
   plan.run = [&drawn](std::mt19937_64&) { return ++drawn % 2 == 0 ? 0.09 : 1.0; };
-  const FoundRuns dut = findRuns(plan, filmRuns(plan));
+  const FoundRuns dut = findRuns(plan, recordRuns(plan));
 
   const auto brief = std::count_if(dut.runs.begin(), dut.runs.end(),
-                                   [](const SeenRun& run) { return run.duration < 0.2; });
+                                   [](const ObservedRun& run) { return run.duration < 0.2; });
   EXPECT_NEAR(static_cast<double>(brief), 300 / 2.09, 6);
-  for (const SeenRun& run : dut.runs) {
+  for (const ObservedRun& run : dut.runs) {
     if (run.begun && run.ended) {
       EXPECT_LT(std::min(std::abs(run.duration - 0.09), std::abs(run.duration - 1)), 0.06);
     }
@@ -67,32 +67,32 @@ TEST(RunFinder, FindsARunShorterThanAFrame) {
 }
 
 TEST(RunFinder, CountsTwoTumblesInARowWithoutARun) {
-  RunFilm plan = film(3, 24.9, 300, 4);
+  RunRecording plan = film(3, 24.9, 300, 4);
   int drawn = 0;
   plan.run = [&drawn](std::mt19937_64&) { return ++drawn % 3 == 0 ? 0.001 : 0.5; };
-  RunTruth truth;
-  const FoundRuns dut = findRuns(plan, filmRuns(plan, &truth));
+  TrueRuns truth;
+  const FoundRuns dut = findRuns(plan, recordRuns(plan, &truth));
 
   EXPECT_NEAR(static_cast<double>(dut.tumbles), static_cast<double>(truth.turns.size()), 2);
   EXPECT_NEAR(static_cast<double>(dut.hidden), static_cast<double>(truth.turns.size()) / 3, 2);
 }
 
 TEST(RunFinder, SeesATumbleThatDoesNotTurn) {
-  RunFilm plan = film(3, 24.9, 300, 4);
+  RunRecording plan = film(3, 24.9, 300, 4);
   plan.turn = [](std::mt19937_64&) { return 0.0; };
-  RunTruth truth;
-  const FoundRuns dut = findRuns(plan, filmRuns(plan, &truth));
+  TrueRuns truth;
+  const FoundRuns dut = findRuns(plan, recordRuns(plan, &truth));
 
   EXPECT_NEAR(static_cast<double>(dut.tumbles), static_cast<double>(truth.turns.size()), 1);
 }
 
 TEST(RunFinder, TellsTheTurnOfEachTumble) {
-  RunFilm plan = film(1, 49.7, 300, 4);
+  RunRecording plan = film(1, 49.7, 300, 4);
   plan.turn = [](std::mt19937_64&) { return -2.0; };
-  const FoundRuns dut = findRuns(plan, filmRuns(plan));
+  const FoundRuns dut = findRuns(plan, recordRuns(plan));
 
   int known = 0;
-  for (const SeenRun& run : dut.runs) {
+  for (const ObservedRun& run : dut.runs) {
     if (!std::isfinite(run.turn)) continue;
     ++known;
     EXPECT_NEAR(run.turn, -2, 0.15);
@@ -101,24 +101,24 @@ TEST(RunFinder, TellsTheTurnOfEachTumble) {
 }
 
 TEST(RunFinder, TakesDirectionsForHeadingsWhereThereAreNone) {
-  const RunFilm plan = film(1, 49.7, 300, 4);
-  RunTruth truth;
-  std::vector<Sample> samples = filmRuns(plan, &truth);
+  const RunRecording plan = film(1, 49.7, 300, 4);
+  TrueRuns truth;
+  std::vector<Sample> samples = recordRuns(plan, &truth);
   for (Sample& sample : samples) sample.theta = std::nan("");
   const FoundRuns dut = findRuns(plan, samples);
 
   EXPECT_NEAR(static_cast<double>(dut.tumbles), static_cast<double>(truth.turns.size()), 1);
   EXPECT_GT(std::count_if(dut.runs.begin(), dut.runs.end(),
-                          [](const SeenRun& run) { return std::isfinite(run.turn); }),
+                          [](const ObservedRun& run) { return std::isfinite(run.turn); }),
             100);
 }
 
 TEST(RunFinder, MeasuresWhatTheProgrammedScalesOnlyHintAt) {
-  RunFilm plan = film(2, 24.9, 900, 6);
+  RunRecording plan = film(2, 24.9, 900, 6);
   plan.speed_factor = 0.9;
   plan.tumble_factor = 1.15;
-  RunTruth truth;
-  const FoundRuns dut = findRuns(plan, filmRuns(plan, &truth));
+  TrueRuns truth;
+  const FoundRuns dut = findRuns(plan, recordRuns(plan, &truth));
 
   EXPECT_NEAR(dut.speed.value, 0.9 * plan.law.v, 4 * dut.speed.sigma + 1e-5);
   EXPECT_NEAR(dut.tumble.value, 1.15 * plan.law.tau_t, 4 * dut.tumble.sigma);
@@ -126,18 +126,18 @@ TEST(RunFinder, MeasuresWhatTheProgrammedScalesOnlyHintAt) {
 }
 
 TEST(RunFinder, BearsLostFrames) {
-  RunFilm plan = film(3, 24.9, 900, 7);
+  RunRecording plan = film(3, 24.9, 900, 7);
   plan.missing = 0.05;
-  RunTruth truth;
-  const FoundRuns dut = findRuns(plan, filmRuns(plan, &truth));
+  TrueRuns truth;
+  const FoundRuns dut = findRuns(plan, recordRuns(plan, &truth));
 
   EXPECT_NEAR(static_cast<double>(dut.tumbles), static_cast<double>(truth.turns.size()), 3);
   EXPECT_NEAR(totalOf(dut) / truth.run_time, 1, 0.003);
 }
 
 TEST(RunFinder, CutsOffRunsAtTheEndsOfSegmentsAndAtGaps) {
-  const RunFilm plan = film(1, 24.9, 3600, 8);
-  std::vector<Sample> samples = filmRuns(plan);
+  const RunRecording plan = film(1, 24.9, 3600, 8);
+  std::vector<Sample> samples = recordRuns(plan);
   for (Sample& sample : samples) {
     sample.segment = static_cast<int>(sample.time / 7.3);
   }
@@ -153,8 +153,8 @@ TEST(RunFinder, CutsOffRunsAtTheEndsOfSegmentsAndAtGaps) {
 }
 
 TEST(RunFinder, RefusesTooFewFramesInATumble) {
-  RunFilm plan = film(1, 5, 60, 8);
-  const FoundRuns dut = findRuns(plan, filmRuns(plan));
+  RunRecording plan = film(1, 5, 60, 8);
+  const FoundRuns dut = findRuns(plan, recordRuns(plan));
 
   EXPECT_FALSE(dut.resolved);
   EXPECT_EQ(runStatistics(plan.law, {&dut}).problem, "fewer than three frames in a tumble");

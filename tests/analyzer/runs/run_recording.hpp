@@ -12,7 +12,7 @@
 namespace lab::analysis {
 
 /// A film of a robot that runs and tumbles, with what it really did; laws other than RTP's too.
-struct RunFilm {
+struct RunRecording {
   using Draw = std::function<double(std::mt19937_64&)>;
 
   ProgramLaw law;
@@ -28,14 +28,14 @@ struct RunFilm {
   double tumble_factor = 1;
 };
 
-struct RunTruth {
+struct TrueRuns {
   std::vector<double> runs;
   std::vector<double> turns;
   double run_time = 0;
 };
 
 /// The samples of a film in an endless plane.
-inline std::vector<Sample> filmRuns(const RunFilm& film, RunTruth* truth = nullptr) {
+inline std::vector<Sample> recordRuns(const RunRecording& film, TrueRuns* truth = nullptr) {
   std::mt19937_64 random(film.seed);
   std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> uniform(0, 1);
@@ -91,7 +91,7 @@ inline std::vector<Sample> filmRuns(const RunFilm& film, RunTruth* truth = nullp
   return samples;
 }
 
-inline FoundRuns findRuns(const RunFilm& film, const std::vector<Sample>& samples) {
+inline FoundRuns findRuns(const RunRecording& film, const std::vector<Sample>& samples) {
   RunFinder finder(film.law, 1 / film.fps);
   for (const Sample& sample : samples) finder.add(sample);
   return finder.find();

@@ -6,20 +6,20 @@
 #include <cmath>
 #include <numbers>
 
-#include "tests/analyzer/recording_ensemble.hpp"
 #include "tests/analyzer/paper_programs.hpp"
+#include "tests/analyzer/recording_ensemble.hpp"
 #include "tests/analyzer/runs/run_recording.hpp"
 
 namespace lab::analysis {
 namespace {
 
-RunStatistics statisticsOf(const RunFilm& film) {
-  const FoundRuns found = findRuns(film, filmRuns(film));
+RunStatistics statisticsOf(const RunRecording& film) {
+  const FoundRuns found = findRuns(film, recordRuns(film));
   return runStatistics(film.law, {&found});
 }
 
-RunFilm twoMinutes(std::uint64_t seed) {
-  RunFilm film;
+RunRecording twoMinutes(std::uint64_t seed) {
+  RunRecording film;
   film.law = rtpLaw(3, 0.5);
   film.fps = 24.9;
   film.duration = 120;
@@ -48,7 +48,7 @@ TEST(RunStatistics, IntervalsHoldTheTruthInShortFilms) {
 }
 
 TEST(RunStatistics, HistogramsHoldWhatTheyShould) {
-  RunFilm film = twoMinutes(3);
+  RunRecording film = twoMinutes(3);
   film.duration = 3600;
   const RunStatistics dut = statisticsOf(film);
 
@@ -69,9 +69,9 @@ TEST(RunStatistics, HistogramsHoldWhatTheyShould) {
 TEST(RunStatistics, RobotsAreOneSample) {
   std::vector<FoundRuns> found;
   for (unsigned i = 0; i < 4; ++i) {
-    RunFilm film = twoMinutes(40 + i);
+    RunRecording film = twoMinutes(40 + i);
     film.sigma = i < 2 ? 0.0003 : 0.0008;
-    found.push_back(findRuns(film, filmRuns(film)));
+    found.push_back(findRuns(film, recordRuns(film)));
   }
   const RunStatistics dut =
       runStatistics(rtpLaw(3, 0.5), {&found[0], &found[1], &found[2], &found[3]});
@@ -91,7 +91,7 @@ template <class Change, class Test>
 int rejections(Change change, Test test) {
   int count = 0;
   for (unsigned i = 0; i < 20; ++i) {
-    RunFilm film = twoMinutes(60 + i);
+    RunRecording film = twoMinutes(60 + i);
     change(film);
     count += test(statisticsOf(film)).p < 0.01 ? 1 : 0;
   }
@@ -99,13 +99,13 @@ int rejections(Change change, Test test) {
 }
 
 TEST(WrongPrograms, RunsOfOneLengthAreRejectedAlways) {
-  EXPECT_EQ(rejections([](RunFilm& film) { film.run = [](auto&) { return 1.0 / 3; }; },
+  EXPECT_EQ(rejections([](RunRecording& film) { film.run = [](auto&) { return 1.0 / 3; }; },
                        [](const RunStatistics& dut) { return dut.exponential; }),
             20);
 }
 
 TEST(WrongPrograms, RunsOfTwoStagesAreRejectedInTwoFilmsOfThree) {
-  const auto two_stages = [](RunFilm& film) {
+  const auto two_stages = [](RunRecording& film) {
     film.run = [](std::mt19937_64& random) {
       return std::gamma_distribution<double>(2, 1.0 / 6)(random);
     };
@@ -115,7 +115,7 @@ TEST(WrongPrograms, RunsOfTwoStagesAreRejectedInTwoFilmsOfThree) {
 
 TEST(WrongPrograms, RunsRoundedUpToATickAreRejected) {
   // 100 ms: the mean is then 16 % too long (notes on control ticks).
-  const auto ticks = [](RunFilm& film) {
+  const auto ticks = [](RunRecording& film) {
     film.duration = 300;
     film.run = [](std::mt19937_64& random) {
       return 0.1 * std::ceil(std::exponential_distribution<double>(3)(random) / 0.1);
@@ -125,7 +125,7 @@ TEST(WrongPrograms, RunsRoundedUpToATickAreRejected) {
 }
 
 TEST(WrongPrograms, PreferredAnglesAreRejected) {
-  const auto forward = [](RunFilm& film) {
+  const auto forward = [](RunRecording& film) {
     film.turn = [](std::mt19937_64& random) {
       return std::normal_distribution<double>(0, 1.5)(random);
     };
@@ -137,7 +137,7 @@ TEST(WrongPrograms, PreferredAnglesAreRejected) {
 TEST(WrongPrograms, AnotherRateIsSeen) {
   int outside = 0;
   for (unsigned i = 0; i < 20; ++i) {
-    RunFilm film = twoMinutes(60 + i);
+    RunRecording film = twoMinutes(60 + i);
     film.duration = 600;
     film.run = [](std::mt19937_64& random) {
       return std::exponential_distribution<double>(3.6)(random);
@@ -149,7 +149,7 @@ TEST(WrongPrograms, AnotherRateIsSeen) {
 }
 
 TEST(Wheels, FullTurnsAndFastTumblesAreNamed) {
-  RunFilm film = twoMinutes(9);
+  RunRecording film = twoMinutes(9);
   film.law.tau_t = 0.4;
   film.turn = [](std::mt19937_64& random) {
     return std::uniform_real_distribution<double>(0, 2 * std::numbers::pi)(random);

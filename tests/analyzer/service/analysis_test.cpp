@@ -23,7 +23,7 @@ struct Recording {
 };
 
 Recording record(const ProgramLaw& law, double duration, std::uint64_t seed) {
-  Film film;
+  WalkerRecording film;
   film.law = law;
   film.duration = duration;
   film.walls = true;
@@ -184,7 +184,7 @@ TEST(Analysis, CutsAtSwitchesAndKeepsTheProgramsApart) {
   EXPECT_EQ(results[0].segments, 20);
   EXPECT_EQ(results[2].segments, 20);
   EXPECT_NEAR(results[0].observed, 200, 1);
-  EXPECT_NEAR(dut.medianStay(0), 10, 0.003);
+  EXPECT_NEAR(dut.medianDwellTime(0), 10, 0.003);
 }
 
 TEST(Analysis, GivesNoVerdictOnLagsThatTheLightSelects) {

@@ -9,8 +9,8 @@
 #include <random>
 #include <vector>
 
-#include "tests/analyzer/recording_ensemble.hpp"
 #include "tests/analyzer/paper_programs.hpp"
+#include "tests/analyzer/recording_ensemble.hpp"
 
 namespace lab::analysis {
 namespace {
@@ -99,8 +99,8 @@ TEST(SenseDistance, IsTheLikelihoodRatioOfTheNoisyDrive) {
 
 /// Frames of a walker whose tracker confuses the ends: 1 % single frames, and every 40 s one
 /// stretch of 5 s; the film begins with the tail.
-StitchedFilm stitchFlipped(const Film& film, bool flips) {
-  StitchedFilm result;
+StitchedRecording stitchFlipped(const WalkerRecording& film, bool flips) {
+  StitchedRecording result;
   TrackStitcher stitcher{StitcherConfig{}};
   Walker walker(film);
   std::mt19937_64 random(film.seed + 77);
@@ -129,31 +129,31 @@ TEST_P(FlippedFilm, HasTheRotationOfTheTrueOne) {
   constexpr int kFilms = 16;
   EnsembleCurves curves;
   for (int i = 0; i < kFilms; ++i) {
-    Film film;
+    WalkerRecording film;
     film.law = GetParam();
     film.duration = 300;
     film.fps = 24.3;
     film.walls = true;
     film.seed = 300U + static_cast<unsigned>(i);
-    const StitchedFilm dut = stitchFlipped(film, true);
-    const StitchedFilm truth = stitchFlipped(film, false);
+    const StitchedRecording dut = stitchFlipped(film, true);
+    const StitchedRecording truth = stitchFlipped(film, false);
     EXPECT_EQ(dut.tally.segments, truth.tally.segments);
     EXPECT_EQ(dut.samples.size(), truth.samples.size());
     EXPECT_GT(dut.counters.flips, 0.1 * static_cast<double>(dut.counters.frames));
     EXPECT_LE(dut.counters.sense_turns, 1);
     EXPECT_EQ(truth.counters.flips, 0);
-    curves.add(analyseFilm(film, dut, 20));
+    curves.add(analyseRecording(film, dut, 20));
   }
   expectUnbiased(curves.msd, kFilms, "MSD");
   expectUnbiased(curves.angular, kFilms, "angular MSD");
 }
 
 TEST_P(FlippedFilm, DrivesForwardAgainOnceTheMotionHasTold) {
-  Film film;
+  WalkerRecording film;
   film.law = GetParam();
   film.duration = 120;
-  const StitchedFilm dut = stitchFlipped(film, true);
-  const StitchedFilm truth = stitchFlipped(film, false);
+  const StitchedRecording dut = stitchFlipped(film, true);
+  const StitchedRecording truth = stitchFlipped(film, false);
   ASSERT_EQ(dut.samples.size(), truth.samples.size());
   const double turned = dut.samples.back().theta - truth.samples.back().theta;
   if (senseDistance(film.law) == 0) return;  // both ends are alike

@@ -12,13 +12,13 @@
 namespace lab::analysis {
 
 /// A film of which only the poses are known.
-struct PoseFilm {
+struct PoseRecording {
   std::vector<TrackPoint> track;
   std::vector<FoundReversal> truth;
 };
 
-inline PoseFilm posesOf(const Film& film) {
-  PoseFilm result;
+inline PoseRecording posesOf(const WalkerRecording& film) {
+  PoseRecording result;
   Walker walker(film);
   walker.on_frame = [&](const TrackPoint& point) {
     result.track.push_back(point);
@@ -38,14 +38,14 @@ inline PoseFilm posesOf(const Film& film) {
 }
 
 /// Stitched by what the poses tell alone.
-inline StitchedFilm stitchPoses(const Film& film, std::vector<TrackPoint> track,
-                                TrackFindings* findings = nullptr) {
-  StitchedFilm result;
+inline StitchedRecording stitchPoses(const WalkerRecording& film, std::vector<TrackPoint> track,
+                                     TrackFindings* findings = nullptr) {
+  StitchedRecording result;
   const double nan = std::numeric_limits<double>::quiet_NaN();
   TrackFindings found = examineTrack(track, reversalSearch(film.law, film.walls ? nan : 0.1, 0.4));
   if (findings != nullptr) *findings = found;
   TrackStitcher stitcher{StitcherConfig{}};
-  ReversalTeller teller(found.reversals);
+  ReversalReporter teller(found.reversals);
   for (const TrackPoint& point : track) {
     RobotTelemetry telemetry;
     telemetry.time = point.time;
@@ -63,11 +63,12 @@ inline StitchedFilm stitchPoses(const Film& film, std::vector<TrackPoint> track,
 }
 
 /// The exact law plus what the tracker's noise adds; the heading noise to the angular MSD.
-inline double withNoise(const Film& film, double exact, bool angular) {
+inline double withNoise(const WalkerRecording& film, double exact, bool angular) {
   return exact + (angular ? 2 * film.sigma_theta * film.sigma_theta : 4 * film.sigma * film.sigma);
 }
 
-inline void expectUnbiasedWithNoise(const Film& film, const EnsembleCurves& curves, double films) {
+inline void expectUnbiasedWithNoise(const WalkerRecording& film, const EnsembleCurves& curves,
+                                    double films) {
   for (const bool angular : {false, true}) {
     for (const LagScatter& lag : angular ? curves.angular : curves.msd) {
       if (lag.value.n != films) continue;

@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "tests/analyzer/tracks/pose_recording.hpp"
 #include "tests/analyzer/paper_programs.hpp"
+#include "tests/analyzer/tracks/pose_recording.hpp"
 
 namespace lab::analysis::reversal_finder_test {
 namespace {
@@ -22,8 +22,8 @@ struct Case {
   double fps;
 };
 
-Film walled(const Case& one, double duration, unsigned seed) {
-  Film film;
+WalkerRecording walled(const Case& one, double duration, unsigned seed) {
+  WalkerRecording film;
   film.law = one.law;
   film.fps = one.fps;
   film.duration = duration;
@@ -43,10 +43,9 @@ TEST_P(PosesAlone, TellTheReversalsAndTheirTimes) {
   Scatter start;
   Scatter end;
   for (unsigned seed = 0; seed < 3; ++seed) {
-    const Film film = walled(GetParam(), 900, 7000 + seed);
-    PoseFilm poses = posesOf(film);
-    const TrackFindings dut =
-        examineTrack(poses.track, reversalSearch(film.law, 0.1, 0.4));
+    const WalkerRecording film = walled(GetParam(), 900, 7000 + seed);
+    PoseRecording poses = posesOf(film);
+    const TrackFindings dut = examineTrack(poses.track, reversalSearch(film.law, 0.1, 0.4));
     EXPECT_NEAR(dut.sigma, film.sigma, 0.1 * film.sigma);
     std::size_t next = 0;
     for (const FoundReversal& real : poses.truth) {
@@ -76,26 +75,27 @@ TEST_P(PosesAlone, AreUnbiasedOnceStitched) {
   constexpr int kFilms = 12;
   EnsembleCurves curves;
   for (unsigned i = 0; i < kFilms; ++i) {
-    const Film film = walled(GetParam(), 600, 8000 + i);
-    const StitchedFilm stitched = stitchPoses(film, posesOf(film).track);
+    const WalkerRecording film = walled(GetParam(), 600, 8000 + i);
+    const StitchedRecording stitched = stitchPoses(film, posesOf(film).track);
     EXPECT_EQ(stitched.counters.jumps, 0);
-    curves.add(analyseFilm(film, stitched));
+    curves.add(analyseRecording(film, stitched));
   }
   expectUnbiasedWithNoise(walled(GetParam(), 600, 0), curves, kFilms);
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Programs, PosesAlone,
-    testing::Values(Case{"Abp10", abpLaw(3, 0.5), 9.97}, Case{"Abp50", abpLaw(3, 0.5), 49.7},
-                    Case{"NoisyAbp10", noisyLaw(0.01, 0.1, 0.1), 9.97},
-                    Case{"NoisyAbp50", noisyLaw(0.01, 0.1, 0.1), 49.7},
-                    Case{"Bp10", noisyLaw(0, 0.07, 0.2), 9.97},
-                    Case{"Rtp10", rtpLaw(1, 0.5), 9.97}, Case{"Rtp50", rtpLaw(1, 0.5), 49.7}),
-    [](const auto& parameter) { return parameter.param.name; });
+INSTANTIATE_TEST_SUITE_P(Programs, PosesAlone,
+                         testing::Values(Case{"Abp10", abpLaw(3, 0.5), 9.97},
+                                         Case{"Abp50", abpLaw(3, 0.5), 49.7},
+                                         Case{"NoisyAbp10", noisyLaw(0.01, 0.1, 0.1), 9.97},
+                                         Case{"NoisyAbp50", noisyLaw(0.01, 0.1, 0.1), 49.7},
+                                         Case{"Bp10", noisyLaw(0, 0.07, 0.2), 9.97},
+                                         Case{"Rtp10", rtpLaw(1, 0.5), 9.97},
+                                         Case{"Rtp50", rtpLaw(1, 0.5), 49.7}),
+                         [](const auto& parameter) { return parameter.param.name; });
 
 TEST(ReversalFinder, TakesTheSpeedFromTheTrack) {
-  const Film film = walled({"", abpLaw(1, 0.25), 24.3}, 900, 5);
-  PoseFilm poses = posesOf(film);
+  const WalkerRecording film = walled({"", abpLaw(1, 0.25), 24.3}, 900, 5);
+  PoseRecording poses = posesOf(film);
   const double nan = std::numeric_limits<double>::quiet_NaN();
 
   EXPECT_NEAR(examineTrack(poses.track, reversalSearch(film.law, nan, 0.4)).speed, 0.1, 0.002);
@@ -105,21 +105,22 @@ TEST(ReversalFinder, FindsNoneInTheEndlessPlane) {
   for (const ProgramLaw& law : {abpLaw(3, 0.5), noisyLaw(0.01, 0.1, 0.1), noisyLaw(0, 0.1, 0.4),
                                 noisyLaw(0, 0.07, 0.2), rtpLaw(1, 0.5)}) {
     for (const double fps : {9.97, 49.7}) {
-      Film film = walled({"", law, fps}, 900, 9);
+      WalkerRecording film = walled({"", law, fps}, 900, 9);
       film.walls = false;
-      PoseFilm poses = posesOf(film);
+      PoseRecording poses = posesOf(film);
       EXPECT_TRUE(examineTrack(poses.track, reversalSearch(law, 0.1, 0.4)).reversals.empty());
     }
   }
 }
 
 TEST(ReversalFinder, SeesThroughFlippedHeadings) {
-  const Film film = walled({"", abpLaw(3, 0.5), 24.3}, 900, 6);
-  PoseFilm poses = posesOf(film);
+  const WalkerRecording film = walled({"", abpLaw(3, 0.5), 24.3}, 900, 6);
+  PoseRecording poses = posesOf(film);
   const std::vector<TrackPoint> whole = poses.track;
   for (std::size_t i = 0; i < poses.track.size(); ++i) {
     if (i % 100 == 7 || poses.track[i].time < 300) {
-      poses.track[i].theta = std::remainder(poses.track[i].theta + std::numbers::pi, 2 * std::numbers::pi);
+      poses.track[i].theta =
+          std::remainder(poses.track[i].theta + std::numbers::pi, 2 * std::numbers::pi);
     }
   }
   std::vector<TrackPoint> reference = whole;
@@ -131,28 +132,30 @@ TEST(ReversalFinder, SeesThroughFlippedHeadings) {
   EXPECT_EQ(dut.reversals.size(), expected.reversals.size());
   EXPECT_GT(dut.flips, 0);
   for (std::size_t i = 0; i < whole.size(); ++i) {
-    ASSERT_NEAR(std::remainder(poses.track[i].theta - whole[i].theta, 2 * std::numbers::pi), 0, 1e-9) << i;
+    ASSERT_NEAR(std::remainder(poses.track[i].theta - whole[i].theta, 2 * std::numbers::pi), 0,
+                1e-9)
+        << i;
   }
 }
 
 TEST(ReversalFinder, WorksWithoutHeadings) {
-  const Film film = walled({"", abpLaw(3, 0.5), 24.3}, 900, 8);
-  PoseFilm poses = posesOf(film);
+  const WalkerRecording film = walled({"", abpLaw(3, 0.5), 24.3}, 900, 8);
+  PoseRecording poses = posesOf(film);
   for (TrackPoint& point : poses.track) point.theta = 0;
   ReversalSearch search = reversalSearch(film.law, 0.1, 0.4);
   search.headings = false;
 
   const TrackFindings dut = examineTrack(poses.track, search);
 
-  const auto longer = std::count_if(
-      poses.truth.begin(), poses.truth.end(),
-      [](const FoundReversal& one) { return one.end > one.start + 0.5; });
+  const auto longer =
+      std::count_if(poses.truth.begin(), poses.truth.end(),
+                    [](const FoundReversal& one) { return one.end > one.start + 0.5; });
   EXPECT_GT(longer, 5);
   EXPECT_EQ(static_cast<std::ptrdiff_t>(dut.reversals.size()), longer);
 }
 
-TEST(ReversalTeller, SaysWhatTheRobotWouldHaveSaid) {
-  ReversalTeller dut({{.start = 1, .end = 5, .dx = -0.4}, {.start = 8, .end = 9, .dx = 0.1}});
+TEST(ReversalReporter, SaysWhatTheRobotWouldHaveSaid) {
+  ReversalReporter dut({{.start = 1, .end = 5, .dx = -0.4}, {.start = 8, .end = 9, .dx = 0.1}});
   RobotTelemetry state;
   state.time = 0.5;
   dut.tell(state);

@@ -4,14 +4,14 @@
 #include <cmath>
 #include <string>
 
-#include "tests/analyzer/recording_ensemble.hpp"
 #include "tests/analyzer/paper_programs.hpp"
+#include "tests/analyzer/recording_ensemble.hpp"
 
 namespace lab::analysis::stitched_film_test {
 namespace {
 
-Film walled(const ProgramLaw& law, double duration) {
-  Film film;
+WalkerRecording walled(const ProgramLaw& law, double duration) {
+  WalkerRecording film;
   film.law = law;
   film.duration = duration;
   film.walls = true;
@@ -31,14 +31,14 @@ TEST_P(WalledFilm, FollowsTheExactLawOfTheFreeMotion) {
   EnsembleCurves curves;
   double reversals = 0;
   for (int i = 0; i < kFilms; ++i) {
-    Film film = walled(GetParam().law, 600);
+    WalkerRecording film = walled(GetParam().law, 600);
     film.seed = 100U + static_cast<unsigned>(i);
-    const StitchedFilm stitched = stitch(film);
+    const StitchedRecording stitched = stitch(film);
     EXPECT_EQ(stitched.counters.lost_reversals, 0);
     EXPECT_EQ(stitched.counters.jumps, 0);
     EXPECT_EQ(stitched.tally.segments, 1);
     reversals += static_cast<double>(stitched.tally.reversals);
-    curves.add(analyseFilm(film, stitched));
+    curves.add(analyseRecording(film, stitched));
   }
   EXPECT_GT(reversals / kFilms * 6, GetParam().reversals_per_hour);
   expectUnbiased(curves.msd, kFilms, "MSD");
@@ -57,14 +57,14 @@ TEST(NaiveCutting, AtReversalsIsBiasedAgainstStraightMotion) {
   constexpr int kFilms = 40;
   EnsembleCurves curves;
   for (int i = 0; i < kFilms; ++i) {
-    Film film = walled(abpLaw(1, 0.25), 600);
+    WalkerRecording film = walled(abpLaw(1, 0.25), 600);
     film.seed = 500U + static_cast<unsigned>(i);
-    StitchedFilm stitched = stitch(film);
+    StitchedRecording stitched = stitch(film);
     for (Sample& sample : stitched.samples) {
       sample.segment = sample.piece;  // a window may not cross a reversal
       sample.angular_segment = sample.piece;
     }
-    curves.add(analyseFilm(film, stitched));
+    curves.add(analyseRecording(film, stitched));
   }
   double worst = 0;
   for (const LagScatter& lag : curves.msd) {
@@ -81,11 +81,11 @@ TEST(LostMessages, LeaveTheStitchedMotionUnbiased) {
   double joined = 0;
   double cut = 0;
   for (int i = 0; i < kFilms; ++i) {
-    Film film = walled(abpLaw(1, 0.25), 600);
+    WalkerRecording film = walled(abpLaw(1, 0.25), 600);
     film.seed = 900U + static_cast<unsigned>(i);
     std::mt19937_64 random(film.seed);
     std::bernoulli_distribution lost(0.1);
-    StitchedFilm stitched;
+    StitchedRecording stitched;
     TrackStitcher stitcher{StitcherConfig{}};
     Walker walker(film);
     walker.on_frame = [&](const TrackPoint& point) {
@@ -103,7 +103,7 @@ TEST(LostMessages, LeaveTheStitchedMotionUnbiased) {
     stitched.tally = stitcher.tally(0);
     joined += static_cast<double>(stitcher.counters().reversals);
     cut += static_cast<double>(stitcher.counters().lost_reversals);
-    curves.add(analyseFilm(film, stitched));
+    curves.add(analyseRecording(film, stitched));
   }
   EXPECT_GT(joined, 24 * 15);
   EXPECT_LT(cut, 0.01 * joined);

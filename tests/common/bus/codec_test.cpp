@@ -126,9 +126,9 @@ TEST(Codec, ForgetsWhatAReusedMessageHeld) {  // LCM keeps the old elements of a
   EXPECT_TRUE(heard.robots.empty());
 }
 
-TEST(Header, IsReadWithoutKnowingTheType) {
+TEST(MessageHeader, IsReadWithoutKnowingTheType) {
   const std::vector<std::uint8_t> bytes = encode(statusOfTwo());
-  const std::optional<Header> header = peekHeader(bytes);
+  const std::optional<MessageHeader> header = peekHeader(bytes);
   ASSERT_TRUE(header);
   EXPECT_EQ(header->fingerprint, robot_status_t::getHash());
   EXPECT_EQ(header->utime, 5);
@@ -137,7 +137,7 @@ TEST(Header, IsReadWithoutKnowingTheType) {
   EXPECT_EQ(header->seq, 9);
 }
 
-TEST(Header, IsNotReadBeyondTheBytes) {
+TEST(MessageHeader, IsNotReadBeyondTheBytes) {
   const std::vector<std::uint8_t> bytes = encode(statusOfTwo());
   for (std::size_t size = 0; size < kCount; ++size) {
     EXPECT_FALSE(peekHeader(Bytes(bytes).first(size))) << size << " bytes";
@@ -145,7 +145,7 @@ TEST(Header, IsNotReadBeyondTheBytes) {
   EXPECT_TRUE(peekHeader(Bytes(bytes).first(kCount)));
 }
 
-TEST(Header, IsNotReadWhenTheSendersLengthMakesNoSense) {
+TEST(MessageHeader, IsNotReadWhenTheSendersLengthMakesNoSense) {
   for (const std::int32_t length : {-1, 0, 65, 1'000'000}) {
     EXPECT_FALSE(peekHeader(with(encode(statusOfTwo()), kSenderLength, length))) << length;
   }

@@ -15,8 +15,8 @@
 #include <numeric>
 #include <stdexcept>
 
-#include "common/loop/asio_loop.hpp"
 #include "common/bus/channels.hpp"
+#include "common/loop/asio_loop.hpp"
 
 namespace lab {
 namespace {

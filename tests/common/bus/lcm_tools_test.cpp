@@ -11,10 +11,10 @@
 #include <iterator>
 #include <memory>
 
-#include "common/loop/asio_loop.hpp"
 #include "common/bus/channels.hpp"
 #include "common/bus/lcm_bus.hpp"
 #include "common/bus/log_file.hpp"
+#include "common/loop/asio_loop.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace lab::stock_tools_test {

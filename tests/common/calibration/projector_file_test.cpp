@@ -83,8 +83,9 @@ TEST_F(ProjectorFile, ReadsWhatItWrote) {
 TEST_F(ProjectorFile, OneClearErrorForEachProblem) {
   EXPECT_THAT(refusalOf("{"), HasSubstr("projector.json:1: is no valid JSON"));
   EXPECT_THAT(refusalOf("{}"), HasSubstr("is no projector calibration"));
-  EXPECT_THAT(refusal([](auto& file) { file["form"] = "active-lab camera 1"; }),
-              HasSubstr("form: found \"active-lab camera 1\", expected \"active-lab projector 1\""));
+  EXPECT_THAT(
+      refusal([](auto& file) { file["form"] = "active-lab camera 1"; }),
+      HasSubstr("form: found \"active-lab camera 1\", expected \"active-lab projector 1\""));
   EXPECT_THAT(refusal([](auto& file) { file.erase("fx_px"); }),
               HasSubstr("fx_px: is missing (docs/calibration.md"));
   EXPECT_THAT(refusal([](auto& file) { file["fy_px"] = -3; }), HasSubstr("fy_px: found -3"));
@@ -109,19 +110,21 @@ TEST_F(ProjectorFile, AMirroredPictureIsAllowed) {
 
 TEST_F(ProjectorFile, InForceOnlyForThePictureAndTheArenaThatItIsOf) {
   Experiment experiment;
-  EXPECT_TRUE(projectorInForce(experiment, (folder_ / ""), 640, 480).model.isNominal());
-  EXPECT_EQ(projectorInForce(experiment, (folder_ / ""), 640, 480).id, "");
+  EXPECT_TRUE(activeProjectorCalibration(experiment, (folder_ / ""), 640, 480).model.isNominal());
+  EXPECT_EQ(activeProjectorCalibration(experiment, (folder_ / ""), 640, 480).id, "");
   written(projectorFileText(sample()));
   experiment.projector.calibration = "projector.json";
-  const ProjectorInForce found = projectorInForce(experiment, (folder_ / ""), 1920, 1080);
+  const ActiveProjectorCalibration found =
+      activeProjectorCalibration(experiment, (folder_ / ""), 1920, 1080);
   EXPECT_FALSE(found.model.isNominal());
   EXPECT_EQ(found.id.size(), 12U);
   EXPECT_NO_THROW(checkProjectorFile(experiment, (folder_ / "")));
   try {
-    static_cast<void>(projectorInForce(experiment, (folder_ / ""), 1280, 800));
+    static_cast<void>(activeProjectorCalibration(experiment, (folder_ / ""), 1280, 800));
     FAIL();
   } catch (const ExperimentError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("found a calibration of 1920 x 1080 pixels, expected 1280 x 800"));
+    EXPECT_THAT(error.what(),
+                HasSubstr("found a calibration of 1920 x 1080 pixels, expected 1280 x 800"));
   }
   experiment.arena_width = 1.3;
   EXPECT_THROW(checkProjectorFile(experiment, (folder_ / "")), ExperimentError);

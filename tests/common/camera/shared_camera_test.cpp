@@ -13,10 +13,10 @@
 #include <thread>
 #include <vector>
 
-#include "tracker_svc/camera_devices.hpp"
 #include "common/camera/frame_ring.hpp"
 #include "tests/support/loop_until.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "tracker_svc/camera_devices.hpp"
 
 namespace lab {
 namespace {
@@ -266,7 +266,7 @@ TEST_F(SharedCamera, AHandlerMayCloseItsCamera) {
 TEST(FrameRing, AHeldFrameIsNotPaintedOver) {
   using namespace cameras;
   RingWriter writer(sized(16, 16));
-  RingReader reader(Descriptor(dup(writer.descriptor())), 0);
+  RingReader reader(FileDescriptor(dup(writer.descriptor())), 0);
   std::ranges::fill(writer.canvas(), std::uint8_t{42});
   const RingNotice first = writer.publish(0, 0);
   const std::uint8_t* pixels = reader.hold(first);
@@ -287,7 +287,7 @@ TEST(FrameRing, AHeldFrameIsNotPaintedOver) {
 }
 
 TEST(FrameRing, RefusesMemoryThatIsNoCamera) {
-  Descriptor other(memfd_create("other", 0));
+  FileDescriptor other(memfd_create("other", 0));
   ASSERT_EQ(ftruncate(other.get(), 1 << 16), 0);
 
   EXPECT_THROW(cameras::RingReader(other, 0), CameraError);

@@ -97,12 +97,12 @@ TEST(ExperimentImages, ThatAreMissingAreNamed) {
 }
 
 TEST(LightMessages, ARefusalIsOfOneCommand) {
-  const std::string said = sayRefused("lab_light", 7, "layers[0].stale = nan s");
+  const std::string said = formatRefusal("lab_light", 7, "layers[0].stale = nan s");
   EXPECT_EQ(said, "LIGHT_COMMAND 7 of lab_light: layers[0].stale = nan s");
-  EXPECT_EQ(lab::refusalOf("lab_light", 7, said), "layers[0].stale = nan s");
-  EXPECT_EQ(lab::refusalOf("lab_light", 8, said), "");
-  EXPECT_EQ(lab::refusalOf("lab", 7, said), "");
-  EXPECT_EQ(lab::refusalOf("lab_light", 7, ""), "");
+  EXPECT_EQ(lab::parseRefusal("lab_light", 7, said), "layers[0].stale = nan s");
+  EXPECT_EQ(lab::parseRefusal("lab_light", 8, said), "");
+  EXPECT_EQ(lab::parseRefusal("lab", 7, said), "");
+  EXPECT_EQ(lab::parseRefusal("lab_light", 7, ""), "");
 }
 
 }  // namespace

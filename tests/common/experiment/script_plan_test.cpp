@@ -35,8 +35,8 @@ layers = [{kind = "uniform", intensity = 0.5}]
 )";
 
 TEST(ScriptPlan, WaitsAtMostAsLongAsAllLimitsOfAllShowings) {
-  EXPECT_THAT(latestBegins({1, 2, 3, 4}, {{1, 2, 2}, {0, 3, 3}}), ElementsAre(0, 1, 3, 11, 45));
-  EXPECT_THAT(latestBegins({0.1, 0.2, 0.3}, {}), ElementsAre(0, 0.1, 0.3, 0.6));
+  EXPECT_THAT(latestStartTimes({1, 2, 3, 4}, {{1, 2, 2}, {0, 3, 3}}), ElementsAre(0, 1, 3, 11, 45));
+  EXPECT_THAT(latestStartTimes({0.1, 0.2, 0.3}, {}), ElementsAre(0, 0.1, 0.3, 0.6));
 }
 
 TEST(ScriptPlan, OfAFileIsWrittenAndReadBack) {
@@ -63,9 +63,10 @@ TEST(ScriptPlan, IsDescribedWithItsConditions) {
   EXPECT_THAT(dut, HasSubstr("run           at most 60 s"));
   EXPECT_THAT(dut, HasSubstr("  1 s b: light 0.5, abp; until D_r of abp is known to 5 %, at most 2 "
                              "s, if not: the safe light, and the run ends\n"));
-  EXPECT_THAT(dut, HasSubstr("  by 3 s step 3: light 0.5, abp; until all robots are in the rectangle "
-                             "of 20 x 10 cm around 60, 45 cm, at most 3 s, if not: the script goes "
-                             "on; back to \"b\", 2 times in all\n"));
+  EXPECT_THAT(dut,
+              HasSubstr("  by 3 s step 3: light 0.5, abp; until all robots are in the rectangle "
+                        "of 20 x 10 cm around 60, 45 cm, at most 3 s, if not: the script goes "
+                        "on; back to \"b\", 2 times in all\n"));
   EXPECT_THAT(dut, HasSubstr("until robot 1 is in the circle of radius 10 cm around 60, 45 cm"));
   EXPECT_THAT(dut, HasSubstr("log           at most about"));
 }
@@ -73,13 +74,13 @@ TEST(ScriptPlan, IsDescribedWithItsConditions) {
 TEST(ScriptPlan, SaysWhetherARunMayEndEarly) {
   EXPECT_TRUE(mayEndEarly(small(kWaiting).light));
   EXPECT_TRUE(mayEndEarly(small(kWaiting, {"light.repeat=true"}).light));
-  EXPECT_FALSE(mayEndEarly(
-      small(kWaiting, {"light.repeat=true", "light.steps[1].if_not=next"}).light));
+  EXPECT_FALSE(
+      mayEndEarly(small(kWaiting, {"light.repeat=true", "light.steps[1].if_not=next"}).light));
   EXPECT_FALSE(mayEndEarly(small().light));
 }
 
-TEST(ScriptOrder, GoesThroughGroupsWithinGroupsInEveryPass) {
-  ScriptOrder dut(small(kWaiting, {"light.repeat=true"}).light);
+TEST(ScriptCursor, GoesThroughGroupsWithinGroupsInEveryPass) {
+  ScriptCursor dut(small(kWaiting, {"light.repeat=true"}).light);
   std::vector<std::size_t> shown;
   while (dut.pass() < 2) {
     shown.push_back(dut.index());

@@ -36,15 +36,15 @@ TEST(Installation, OfEverythingElseIsABuild) {
 
 TEST(Installation, NamesThePackageOfWhatIsMissing) {
   const Installation package = installationOf("/usr/lib/active-lab/bin/lab");
-  const auto way = [&](const char* name) { return package.wayTo(name, "build it"); };
+  const auto way = [&](const char* name) { return package.installHint(name, "build it"); };
 
-  EXPECT_THAT(way("dds_gateway"),
-              AllOf(StartsWith("sudo apt install ./active-lab-gateway_"), HasSubstr(kVersion),
-                    EndsWith("_*.deb")));
+  EXPECT_THAT(way("dds_gateway"), AllOf(StartsWith("sudo apt install ./active-lab-gateway_"),
+                                        HasSubstr(kVersion), EndsWith("_*.deb")));
   EXPECT_THAT(way("robot_emulator"), HasSubstr("./active-lab-emulator_"));
   EXPECT_THAT(way("robot_firmware.elf"), HasSubstr("./active-lab-emulator_"));
   EXPECT_THAT(way("robot_firmware.hex"), HasSubstr("./active-lab_"));
-  EXPECT_EQ(installationOf("/x/build/dev/bin/lab").wayTo("dds_gateway", "build it"), "build it");
+  EXPECT_EQ(installationOf("/x/build/dev/bin/lab").installHint("dds_gateway", "build it"),
+            "build it");
 }
 
 TEST(Installation, OfThisTestIsTheBuild) {

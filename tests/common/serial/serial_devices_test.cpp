@@ -121,7 +121,7 @@ TEST_F(SerialDevicesTest, RespectsAProgramThatOnlyAskedForExclusiveUse) {
 TEST_F(SerialDevicesTest, LeavesTheSettingsOfALineInUseAlone) {
   const auto robot = dut.offer("robot_1");
   const std::string path = dut.offered().at(0);
-  const Descriptor other = openSerialLine(path, 500000);
+  const FileDescriptor other = openSerialLine(path, 500000);
   EXPECT_NE(complaint(path, 38400), "opened");
   termios settings{};
   ASSERT_EQ(tcgetattr(other.get(), &settings), 0);
@@ -168,7 +168,7 @@ TEST_F(SerialDevicesTest, RefusesASpeedThatDoesNotExist) {
 
 TEST_F(SerialDevicesTest, ALineIsRawAndKeepsItsModemLines) {
   const auto robot = dut.offer("robot_1");
-  const Descriptor line = openSerialLine(dut.offered().at(0), 38400);
+  const FileDescriptor line = openSerialLine(dut.offered().at(0), 38400);
   termios settings{};
   ASSERT_EQ(tcgetattr(line.get(), &settings), 0);
   EXPECT_EQ(settings.c_lflag & static_cast<tcflag_t>(ICANON | ECHO | ISIG), 0U);

@@ -7,9 +7,9 @@
 #include <string>
 
 #include "common/loop/asio_loop.hpp"
+#include "common/loop/virtual_loop.hpp"
 #include "common/serial/memory_serial.hpp"
 #include "common/serial/serial_devices.hpp"
-#include "common/loop/virtual_loop.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace lab::serial_ports_test {

@@ -68,10 +68,10 @@ TEST(ExperimentRequest, KeepsTheFirstAnswersRefusal) {
 
 TEST(ExperimentRequest, ExpiresWithoutAnAnswer) {
   ExperimentRequest request = pauseRequest();
-  EXPECT_FALSE(request.expired(kStart_us + ExperimentRequest::kPatience_us));
-  EXPECT_TRUE(request.expired(kStart_us + ExperimentRequest::kPatience_us + 1));
+  EXPECT_FALSE(request.expired(kStart_us + ExperimentRequest::kTimeout_us));
+  EXPECT_TRUE(request.expired(kStart_us + ExperimentRequest::kTimeout_us + 1));
   EXPECT_TRUE(request.take(echoOf(request)));
-  EXPECT_FALSE(request.expired(kStart_us + 10 * ExperimentRequest::kPatience_us));
+  EXPECT_FALSE(request.expired(kStart_us + 10 * ExperimentRequest::kTimeout_us));
 }
 
 TEST(Remark, IsOneLineOfText) {
@@ -81,7 +81,10 @@ TEST(Remark, IsOneLineOfText) {
   EXPECT_NE(remarkProblem("bell\a"), "");
   EXPECT_NE(remarkProblem(std::string("nul\0", 4)), "");
   EXPECT_NE(remarkProblem("\x7F"), "");
-  EXPECT_NE(remarkProblem("\xC2\x9B" "2J"), "") << "what a terminal takes for an escape";
+  EXPECT_NE(remarkProblem("\xC2\x9B"
+                          "2J"),
+            "")
+      << "what a terminal takes for an escape";
   EXPECT_EQ(remarkProblem("\xC2\xA0"), "") << "the first character behind Latin-1's controls";
   EXPECT_NE(remarkProblem("caf\xE9"), "") << "Latin-1";
 }

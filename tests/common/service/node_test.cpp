@@ -11,11 +11,11 @@
 #include <map>
 #include <stdexcept>
 
-#include "common/loop/asio_loop.hpp"
 #include "common/bus/channels.hpp"
 #include "common/bus/memory_bus.hpp"
-#include "common/process/version.hpp"
+#include "common/loop/asio_loop.hpp"
 #include "common/loop/virtual_loop.hpp"
+#include "common/process/version.hpp"
 
 namespace lab {
 namespace {

@@ -23,11 +23,11 @@ robot_status_t status(std::vector<std::int32_t> ids, std::int64_t stop_seq, bool
   return message;
 }
 
-TEST(StopDesk, GoesOutAtOnceAndAtTenHertzUntilTheLastRobotEchoes) {
-  StopDesk dut;
+TEST(StopCoordinator, GoesOutAtOnceAndAtTenHertzUntilTheLastRobotEchoes) {
+  StopCoordinator dut;
   dut.take(status({1, 2}, 0, false), kNow);
   EXPECT_FALSE(dut.due(kNow));
-  EXPECT_EQ(dut.state(), StopDesk::State::kFree);
+  EXPECT_EQ(dut.state(), StopCoordinator::State::kFree);
   dut.stop("me", "fire", 77, kNow);
   const auto first = dut.due(kNow);
   ASSERT_TRUE(first);
@@ -37,18 +37,18 @@ TEST(StopDesk, GoesOutAtOnceAndAtTenHertzUntilTheLastRobotEchoes) {
   EXPECT_FALSE(dut.due(kNow + 99 * kMs));
   EXPECT_TRUE(dut.due(kNow + 100 * kMs));
   dut.take(status({1}, 77, true), kNow + 120 * kMs);
-  EXPECT_EQ(dut.state(), StopDesk::State::kStopping);
+  EXPECT_EQ(dut.state(), StopCoordinator::State::kStopping);
   EXPECT_EQ(dut.unconfirmed(), std::vector<std::int32_t>{2});
   EXPECT_FALSE(dut.took());
   EXPECT_TRUE(dut.due(kNow + 60'000 * kMs)) << "a stop never tires while a robot is known";
   dut.take(status({2}, 77, true), kNow + 150 * kMs);
-  EXPECT_EQ(dut.state(), StopDesk::State::kStopped);
+  EXPECT_EQ(dut.state(), StopCoordinator::State::kStopped);
   EXPECT_EQ(dut.took(), 150 * kMs);
   EXPECT_FALSE(dut.due(kNow + 61'000 * kMs));
 }
 
-TEST(StopDesk, AnEchoOfAnotherStopOrWithoutTheLatchIsNone) {
-  StopDesk dut;
+TEST(StopCoordinator, AnEchoOfAnotherStopOrWithoutTheLatchIsNone) {
+  StopCoordinator dut;
   dut.stop("me", "", 77, kNow);
   dut.take(status({1}, 76, true), kNow);
   EXPECT_FALSE(dut.confirmed());
@@ -58,59 +58,59 @@ TEST(StopDesk, AnEchoOfAnotherStopOrWithoutTheLatchIsNone) {
   EXPECT_TRUE(dut.confirmed());
 }
 
-TEST(StopDesk, ARobotThatLosesItsLatchIsToldAgain) {
-  StopDesk dut;
+TEST(StopCoordinator, ARobotThatLosesItsLatchIsToldAgain) {
+  StopCoordinator dut;
   dut.stop("me", "", 77, kNow);
   dut.take(status({1}, 77, true), kNow + 50 * kMs);
   EXPECT_FALSE(dut.due(kNow + 900 * kMs));
   dut.take(status({1}, 0, false), kNow + 1000 * kMs);
-  EXPECT_EQ(dut.state(), StopDesk::State::kStopping);
+  EXPECT_EQ(dut.state(), StopCoordinator::State::kStopping);
   EXPECT_TRUE(dut.due(kNow + 1000 * kMs));
   EXPECT_EQ(dut.took(), 50 * kMs);
 }
 
-TEST(StopDesk, ForRobotsNotHeardYetItIsRepeatedForAWhile) {
-  StopDesk dut;
+TEST(StopCoordinator, ForRobotsNotHeardYetItIsRepeatedForAWhile) {
+  StopCoordinator dut;
   dut.stop("me", "", 77, kNow);
   dut.take(status({1}, 77, true), kNow);
   ASSERT_TRUE(dut.due(kNow));
   EXPECT_TRUE(dut.due(kNow + 200 * kMs));
-  EXPECT_FALSE(dut.due(kNow + StopDesk::kMeetEveryRobot_us));
+  EXPECT_FALSE(dut.due(kNow + StopCoordinator::kDiscovery_us));
 }
 
-TEST(StopDesk, WithoutAnyRobotItTiresAndConfirmsNothing) {
-  StopDesk dut;
+TEST(StopCoordinator, WithoutAnyRobotItTiresAndConfirmsNothing) {
+  StopCoordinator dut;
   dut.stop("me", "", 77, kNow);
-  EXPECT_TRUE(dut.due(kNow + StopDesk::kPatience_us));
-  EXPECT_FALSE(dut.due(kNow + StopDesk::kPatience_us + 200 * kMs));
-  EXPECT_EQ(dut.state(), StopDesk::State::kStopping);
+  EXPECT_TRUE(dut.due(kNow + StopCoordinator::kTimeout_us));
+  EXPECT_FALSE(dut.due(kNow + StopCoordinator::kTimeout_us + 200 * kMs));
+  EXPECT_EQ(dut.state(), StopCoordinator::State::kStopping);
 }
 
-TEST(StopDesk, AnExpectedRobotThatIsSilentIsUnconfirmed) {
-  StopDesk dut;
+TEST(StopCoordinator, AnExpectedRobotThatIsSilentIsUnconfirmed) {
+  StopCoordinator dut;
   dut.expect(9);
   dut.stop("me", "", 77, kNow);
   dut.take(status({1}, 77, true), kNow);
   EXPECT_EQ(dut.unconfirmed(), std::vector<std::int32_t>{9});
 }
 
-TEST(StopDesk, RobotsOfAReplayAreNotCounted) {
-  StopDesk dut;
+TEST(StopCoordinator, RobotsOfAReplayAreNotCounted) {
+  StopCoordinator dut;
   dut.expect(1);
   dut.take(status({1}, 0, false, robot_state_t::REPLAY), kNow);
   dut.stop("me", "", 77, kNow);
   EXPECT_EQ(dut.total(), 0U);
 }
 
-TEST(StopDesk, FollowsTheStopsOfOthersAndTheirRepetitionByTheLab) {
-  StopDesk dut;
+TEST(StopCoordinator, FollowsTheStopsOfOthersAndTheirRepetitionByTheLab) {
+  StopCoordinator dut;
   dut.take(status({1, 2}, 0, false), kNow);
   robot_stop_t stop{};
   stop.sender = "lab_stop";
   stop.seq = 5;
   stop.robot_ids = {2};
   dut.take(stop, kNow);
-  EXPECT_EQ(dut.state(), StopDesk::State::kStopping);
+  EXPECT_EQ(dut.state(), StopCoordinator::State::kStopping);
   EXPECT_EQ(dut.by(), "lab_stop");
   EXPECT_EQ(dut.total(), 1U);
   EXPECT_FALSE(dut.due(kNow)) << "it is not ours to repeat";
@@ -118,15 +118,15 @@ TEST(StopDesk, FollowsTheStopsOfOthersAndTheirRepetitionByTheLab) {
   stop.sender = "lab";
   dut.take(stop, kNow + 40 * kMs);
   EXPECT_EQ(dut.by(), "lab_stop");
-  EXPECT_EQ(dut.state(), StopDesk::State::kStopped);
+  EXPECT_EQ(dut.state(), StopCoordinator::State::kStopped);
 }
 
-TEST(StopDesk, ALateRepetitionDoesNotUndoTheRelease) {
-  StopDesk dut;
+TEST(StopCoordinator, ALateRepetitionDoesNotUndoTheRelease) {
+  StopCoordinator dut;
   dut.stop("me", "", 77, kNow);
   dut.take(status({1}, 77, true), kNow);
   dut.release("me", "", 78, kNow + 1000 * kMs);
-  EXPECT_EQ(dut.state(), StopDesk::State::kReleasing);
+  EXPECT_EQ(dut.state(), StopCoordinator::State::kReleasing);
   const auto clear = dut.due(kNow + 1000 * kMs);
   ASSERT_TRUE(clear);
   EXPECT_EQ(clear->clear, 1);
@@ -134,39 +134,39 @@ TEST(StopDesk, ALateRepetitionDoesNotUndoTheRelease) {
   late.sender = "lab";
   late.seq = 77;
   dut.take(late, kNow + 1010 * kMs);
-  EXPECT_EQ(dut.state(), StopDesk::State::kReleasing);
+  EXPECT_EQ(dut.state(), StopCoordinator::State::kReleasing);
   dut.take(status({1}, 78, false), kNow + 1050 * kMs);
-  EXPECT_EQ(dut.state(), StopDesk::State::kFree);
+  EXPECT_EQ(dut.state(), StopCoordinator::State::kFree);
 }
 
-TEST(StopDesk, CountsRobotsBeforeAnythingIsAsked) {
-  StopDesk dut;
+TEST(StopCoordinator, CountsRobotsBeforeAnythingIsAsked) {
+  StopCoordinator dut;
   dut.take(status({1, 2}, 0, false), kNow);
   EXPECT_EQ(dut.total(), 2U);
   EXPECT_TRUE(dut.unconfirmed().empty());
-  EXPECT_EQ(dut.state(), StopDesk::State::kFree);
+  EXPECT_EQ(dut.state(), StopCoordinator::State::kFree);
   EXPECT_FALSE(dut.confirmed());
 }
 
-TEST(StopDesk, ARobotThatAppearsAfterTheReleaseIsFree) {
-  StopDesk dut;
+TEST(StopCoordinator, ARobotThatAppearsAfterTheReleaseIsFree) {
+  StopCoordinator dut;
   dut.release("me", "", 78, kNow);
   dut.take(status({1}, 77, true), kNow);
-  EXPECT_EQ(dut.state(), StopDesk::State::kReleasing);
+  EXPECT_EQ(dut.state(), StopCoordinator::State::kReleasing);
   dut.take(status({1}, 78, false), kNow);
   dut.take(status({2}, 0, false), kNow + 1000 * kMs);
-  EXPECT_EQ(dut.state(), StopDesk::State::kFree);
+  EXPECT_EQ(dut.state(), StopCoordinator::State::kFree);
   EXPECT_EQ(dut.total(), 2U);
 }
 
-TEST(StopDesk, RobotsThatStandWithoutAKnownRequestAreAStopOfAll) {
-  StopDesk dut;
+TEST(StopCoordinator, RobotsThatStandWithoutAKnownRequestAreAStopOfAll) {
+  StopCoordinator dut;
   dut.expect(3);
   dut.take(status({1, 2}, 77, true), kNow);
-  EXPECT_EQ(dut.state(), StopDesk::State::kStopping);
+  EXPECT_EQ(dut.state(), StopCoordinator::State::kStopping);
   EXPECT_EQ(dut.unconfirmed(), std::vector<std::int32_t>{3});
   dut.take(status({3}, 76, true), kNow + 20 * kMs);
-  EXPECT_EQ(dut.state(), StopDesk::State::kStopped);
+  EXPECT_EQ(dut.state(), StopCoordinator::State::kStopped);
   EXPECT_FALSE(dut.took()) << "nobody knows when it was asked for";
   EXPECT_FALSE(dut.due(kNow + 30 * kMs)) << "it is not ours to repeat";
   robot_stop_t late{};
@@ -176,39 +176,39 @@ TEST(StopDesk, RobotsThatStandWithoutAKnownRequestAreAStopOfAll) {
   EXPECT_EQ(dut.by(), "lab");
   dut.release("me", "", 78, kNow + 50 * kMs);
   dut.take(status({1, 2, 3}, 78, false), kNow + 90 * kMs);
-  EXPECT_EQ(dut.state(), StopDesk::State::kFree);
+  EXPECT_EQ(dut.state(), StopCoordinator::State::kFree);
 }
 
-TEST(StopDesk, AnAdoptedStopEndsWithItsLastStandingRobot) {
-  StopDesk dut;
+TEST(StopCoordinator, AnAdoptedStopEndsWithItsLastStandingRobot) {
+  StopCoordinator dut;
   dut.take(status({1, 2}, 77, true), kNow);
   dut.take(status({1}, 78, false), kNow);
-  EXPECT_EQ(dut.state(), StopDesk::State::kStopping);
+  EXPECT_EQ(dut.state(), StopCoordinator::State::kStopping);
   dut.take(status({2}, 78, false), kNow);
-  EXPECT_EQ(dut.state(), StopDesk::State::kFree);
+  EXPECT_EQ(dut.state(), StopCoordinator::State::kFree);
   dut.take(status({4}, 77, true, robot_state_t::REPLAY), kNow);
-  EXPECT_EQ(dut.state(), StopDesk::State::kFree) << "robots of a replay are nobody's";
+  EXPECT_EQ(dut.state(), StopCoordinator::State::kFree) << "robots of a replay are nobody's";
 }
 
-TEST(StopDesk, AnotherRunKeepsAnOwnStopAndNoOther) {
-  StopDesk dut;
+TEST(StopCoordinator, AnotherRunKeepsAnOwnStopAndNoOther) {
+  StopCoordinator dut;
   dut.stop("me", "", 77, kNow);
   dut.take(status({1}, 77, true), kNow);
   dut.newRun();
   dut.take(status({2}, 0, false), kNow + 1000 * kMs);
-  EXPECT_EQ(dut.state(), StopDesk::State::kStopping);
+  EXPECT_EQ(dut.state(), StopCoordinator::State::kStopping);
   EXPECT_EQ(dut.unconfirmed(), std::vector<std::int32_t>{2});
   ASSERT_TRUE(dut.due(kNow + 1000 * kMs));
   dut.release("me", "", 78, kNow + 1100 * kMs);
   dut.take(status({2}, 78, false), kNow + 1200 * kMs);
   dut.newRun();
-  EXPECT_EQ(dut.state(), StopDesk::State::kFree);
+  EXPECT_EQ(dut.state(), StopCoordinator::State::kFree);
   robot_stop_t other{};
   other.sender = "lab_stop";
   other.seq = 80;
   dut.take(other, kNow + 1300 * kMs);
   dut.newRun();
-  EXPECT_EQ(dut.state(), StopDesk::State::kFree);
+  EXPECT_EQ(dut.state(), StopCoordinator::State::kFree);
 }
 
 }  // namespace

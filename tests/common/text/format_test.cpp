@@ -10,13 +10,13 @@ namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 TEST(People, GivesAsManyDigitsAsTheErrorAllows) {
-  EXPECT_EQ(numberText(0.748123, 0.0123), "0.748");
-  EXPECT_EQ(numberText(12.3456, 1.7), "12.3");
-  EXPECT_EQ(numberText(1234.5, 210), "1234");
-  EXPECT_EQ(numberText(3.00003, 0.00049), "3.00003");
-  EXPECT_EQ(numberText(0.75, 0), "0.75");
-  EXPECT_EQ(numberText(kNan, 0.1), "–");
-  EXPECT_EQ(numberText(0.75, kNan), "0.75");
+  EXPECT_EQ(valueText(0.748123, 0.0123), "0.748");
+  EXPECT_EQ(valueText(12.3456, 1.7), "12.3");
+  EXPECT_EQ(valueText(1234.5, 210), "1234");
+  EXPECT_EQ(valueText(3.00003, 0.00049), "3.00003");
+  EXPECT_EQ(valueText(0.75, 0), "0.75");
+  EXPECT_EQ(valueText(kNan, 0.1), "–");
+  EXPECT_EQ(valueText(0.75, kNan), "0.75");
 }
 
 TEST(People, WritesPlainNumbersShort) {
@@ -37,11 +37,11 @@ TEST(People, SaysDurationsInWords) {
 }
 
 TEST(People, TurnsUnitsOfTheAnalysisIntoCentimetres) {
-  EXPECT_EQ(peopleUnit("m^2/s").text, "cm²/s");
-  EXPECT_EQ(peopleUnit("m^2/s").key, "cm2_s");
-  EXPECT_DOUBLE_EQ(peopleUnit("m^2/s").factor, 1e4);
-  EXPECT_DOUBLE_EQ(peopleUnit("rad^2/s").factor, 1);
-  EXPECT_EQ(peopleUnit("furlong").text, "furlong");
+  EXPECT_EQ(displayUnit("m^2/s").text, "cm²/s");
+  EXPECT_EQ(displayUnit("m^2/s").key, "cm2_s");
+  EXPECT_DOUBLE_EQ(displayUnit("m^2/s").factor, 1e4);
+  EXPECT_DOUBLE_EQ(displayUnit("rad^2/s").factor, 1);
+  EXPECT_EQ(displayUnit("furlong").text, "furlong");
 }
 
 TEST(People, EscapesWhatHtmlWouldTakeForMarkup) {
@@ -52,9 +52,9 @@ TEST(People, EscapesWhatHtmlWouldTakeForMarkup) {
 }
 
 TEST(People, MakesWordsForFiles) {
-  EXPECT_EQ(fileWord("noisy ABP"), "noisy_ABP");
-  EXPECT_EQ(fileWord("../../etc"), "etc");
-  EXPECT_EQ(fileWord("///"), "program");
+  EXPECT_EQ(sanitizedFileName("noisy ABP"), "noisy_ABP");
+  EXPECT_EQ(sanitizedFileName("../../etc"), "etc");
+  EXPECT_EQ(sanitizedFileName("///"), "program");
 }
 
 TEST(People, GroupsLargeCounts) {

@@ -154,7 +154,7 @@ TEST(Controls, LightSaysWhyItIsRefusedAndNotWhyThatOfOthersIs) {
   const std::int64_t seq = desk.dut.due(kNow).light.value().seq;
   light_status_t status{};
   status.utime = kNow + 20'000;
-  status.last_refusal = sayRefused("lab_light", seq, "somebody else's");
+  status.last_refusal = formatRefusal("lab_light", seq, "somebody else's");
   desk.dut.take(status, kNow + 20'000);
   EXPECT_TRUE(desk.dut.due(kNow + 4 * kSecond).light);
   EXPECT_THAT(desk.note(), AllOf(HasSubstr("the projector does not show it"),
@@ -162,7 +162,7 @@ TEST(Controls, LightSaysWhyItIsRefusedAndNotWhyThatOfOthersIs) {
   ASSERT_EQ(desk.dut.wish(ShowLight{0.5, 0}, kNow + 5 * kSecond), "");
   status.utime = kNow + 5 * kSecond;
   status.last_refusal =
-      sayRefused("dashboard", desk.dut.due(status.utime).light.value().seq, "its own");
+      formatRefusal("dashboard", desk.dut.due(status.utime).light.value().seq, "its own");
   desk.dut.take(status, status.utime);
   EXPECT_TRUE(desk.dut.due(kNow + 9 * kSecond).light);
   EXPECT_THAT(desk.note(), HasSubstr("the projector does not show it: its own"));

@@ -5,18 +5,18 @@ namespace {
 
 template <class T>
 T read(const std::string& json) {
-  const auto found = readWish(json);
-  if (const auto* bad = std::get_if<BadText>(&found)) {
+  const auto found = readOperatorRequest(json);
+  if (const auto* bad = std::get_if<InvalidRequest>(&found)) {
     ADD_FAILURE() << json << ": " << bad->why;
     return {};
   }
-  EXPECT_TRUE(std::holds_alternative<T>(std::get<Wish>(found))) << json;
-  return std::get<T>(std::get<Wish>(found));
+  EXPECT_TRUE(std::holds_alternative<T>(std::get<OperatorRequest>(found))) << json;
+  return std::get<T>(std::get<OperatorRequest>(found));
 }
 
 std::string why(const std::string& json) {
-  const auto found = readWish(json);
-  const auto* bad = std::get_if<BadText>(&found);
+  const auto found = readOperatorRequest(json);
+  const auto* bad = std::get_if<InvalidRequest>(&found);
   return bad ? bad->why : "taken";
 }
 

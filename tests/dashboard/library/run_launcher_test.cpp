@@ -39,18 +39,18 @@ class LabStarterTest : public testing::Test {
   }
   json whenEnded() {
     while (true) {
-      json told = json::parse(starter_.started(true));
+      json told = json::parse(launcher_.started(true));
       if (told["state"] != "running") return told;
       std::this_thread::sleep_for(2ms);
     }
   }
 
   TemporaryFolder folder_;
-  LabStarter starter_{{folder_ / "bin", folder_ / "shipped", folder_ / "runs", folder_ / "own"}};
+  RunLauncher launcher_{{folder_ / "bin", folder_ / "shipped", folder_ / "runs", folder_ / "own"}};
 };
 
 TEST_F(LabStarterTest, ListsShippedAndOwnExperiments) {
-  EXPECT_EQ(json::parse(starter_.experiments()), json::parse(R"([
+  EXPECT_EQ(json::parse(launcher_.experiments()), json::parse(R"([
     {"file": "shipped/abp.toml", "name": "abp", "description": "ABP", "shipped": true},
     {"file": "broken.toml", "name": "broken", "description": "no TOML from line 1 on", "shipped": false},
     {"file": "mine.toml", "name": "mine", "description": "", "shipped": false},
@@ -59,14 +59,14 @@ TEST_F(LabStarterTest, ListsShippedAndOwnExperiments) {
 
 TEST_F(LabStarterTest, SaysWhatLabCheckSays) {
   lab("for a in \"$@\"; do echo \"<$a>\"; done; echo bad key >&2; exit 2\n");
-  const auto answer = starter_.check(R"({"file":"mine.toml","set":["duration_s=5","a='$(id)'"]})");
+  const auto answer = launcher_.check(R"({"file":"mine.toml","set":["duration_s=5","a='$(id)'"]})");
   EXPECT_EQ(answer.status, 200);
   const json said = json::parse(answer.json);
   EXPECT_EQ(said["ok"], false);
   EXPECT_EQ(said["text"], "<check>\n<" + (folder_ / "own/mine.toml").string() +
                               ">\n<--set=duration_s=5>\n<--set=a='$(id)'>\nbad key\n");
   lab("exit 0\n");
-  EXPECT_EQ(json::parse(starter_.check(R"({"file":"shipped/abp.toml","set":[]})").json)["ok"],
+  EXPECT_EQ(json::parse(launcher_.check(R"({"file":"shipped/abp.toml","set":[]})").json)["ok"],
             true);
 }
 
@@ -74,7 +74,7 @@ TEST_F(LabStarterTest, TakesOnlyListedFilesAndWholeOrders) {
   lab("exit 0\n");
   for (const char* file :
        {"/etc/passwd", "../own/mine.toml", "camera.toml", "abp.toml", "", "--help"}) {
-    EXPECT_EQ(starter_.check(json{{"file", file}, {"set", json::array()}}.dump()).status, 404)
+    EXPECT_EQ(launcher_.check(json{{"file", file}, {"set", json::array()}}.dump()).status, 404)
         << file;
   }
   for (const char* body :
@@ -82,10 +82,10 @@ TEST_F(LabStarterTest, TakesOnlyListedFilesAndWholeOrders) {
         R"({"file":"mine.toml","set":["a"]})", R"({"file":"mine.toml","set":["=a"]})",
         R"({"file":"mine.toml","set":[1]})", R"({"file":"mine.toml","set":[],"x":1})",
         R"({"file":"mine.toml","set":["a=\n"]})"}) {
-    EXPECT_THROW(static_cast<void>(starter_.check(body)), FormError) << body;
-    EXPECT_THROW(static_cast<void>(starter_.start(body)), FormError) << body;
+    EXPECT_THROW(static_cast<void>(launcher_.check(body)), JsonObjectError) << body;
+    EXPECT_THROW(static_cast<void>(launcher_.start(body)), JsonObjectError) << body;
   }
-  EXPECT_EQ(json::parse(starter_.started(true))["state"], "none");
+  EXPECT_EQ(json::parse(launcher_.started(true))["state"], "none");
 }
 
 TEST_F(LabStarterTest, StartsOneRunAndFollowsIt) {
@@ -95,22 +95,22 @@ TEST_F(LabStarterTest, StartsOneRunAndFollowsIt) {
       "while [ ! -e " +
       (folder_ / "go").string() + " ]; do sleep 0.01; done; exit 3\n");
   const std::string order = R"({"file":"mine.toml","set":[],"virtual_time":false})";
-  EXPECT_EQ(starter_.start(order).status, 202);
+  EXPECT_EQ(launcher_.start(order).status, 202);
   json told;
   while (told["address"].is_null() || told["run"].is_null()) {
-    told = json::parse(starter_.started(true));
+    told = json::parse(launcher_.started(true));
   }
   EXPECT_EQ(told["state"], "running");
   EXPECT_EQ(told["address"], "http://127.0.0.1:1/#token=secret");
   EXPECT_EQ(told["run"], "mine-1");
   EXPECT_TRUE(told["code"].is_null());
-  EXPECT_THAT(starter_.started(false), Not(HasSubstr("secret")));
-  EXPECT_THAT(starter_.started(false), HasSubstr("#token=... now"));
-  EXPECT_EQ(starter_.start(order).status, 409);
+  EXPECT_THAT(launcher_.started(false), Not(HasSubstr("secret")));
+  EXPECT_THAT(launcher_.started(false), HasSubstr("#token=... now"));
+  EXPECT_EQ(launcher_.start(order).status, 409);
   write(folder_ / "go", "");
   EXPECT_EQ(whenEnded()["code"], 3);
   lab("echo \"$@\"\n");
-  EXPECT_EQ(starter_.start(R"({"file":"mine.toml","set":[],"virtual_time":true})").status, 202);
+  EXPECT_EQ(launcher_.start(R"({"file":"mine.toml","set":[],"virtual_time":true})").status, 202);
   const std::string output = whenEnded()["output"];
   EXPECT_THAT(output, HasSubstr("--virtual-time"));
   EXPECT_THAT(output, Not(HasSubstr("--web")));
@@ -118,7 +118,7 @@ TEST_F(LabStarterTest, StartsOneRunAndFollowsIt) {
 
 TEST_F(LabStarterTest, SaysThatTheProgramIsNotThere) {
   EXPECT_THROW(
-      static_cast<void>(starter_.start(R"({"file":"mine.toml","set":[],"virtual_time":true})")),
+      static_cast<void>(launcher_.start(R"({"file":"mine.toml","set":[],"virtual_time":true})")),
       std::runtime_error);
 }
 

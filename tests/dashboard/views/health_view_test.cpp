@@ -1,3 +1,5 @@
+#include "dashboard/health/health_view.hpp"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -7,7 +9,6 @@
 #include "common/bus/channels.hpp"
 #include "common/process/version.hpp"
 #include "dashboard/health/advice.hpp"
-#include "dashboard/health/health_view.hpp"
 #include "dashboard/health/process_meter.hpp"
 #include "tests/dashboard/message_samples.hpp"
 
@@ -29,10 +30,10 @@ service_status_t serviceOf(const char* name, std::int64_t instance = 1) {
 }
 
 struct Lab {
-  Lab() { sheet.set(experimentForTests(), "run"); }
+  Lab() { run_info.set(experimentForTests(), "run"); }
 
   std::vector<Advice> advice(std::int64_t now) {
-    return adviceOn({.sheet = sheet,
+    return adviceOn({.run_info = run_info,
                      .health = health,
                      .robots = robots,
                      .light = light,
@@ -48,9 +49,9 @@ struct Lab {
   }
   void everyRobot(std::int64_t now) { robots.take(statusOf({stateOf(3), stateOf(7)}), now); }
 
-  LabSheet sheet;
+  RunInfo run_info;
   HealthView health;
-  RobotsView robots{sheet};
+  RobotsView robots{run_info};
   std::optional<light_status_t> light;
   std::int64_t bus_utime = kNow;
   bool ended = false;
@@ -58,7 +59,7 @@ struct Lab {
 
 TEST(HealthView, CountsStreamsWithTheirRatesAndGaps) {
   HealthView dut;
-  Header header;
+  MessageHeader header;
   header.sender = "sim_svc";
   header.instance = 1;
   std::int64_t now = kNow;
@@ -82,7 +83,7 @@ TEST(HealthView, CountsStreamsWithTheirRatesAndGaps) {
 
 TEST(HealthView, KeepsAsManyStreamsAsItSays) {
   HealthView dut;
-  Header header;
+  MessageHeader header;
   header.sender = "x";
   for (int i = 0; i < 1000; ++i) {
     header.instance = i;
@@ -180,7 +181,7 @@ TEST(Advice, NamesBrokenServicesAndMessages) {
 TEST(Advice, NamesAClockThatIsAhead) {
   Lab lab;
   lab.everyRobot(kNow);
-  Header header;
+  MessageHeader header;
   header.sender = "tracker_svc";
   header.utime = kNow + 5 * kSecond;
   lab.health.count(channels::kTrackedFrame, header, kNow);
@@ -192,9 +193,8 @@ TEST(Advice, NamesAClockThatIsAhead) {
 
 TEST(ProcessMeter, GivesTheShareOfACoreSinceTheCallBefore) {
   ProcessTimes times{1.0, 5e6, 100};
-  ProcessMeter dut([&times](std::int32_t pid) {
-    return pid == 42 ? std::optional(times) : std::nullopt;
-  });
+  ProcessMeter dut(
+      [&times](std::int32_t pid) { return pid == 42 ? std::optional(times) : std::nullopt; });
   EXPECT_TRUE(std::isnan(dut.measure({42, 43}, kNow).at(42).cpu_percent));
   times.cpu = 1.5;
   const auto uses = dut.measure({42, 43}, kNow + 2 * kSecond);

@@ -19,8 +19,7 @@ using testing::HasSubstr;
 
 struct Bench {
   Bench()
-      : dut(hub, "dashboard", 9,
-            [](const auto&, const auto&) { return light::ImageStore{}; }) {}
+      : dut(hub, "dashboard", 9, [](const auto&, const auto&) { return light::ImageStore{}; }) {}
 
   template <class Message>
   void send(std::string_view channel, Message message, std::int64_t now) {
@@ -53,7 +52,7 @@ struct Bench {
 TEST(LabView, WithoutALabItSaysSo) {
   Bench bench;
   bench.dut.publishMoving(kNow, true);
-  bench.dut.publishSums(kNow, {});
+  bench.dut.publishTotals(kNow, {});
   EXPECT_EQ(bench.topic("pulse")["bus_silent_s"], nullptr);
   EXPECT_THAT(bench.topic("health")["advice"][0]["what"], HasSubstr("no lab is heard"));
   EXPECT_TRUE(bench.topic("robots").empty());
@@ -67,7 +66,7 @@ TEST(LabView, ARunReachesItsTopics) {
   bench.send(channels::kTrackedFrame, frameOf(kNow, {poseOf(3, 0.1, 0.2)}), kNow);
   bench.send(channels::kAnalysis, poolOf("swim", kNow), kNow);
   bench.dut.publishMoving(kNow + 50'000, true);
-  bench.dut.publishSums(kNow + 2 * kSecond, {});
+  bench.dut.publishTotals(kNow + 2 * kSecond, {});
   EXPECT_EQ(bench.topic("lab")["name"], "two_programs");
   EXPECT_EQ(bench.topic("frame")["robots"].size(), 1U);
   EXPECT_EQ(bench.topic("robots").size(), 2U);
@@ -86,11 +85,11 @@ TEST(LabView, AnotherRunBeginsEmpty) {
   bench.start(1, kNow);
   bench.send(channels::kAnalysis, poolOf("swim", kNow), kNow);
   bench.send(channels::kRobotStatus, statusOf({stateOf(3)}), kNow);
-  bench.dut.publishSums(kNow, {});
+  bench.dut.publishTotals(kNow, {});
   ASSERT_FALSE(bench.topic("pool/swim").is_null());
   bench.start(2, kNow + kSecond);
   bench.dut.publishMoving(kNow + kSecond, true);
-  bench.dut.publishSums(kNow + kSecond, {});
+  bench.dut.publishTotals(kNow + kSecond, {});
   EXPECT_TRUE(bench.topic("pool/swim").is_null());
   EXPECT_TRUE(bench.topic("history/swim").is_null());
   EXPECT_TRUE(bench.topic("robots").empty());
@@ -120,7 +119,7 @@ TEST(LabView, AJumpOfAPlayedLogVoidsWhatWasHeard) {
   status.rate = 1;
   bench.send(channels::kExperimentStatus, status, kNow);
   bench.send(channels::kAnalysis, poolOf("swim", kNow), kNow);
-  bench.dut.publishSums(kNow, {});
+  bench.dut.publishTotals(kNow, {});
   bench.dut.publishMoving(kNow, true);
   EXPECT_EQ(bench.topic("lab")["replay"], true);
   EXPECT_EQ(bench.topic("lab")["run"], "run-5");
@@ -185,7 +184,7 @@ TEST(LabView, NobodyIsBlamedForTheSilenceOfAPlayedLog) {
     bench.send(channels::kServiceStatus, service, kNow);
     bench.send(channels::kRobotStatus, statusOf({stateOf(3)}), kNow);
     bench.send(channels::kExperimentStatus, status, kNow + 60 * kSecond);
-    bench.dut.publishSums(kNow + 60 * kSecond, {});
+    bench.dut.publishTotals(kNow + 60 * kSecond, {});
     EXPECT_EQ(bench.topic("health")["advice"].empty(), replay) << bench.topic("health")["advice"];
     EXPECT_TRUE(bench.dut.health().pids("here").empty()) << "it ran once, with that number";
   }
@@ -214,7 +213,7 @@ TEST(LabView, TakesAtMostTwentyFramesASecond) {
   }
   EXPECT_LE(frames, 60);
   EXPECT_GE(frames, 57);
-  bench.dut.publishSums(kNow + 3 * kSecond, {});
+  bench.dut.publishTotals(kNow + 3 * kSecond, {});
   EXPECT_EQ(bench.topic("health")["streams"][0]["received"], 300) << "all are counted";
 }
 
@@ -227,7 +226,7 @@ TEST(LabView, WhatIsOfAnotherContractIsCounted) {
   bench.dut.take({channels::kRobotStatus, data, kNow}, kNow);
   const std::vector<std::uint8_t> junk{1, 2, 3};
   bench.dut.take({channels::kRobotStatus, junk, kNow}, kNow);
-  bench.dut.publishSums(kNow, {});
+  bench.dut.publishTotals(kNow, {});
   EXPECT_EQ(bench.topic("health")["not_understood"][0]["messages"], 2);
 }
 
@@ -238,7 +237,7 @@ TEST(LabView, ItsOwnWordsDoNotMakeALab) {
   own.instance = 9;
   own.start_utime = kNow;
   bench.send(channels::kServiceStatus, own, kNow);
-  bench.dut.publishSums(kNow, {});
+  bench.dut.publishTotals(kNow, {});
   EXPECT_EQ(bench.topic("pulse")["bus_silent_s"], nullptr);
   EXPECT_EQ(bench.topic("health")["services"].size(), 1U);
 }
@@ -274,7 +273,7 @@ TEST(LabView, MeasuresHowTheHeadingIsForgotten) {
     bench.send(channels::kRobotStatus, status, now);
   }
   bench.send(channels::kAnalysis, poolOf("swim", kNow), kNow);
-  bench.dut.publishSums(kNow + 400 * kSecond, {});
+  bench.dut.publishTotals(kNow + 400 * kSecond, {});
   const Json pool = bench.topic("pool/swim");
   const Json& curve = pool["curves"].back();
   ASSERT_EQ(curve["name"], "C_l");
@@ -330,7 +329,7 @@ TEST(LabView, ADayFitsIntoBoundedMemory) {
     event.text = "a mark";
     bench.send(channels::kExperimentEvent, event, now);
     if (i % 20 == 0) bench.dut.publishMoving(now, true);
-    if (i % 20 == 0) bench.dut.publishSums(now, {});
+    if (i % 20 == 0) bench.dut.publishTotals(now, {});
     if (i == 12 * 120) at_noon = size(now);
   }
   const std::size_t in_the_end = size(kNow + 24 * 3600 * kSecond);

@@ -2,9 +2,9 @@
 
 #include "dashboard/views/curves_view.hpp"
 #include "dashboard/views/history_view.hpp"
-#include "dashboard/views/run_info.hpp"
 #include "dashboard/views/light_picture.hpp"
 #include "dashboard/views/robots_view.hpp"
+#include "dashboard/views/run_info.hpp"
 #include "dashboard/views/run_times.hpp"
 #include "dashboard/views/timeline_view.hpp"
 #include "dashboard/views/tracks_view.hpp"
@@ -14,17 +14,17 @@ namespace lab::dashboard {
 namespace {
 
 struct Sheet {
-  Sheet() { sheet.set(experimentForTests(), "run-1"); }
-  LabSheet sheet;
+  Sheet() { run_info.set(experimentForTests(), "run-1"); }
+  RunInfo run_info;
 };
 
 program_t programNamed(const char* name) {
   return toMessage(experimentForTests().programs.at(name));
 }
 
-TEST(LabSheet, TellsTheExperimentInCentimetres) {
+TEST(RunInfo, TellsTheExperimentInCentimetres) {
   const Sheet s;
-  const Json json = Json::parse(s.sheet.json());
+  const Json json = Json::parse(s.run_info.json());
   EXPECT_EQ(json["run"], "run-1");
   EXPECT_EQ(json["arena_cm"], Json({120, 90}));
   EXPECT_EQ(json["robot_diameter_cm"], 7.5);
@@ -35,28 +35,28 @@ TEST(LabSheet, TellsTheExperimentInCentimetres) {
   EXPECT_NE(json["file"].get<std::string>().find("two_programs"), std::string::npos);
 }
 
-TEST(LabSheet, KnowsAnotherRunByItsConductor) {
-  LabSheet dut;
+TEST(RunInfo, KnowsAnotherRunByItsConductor) {
+  RunInfo dut;
   experiment_event_t start{};
   start.kind = experiment_event_t::START;
   start.sender = "lab";
   start.instance = 1;
   start.text = writeExperiment(experimentForTests());
-  EXPECT_EQ(dut.take(start), LabSheet::News::kFirst);
+  EXPECT_EQ(dut.take(start), RunInfo::RunChange::kFirst);
   EXPECT_TRUE(dut.known()) << dut.trouble();
-  EXPECT_EQ(dut.take(start), LabSheet::News::kNone) << "said again each minute";
+  EXPECT_EQ(dut.take(start), RunInfo::RunChange::kNone) << "said again each minute";
   start.instance = 2;
-  EXPECT_EQ(dut.take(start), LabSheet::News::kOtherRun);
+  EXPECT_EQ(dut.take(start), RunInfo::RunChange::kOtherRun);
   start.instance = 3;
   start.text = "fileversion = 99";
-  EXPECT_EQ(dut.take(start), LabSheet::News::kOtherRun);
+  EXPECT_EQ(dut.take(start), RunInfo::RunChange::kOtherRun);
   EXPECT_FALSE(dut.known());
   EXPECT_NE(dut.trouble(), "");
 }
 
 TEST(RobotsView, AFrameHoldsThoseSeenWithinASecond) {
   const Sheet s;
-  RobotsView dut(s.sheet);
+  RobotsView dut(s.run_info);
   robot_state_t state = stateOf(3, programNamed("tumble"));
   state.flags = robot_state_t::FLAG_TUMBLING;
   dut.take(statusOf({state}), kNow);
@@ -80,14 +80,14 @@ TEST(RobotsView, AFrameHoldsThoseSeenWithinASecond) {
 
 TEST(RobotsView, APoseThatIsNoPlaceIsNotShown) {
   const Sheet s;
-  RobotsView dut(s.sheet);
+  RobotsView dut(s.run_info);
   dut.take(frameOf(kNow, {poseOf(3, std::nan(""), 0.3)}), kNow);
   EXPECT_TRUE(Json::parse(dut.frameJson(kNow))["robots"].empty());
 }
 
 TEST(RobotsView, TellsWhatRobotsSay) {
   const Sheet s;
-  RobotsView dut(s.sheet);
+  RobotsView dut(s.run_info);
   robot_state_t state = stateOf(7, programNamed("swim"));
   state.flags = robot_state_t::FLAG_STOPPED;
   state.light_front = 0.25F;
@@ -191,7 +191,7 @@ TEST(HistoryView, ThinsWhenFull) {
 
 TEST(RunTimes, MeasuresRunsBetweenTumblesThatFollowEachOther) {
   const Sheet s;
-  RunTimes dut(s.sheet);
+  RunTimes dut(s.run_info);
   // A robot that runs 1.5 s and tumbles 0.3 s, told at 20 Hz; its counts begin mid-run.
   const double cycle = 1.8;
   for (int i = 0; i < 20 * 19; ++i) {
@@ -213,7 +213,7 @@ TEST(RunTimes, MeasuresRunsBetweenTumblesThatFollowEachOther) {
 
 TEST(RunTimes, AMissedTumbleGivesNoRun) {
   const Sheet s;
-  RunTimes dut(s.sheet);
+  RunTimes dut(s.run_info);
   robot_state_t state = stateOf(3, programNamed("tumble"));
   for (const int count : {0, 1, 3, 4}) {
     state.tumble_count = count;

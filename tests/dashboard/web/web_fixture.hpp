@@ -10,25 +10,25 @@
 #include <vector>
 
 #include "dashboard/web/web_server.hpp"
-#include "tests/support/temporary_folder.hpp"
 #include "tests/support/raw_http_client.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace lab::dashboard {
 
-class RecordingLab final : public LabPort {
+class RecordingLab final : public LabRequestHandler {
  public:
-  std::string wish(const Wish& wish) override {
+  std::string wish(const OperatorRequest& wish) override {
     const std::lock_guard lock(mutex_);
-    wishes_.push_back(wish);
+    requests_.push_back(wish);
     return refusal_;
   }
   std::optional<std::string> ask(std::string_view what, std::string_view which) override {
     if (what == "nothing") return std::nullopt;
     return "[\"" + std::string(what) + "\",\"" + std::string(which) + "\"]";
   }
-  [[nodiscard]] std::vector<Wish> wishes() {
+  [[nodiscard]] std::vector<OperatorRequest> wishes() {
     const std::lock_guard lock(mutex_);
-    return wishes_;
+    return requests_;
   }
 
   void refuse(const std::string& why) {
@@ -39,7 +39,7 @@ class RecordingLab final : public LabPort {
  private:
   std::mutex mutex_;
   std::string refusal_;
-  std::vector<Wish> wishes_;
+  std::vector<OperatorRequest> requests_;
 };
 
 class WebTest : public testing::Test {

@@ -3,10 +3,10 @@
 #include <gtest/gtest.h>
 
 #include "dds_gateway/dds/configuration.hpp"
-#include "tests/dds_gateway/peers/peer.hpp"
-#include "tests/dds_gateway/peers/peer_loop.hpp"
 #include "dds_gateway/ros/ros_type.hpp"
 #include "tests/dds_gateway/peers/cdr.hpp"
+#include "tests/dds_gateway/peers/peer.hpp"
+#include "tests/dds_gateway/peers/peer_loop.hpp"
 
 namespace lab::dds {
 namespace {
@@ -89,8 +89,8 @@ TEST_F(ForeignData, IsDroppedCountedAndTold) {
       return !xs.empty();
     }));
     EXPECT_THAT(xs, testing::ElementsAre(1));
-    EXPECT_THAT(takeComplaints(), testing::AnyOf(testing::HasSubstr("deserialization " + topic),
-                                                 testing::HasSubstr("malformed packet")));
+    EXPECT_THAT(takeWarnings(), testing::AnyOf(testing::HasSubstr("deserialization " + topic),
+                                               testing::HasSubstr("malformed packet")));
   }
 }
 
@@ -102,12 +102,12 @@ TEST_F(ForeignData, AFloodIsOneComplaint) {
   peer.say("writer rt/pose " + std::string(type.descriptor->m_typename) + " depth=1000");
   ASSERT_TRUE(peer.says("matched rt/pose 1"));
   ASSERT_TRUE(eventually([&] { return reader.matching().peers == 1; }));
-  static_cast<void>(takeComplaints());
+  static_cast<void>(takeWarnings());
   const std::int64_t before = malformedReceived();
   for (int i = 0; i < 300; ++i) peer.say("write rt/pose " + hexOf(Cdr().u8(1).payload()));
   EXPECT_TRUE(eventually([&] { return malformedReceived() >= before + 300; }));
   EXPECT_EQ(malformedReceived(), before + 300);
-  const std::string complaints = takeComplaints();
+  const std::string complaints = takeWarnings();
   EXPECT_EQ(std::ranges::count(complaints, '\n'), 0) << complaints;
 }
 

@@ -7,8 +7,8 @@
 #include "dds_gateway/dds/configuration.hpp"
 #include "dds_gateway/dds/domain.hpp"
 #include "dds_gateway/dds/endpoint.hpp"
-#include "tests/dds_gateway/peers/peer.hpp"
 #include "dds_gateway/ros/ros_type.hpp"
+#include "tests/dds_gateway/peers/peer.hpp"
 
 namespace lab::dds {
 namespace {

@@ -13,10 +13,10 @@
 
 #include "dds_gateway/dds/configuration.hpp"
 #include "dds_gateway/dds/error.hpp"
-#include "tests/dds_gateway/peers/peer.hpp"
-#include "tests/dds_gateway/peers/peer_loop.hpp"
 #include "dds_gateway/ros/ros_type.hpp"
 #include "tests/dds_gateway/peers/cdr.hpp"
+#include "tests/dds_gateway/peers/peer.hpp"
+#include "tests/dds_gateway/peers/peer_loop.hpp"
 
 namespace lab::dds {
 namespace {

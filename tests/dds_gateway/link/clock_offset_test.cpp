@@ -8,24 +8,24 @@ namespace {
 constexpr std::int64_t kStart = 1'700'000'000'000'000;
 
 /// A round trip of two ways, the other clock ahead by `offset` [us].
-void roundTrip(LinkClock& clock, std::int64_t start, std::int64_t there, std::int64_t thinks,
-               std::int64_t back, std::int64_t offset) {
+void roundTrip(ClockOffsetEstimator& clock, std::int64_t start, std::int64_t there,
+               std::int64_t thinks, std::int64_t back, std::int64_t offset) {
   clock.add(start, start + there + offset, start + there + thinks + offset,
             start + there + thinks + back);
 }
 
-TEST(LinkClock, SaysNothingBeforeEnoughRoundTrips) {
-  LinkClock clock;
-  for (std::size_t i = 0; i + 1 < LinkClock::kEnough; ++i)
+TEST(ClockOffsetEstimator, SaysNothingBeforeEnoughRoundTrips) {
+  ClockOffsetEstimator clock;
+  for (std::size_t i = 0; i + 1 < ClockOffsetEstimator::kEnough; ++i)
     roundTrip(clock, kStart, 100, 10, 100, 0);
   EXPECT_TRUE(std::isnan(clock.estimate().offset));
   roundTrip(clock, kStart, 100, 10, 100, 0);
   EXPECT_EQ(clock.estimate().offset, 0);
 }
 
-TEST(LinkClock, EqualWaysGiveTheOffsetExactly) {
+TEST(ClockOffsetEstimator, EqualWaysGiveTheOffsetExactly) {
   for (const std::int64_t offset : {-7'000'000'000L, -12345L, 0L, 1L, 5000000L}) {
-    LinkClock clock;
+    ClockOffsetEstimator clock;
     for (int i = 0; i < 8; ++i) roundTrip(clock, kStart + i, 250, 40, 250, offset);
     EXPECT_DOUBLE_EQ(clock.estimate().offset, 1e-6 * static_cast<double>(offset));
     EXPECT_DOUBLE_EQ(clock.estimate().error, 250e-6);
@@ -33,10 +33,10 @@ TEST(LinkClock, EqualWaysGiveTheOffsetExactly) {
   }
 }
 
-TEST(LinkClock, TheTrueOffsetIsWithinTheErrorWhateverTheWays) {
+TEST(ClockOffsetEstimator, TheTrueOffsetIsWithinTheErrorWhateverTheWays) {
   Random random(7);
   for (int trial = 0; trial < 2000; ++trial) {
-    LinkClock clock;
+    ClockOffsetEstimator clock;
     const auto offset = static_cast<std::int64_t>(1e5 * random.normal());
     for (int i = 0; i < 20; ++i) {
       const auto way = [&] {
@@ -50,26 +50,26 @@ TEST(LinkClock, TheTrueOffsetIsWithinTheErrorWhateverTheWays) {
   }
 }
 
-TEST(LinkClock, TheFastestCountsAndOldOnesAreForgotten) {
-  LinkClock clock;
+TEST(ClockOffsetEstimator, TheFastestCountsAndOldOnesAreForgotten) {
+  ClockOffsetEstimator clock;
   for (int i = 0; i < 8; ++i) roundTrip(clock, kStart + i * 1000, 20'000, 0, 100, 0);
   EXPECT_GT(clock.estimate().offset, 5e-3);
   roundTrip(clock, kStart + 9000, 100, 0, 100, 0);
   EXPECT_EQ(clock.estimate().offset, 0);
   EXPECT_DOUBLE_EQ(clock.estimate().error, 100e-6);
   // It drops out of the window, by number and by age.
-  for (std::size_t i = 0; i < LinkClock::kWindow; ++i)
+  for (std::size_t i = 0; i < ClockOffsetEstimator::kWindow; ++i)
     roundTrip(clock, kStart + 10'000, 500, 0, 500, 0);
   EXPECT_DOUBLE_EQ(clock.estimate().error, 500e-6);
-  for (std::size_t i = 0; i < LinkClock::kEnough; ++i) {
+  for (std::size_t i = 0; i < ClockOffsetEstimator::kEnough; ++i) {
     roundTrip(clock, kStart + 60'000'000, 900, 0, 900, 0);
     EXPECT_FALSE(std::isnan(clock.estimate().offset));
   }
   EXPECT_DOUBLE_EQ(clock.estimate().error, 900e-6);
 }
 
-TEST(LinkClock, WhatCannotHaveHappenedIsIgnored) {
-  LinkClock clock;
+TEST(ClockOffsetEstimator, WhatCannotHaveHappenedIsIgnored) {
+  ClockOffsetEstimator clock;
   constexpr std::int64_t kMost = std::numeric_limits<std::int64_t>::max();
   for (int i = 0; i < 20; ++i) {
     clock.add(kStart, kStart, kStart, kStart - 1);         // an answer before the request

@@ -158,13 +158,13 @@ TEST(LinkCore, ASenderThatIsAtHomeElsewhereClashes) {
   EXPECT_EQ(core.counts("bench").clashing, 1);
   EXPECT_EQ(core.counts("third").clashing, 1);
   // A home elsewhere is not given up; one here is, when nobody is heard there.
-  EXPECT_EQ(core.receive(LinkCore::kHomeHolds + 1, "third", 5, 1, 2, 0, channels::kRobotStatus,
+  EXPECT_EQ(core.receive(LinkCore::kHomeTimeout + 1, "third", 5, 1, 2, 0, channels::kRobotStatus,
                          status("x")),
             Verdict::kClash);
-  EXPECT_EQ(core.receive(LinkCore::kHomeHolds + 1, "bench", 5, 1, 2, 0, channels::kRobotStatus,
+  EXPECT_EQ(core.receive(LinkCore::kHomeTimeout + 1, "bench", 5, 1, 2, 0, channels::kRobotStatus,
                          status("robots")),
             Verdict::kDeliver);
-  EXPECT_FALSE(core.hear(LinkCore::kHomeHolds + 1, channels::kRobotStatus, status("robots")));
+  EXPECT_FALSE(core.hear(LinkCore::kHomeTimeout + 1, channels::kRobotStatus, status("robots")));
 }
 
 TEST(LinkCore, WhatIsHeardMoreOftenThanItWasBroughtIsAtHomeHere) {

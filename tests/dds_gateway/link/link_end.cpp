@@ -10,8 +10,8 @@
 #include <span>
 #include <thread>
 
-#include "common/loop/asio_loop.hpp"
 #include "common/bus/lcm_bus.hpp"
+#include "common/loop/asio_loop.hpp"
 #include "dds_gateway/link/bus_link.hpp"
 
 namespace {
@@ -37,7 +37,7 @@ void run(std::span<char*> arguments) {
   node.ready();
   loop.run();
   node.close();
-  for (int i = 0; link.isPassingOn() && i < 250; ++i) {
+  for (int i = 0; link.isForwarding() && i < 250; ++i) {
     loop.poll();
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }

@@ -206,7 +206,8 @@ TEST(LinkHosts, AClockThatIsTooFarOffIsRefusedAndStopsPassStill) {
     const std::string named = host == 0 ? "hostB is " : "hostA is ";
     const std::size_t at = peer.trouble.find(named);
     ASSERT_NE(at, std::string::npos) << peer.trouble;
-    EXPECT_NEAR(std::stod(peer.trouble.substr(at + named.size())), 20, 1e3 * peer.clock_error + 0.1);
+    EXPECT_NEAR(std::stod(peer.trouble.substr(at + named.size())), 20,
+                1e3 * peer.clock_error + 0.1);
   }
 }
 

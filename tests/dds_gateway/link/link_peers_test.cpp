@@ -11,15 +11,15 @@ constexpr std::int64_t kWay = 200;  // [us] each way
 
 /// Two gateways that ask each other, the clock of the second ahead by `offset` [us].
 struct Pair {
-  explicit Pair(std::int64_t clock_offset = 0, LinkEdition of_b = LinkEdition::own(),
+  explicit Pair(std::int64_t clock_offset = 0, ProtocolVersion of_b = ProtocolVersion::own(),
                 const std::string& name_b = "bench")
       : offset(clock_offset),
-        a("desk", 1, LinkEdition::own(), 0.005),
+        a("desk", 1, ProtocolVersion::own(), 0.005),
         b(name_b, 2, std::move(of_b), 0.005) {}
 
   void exchange(LinkPeers& from, LinkPeers& to, std::int64_t from_ahead, std::int64_t to_ahead) {
-    LinkSign answer;
-    LinkSign none;
+    LinkHeartbeat answer;
+    LinkHeartbeat none;
     const std::int64_t sent = now + from_ahead;
     if (!to.hear(now + kWay + to_ahead, from.ping(sent), answer)) return;
     static_cast<void>(from.hear(now + 2 * kWay + from_ahead, answer, none));
@@ -115,14 +115,14 @@ TEST(LinkPeers, ThoseOfAnotherContractAreRefusedWithBothNamed) {
   EXPECT_THAT(pair.seen().trouble,
               AllOf(HasSubstr("bench speaks message contract 3"), HasSubstr("0123456789abcdef"),
                     HasSubstr("0.0.9"), HasSubstr("desk speaks message contract"),
-                    HasSubstr(LinkEdition::own().fingerprints)));
+                    HasSubstr(ProtocolVersion::own().fingerprints)));
 }
 
 TEST(LinkPeers, WhoIsRefusedKnowsWhy) {
   Pair pair;
   pair.run(10);
-  LinkSign answer;
-  LinkSign pong = pair.b.ping(pair.now);
+  LinkHeartbeat answer;
+  LinkHeartbeat pong = pair.b.ping(pair.now);
   pong.to = 1;
   pong.there = pong.answered = pair.now;
   pong.refusal = "desk smells";
@@ -134,7 +134,7 @@ TEST(LinkPeers, WhoIsRefusedKnowsWhy) {
 }
 
 TEST(LinkPeers, TwoHostsOfOneNameAreRefused) {
-  Pair pair(0, LinkEdition::own(), "desk");
+  Pair pair(0, ProtocolVersion::own(), "desk");
   pair.run(10);
   EXPECT_EQ(pair.seen().state, PeerState::kRefused);
   EXPECT_THAT(pair.seen().trouble, HasSubstr("two hosts call themselves desk"));
@@ -143,8 +143,8 @@ TEST(LinkPeers, TwoHostsOfOneNameAreRefused) {
 TEST(LinkPeers, TwoGatewaysOfOneNameAreSaidAndTheLaterCounts) {
   Pair pair;
   pair.run(10);
-  LinkPeers second("bench", 3, LinkEdition::own(), 0.005);
-  LinkSign answer;
+  LinkPeers second("bench", 3, ProtocolVersion::own(), 0.005);
+  LinkHeartbeat answer;
   EXPECT_TRUE(pair.a.hear(pair.now, second.ping(pair.now), answer));
   EXPECT_EQ(pair.seen().gateway, 3);
   EXPECT_EQ(pair.seen().state, PeerState::kNew);
@@ -159,7 +159,7 @@ TEST(LinkPeers, TwoGatewaysOfOneNameAreSaidAndTheLaterCounts) {
 
 TEST(LinkPeers, WhoIsHeardButDoesNotAnswerIsSaid) {
   Pair pair;
-  LinkSign answer;
+  LinkHeartbeat answer;
   for (int i = 0; i < 40; ++i) {
     static_cast<void>(pair.a.hear(pair.now, pair.b.ping(pair.now), answer));
     static_cast<void>(pair.a.tick(pair.now));
@@ -170,12 +170,12 @@ TEST(LinkPeers, WhoIsHeardButDoesNotAnswerIsSaid) {
 }
 
 TEST(LinkPeers, OurOwnSignsAndThousandsOfNamesAreNotBelieved) {
-  LinkPeers peers("desk", 1, LinkEdition::own(), 0.005);
-  LinkSign answer;
+  LinkPeers peers("desk", 1, ProtocolVersion::own(), 0.005);
+  LinkHeartbeat answer;
   EXPECT_FALSE(peers.hear(kStart, peers.ping(kStart), answer));
   EXPECT_TRUE(peers.all().empty());
   for (int i = 0; i < 5000; ++i) {
-    const LinkPeers other("host" + std::to_string(i), 2, LinkEdition::own(), 0.005);
+    const LinkPeers other("host" + std::to_string(i), 2, ProtocolVersion::own(), 0.005);
     static_cast<void>(peers.hear(kStart, other.ping(kStart), answer));
   }
   EXPECT_EQ(peers.all().size(), LinkPeers::kMostPeers);

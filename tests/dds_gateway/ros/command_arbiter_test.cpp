@@ -44,7 +44,7 @@ robot_command_t labCommand(std::int8_t mode, std::vector<std::int32_t> robots) {
 
 class CommandDeskTest : public ::testing::Test {
  protected:
-  CommandDesk dut_{{1, 2, 3}, {0.27, 0.075}, kTimeout};
+  CommandArbiter dut_{{1, 2, 3}, {0.27, 0.075}, kTimeout};
   std::int64_t now_ = 1'000'000'000;
 
   void passTime(std::int64_t ms) {
@@ -160,7 +160,7 @@ TEST_F(CommandDeskTest, AProgramStaysWithoutRepetition) {
 }
 
 TEST_F(CommandDeskTest, ManyProgramsNeverMakeABurst) {
-  CommandDesk many({1, 2, 3, 4, 5, 6, 7, 8, 9}, {0.27, 0.075}, kTimeout);
+  CommandArbiter many({1, 2, 3, 4, 5, 6, 7, 8, 9}, {0.27, 0.075}, kTimeout);
   for (std::int32_t id = 1; id <= 9; ++id) many.command({id}, kAnna, tableOrder(), now_);
   std::size_t sent = 0;
   for (int i = 0; i < 5; ++i) {

@@ -3,9 +3,9 @@
 #include <gtest/gtest.h>
 
 #include "dds_gateway/dds/configuration.hpp"
-#include "tests/dds_gateway/ros/golden_messages.hpp"
 #include "tests/dds_gateway/peers/peer.hpp"
 #include "tests/dds_gateway/peers/peer_loop.hpp"
+#include "tests/dds_gateway/ros/golden_messages.hpp"
 
 namespace lab::ros {
 namespace {

@@ -10,8 +10,8 @@ namespace {
 constexpr std::int64_t kTimeout = 400'000;
 constexpr std::int64_t kNow = 1'000'000'000;
 
-TEST(LightDesk, ShowsAtOnceAndRepeatsUntilItIsGivenBack) {
-  LightDesk dut(kTimeout);
+TEST(LightArbiter, ShowsAtOnceAndRepeatsUntilItIsGivenBack) {
+  LightArbiter dut(kTimeout);
   EXPECT_FALSE(dut.due(kNow));
   EXPECT_EQ(dut.show(1, 0.5, 0, "x", kNow), Answer::kTaken);
   const auto first = dut.due(kNow);
@@ -36,8 +36,8 @@ TEST(LightDesk, ShowsAtOnceAndRepeatsUntilItIsGivenBack) {
   EXPECT_EQ(farewells, 3);
 }
 
-TEST(LightDesk, ALongOrBrokenLabelIsCutAndRepaired) {
-  LightDesk dut(kTimeout);
+TEST(LightArbiter, ALongOrBrokenLabelIsCutAndRepaired) {
+  LightArbiter dut(kTimeout);
   const std::string endless(5'000'000, 'x');
   EXPECT_EQ(dut.show(1, 0.5, 0, endless, kNow), Answer::kTaken);
   EXPECT_EQ(dut.due(kNow)->label, std::string(100, 'x'));
@@ -45,16 +45,16 @@ TEST(LightDesk, ALongOrBrokenLabelIsCutAndRepaired) {
   EXPECT_EQ(dut.due(kNow + 500'000)->label, "a\xEF\xBF\xBD");
 }
 
-TEST(LightDesk, HoldsAsLongAsAsked) {
-  LightDesk dut(kTimeout);
+TEST(LightArbiter, HoldsAsLongAsAsked) {
+  LightArbiter dut(kTimeout);
   dut.show(1, 0.5, 2, "x", kNow);
   EXPECT_EQ(dut.due(kNow)->release, 0);
   EXPECT_EQ(dut.due(kNow + 1'999'999)->release, 0);
   EXPECT_EQ(dut.due(kNow + 2'500'000)->release, 1);
 }
 
-TEST(LightDesk, RefusesWhatIsNoLight) {
-  LightDesk dut(kTimeout);
+TEST(LightArbiter, RefusesWhatIsNoLight) {
+  LightArbiter dut(kTimeout);
   EXPECT_EQ(dut.show(1, std::nan(""), 0, "", kNow), Answer::kNotFinite);
   EXPECT_EQ(dut.show(1, 1.01, 0, "", kNow), Answer::kOutOfRange);
   EXPECT_EQ(dut.show(1, -0.01, 0, "", kNow), Answer::kOutOfRange);
@@ -63,8 +63,8 @@ TEST(LightDesk, RefusesWhatIsNoLight) {
   EXPECT_FALSE(dut.due(kNow));
 }
 
-TEST(LightDesk, OnePublisherHoldsIt) {
-  LightDesk dut(kTimeout);
+TEST(LightArbiter, OnePublisherHoldsIt) {
+  LightArbiter dut(kTimeout);
   EXPECT_EQ(dut.show(1, 0.5, 0, "", kNow), Answer::kTaken);
   EXPECT_EQ(dut.show(2, 0.9, 0, "", kNow + kTimeout), Answer::kOwned);
   EXPECT_EQ(dut.release(2, kNow + kTimeout), Answer::kOwned);
@@ -72,8 +72,8 @@ TEST(LightDesk, OnePublisherHoldsIt) {
   EXPECT_EQ(dut.due(kNow + kTimeout + 1)->layers.at(0).intensity, 0.9);
 }
 
-TEST(LightDesk, TheSameLightAgainIsTheSameCommand) {
-  LightDesk dut(kTimeout);
+TEST(LightArbiter, TheSameLightAgainIsTheSameCommand) {
+  LightArbiter dut(kTimeout);
   dut.show(1, 0.5, 0, "", kNow);
   const auto seq = dut.due(kNow)->seq;
   dut.show(1, 0.5, 0, "", kNow + 100'000);

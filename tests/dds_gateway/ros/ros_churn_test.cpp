@@ -78,7 +78,7 @@ class RosChurn : public ::testing::Test {
     dut_.node().publish(channels::kTrackedFrame, frame);
   }
 
-  RosWorld dut_;
+  RosGatewayFixture dut_;
   std::deque<std::unique_ptr<Reading>> readers_;
   std::mt19937 random_{1};
   std::int64_t frame_ = 0;

@@ -20,11 +20,11 @@
 #include <thread>
 #include <vector>
 
-#include "common/loop/asio_loop.hpp"
 #include "common/bus/channels.hpp"
+#include "common/bus/lcm_bus.hpp"
 #include "common/experiment/experiment_file.hpp"
 #include "common/experiment/experiment_messages.hpp"
-#include "common/bus/lcm_bus.hpp"
+#include "common/loop/asio_loop.hpp"
 #include "common/service/node.hpp"
 #include "dds_gateway/dds/configuration.hpp"
 #include "dds_gateway/dds/domain.hpp"
@@ -145,11 +145,11 @@ class RosWriter {
 };
 
 /// The gateway, if wanted sim_svc, and a lab that orders the light table at 5 Hz.
-class RosWorld {
+class RosGatewayFixture {
  public:
   /// @param mapping text of mapping.toml, if the experiment names one
-  explicit RosWorld(const std::string& experiment = kTwoRobots, bool simulated = false,
-                    const std::string& mapping = "")
+  explicit RosGatewayFixture(const std::string& experiment = kTwoRobots, bool simulated = false,
+                             const std::string& mapping = "")
       : file_((folder_ / "experiment.toml").string()) {
     std::ofstream(file_) << experiment;
     if (!mapping.empty()) std::ofstream(folder_ / "mapping.toml") << mapping;

@@ -23,7 +23,7 @@ ros::Twist forward(double v) {
 }
 
 TEST(RosGateway, ALateJoinerGetsLightRobotsAndPosesAtOnce) {
-  RosWorld dut;
+  RosGatewayFixture dut;
   const std::int64_t utime = 1'700'000'000'000'000;
   // Each once: LCM's listeners would have to wait for the next.
   auto frame = frameOf(2, utime, 1);
@@ -65,7 +65,7 @@ TEST(RosGateway, ALateJoinerGetsLightRobotsAndPosesAtOnce) {
 }
 
 TEST(RosGateway, ShowsMotionLightAndItself) {
-  RosWorld dut;
+  RosGatewayFixture dut;
   RosReader<ros::Odometry> odometry(dut.domain(), "/lab/robot1/odom");
   RosReader<ros::TFMessage> tf(dut.domain(), "/tf");
   RosReader<ros::Illuminance> light(dut.domain(), "/lab/robot1/light");
@@ -102,7 +102,7 @@ TEST(RosGateway, ShowsMotionLightAndItself) {
 }
 
 TEST(RosGateway, CmdVelDrivesASimulatedRobotAndSilenceStopsIt) {
-  RosWorld dut(kTwoRobots, true);
+  RosGatewayFixture dut(kTwoRobots, true);
   ASSERT_TRUE(dut.spin(10, [&] { return dut.inScript(1) && dut.inScript(2); }));
   RosWriter<ros::Twist> teleop(dut.domain(), "/lab/robot1/cmd_vel", false);
   ASSERT_TRUE(dut.spinActing(
@@ -129,7 +129,7 @@ TEST(RosGateway, CmdVelDrivesASimulatedRobotAndSilenceStopsIt) {
 }
 
 TEST(RosGateway, OnePublisherHoldsARobot) {
-  RosWorld dut(kTwoRobots, true);
+  RosGatewayFixture dut(kTwoRobots, true);
   RosWriter<ros::Twist> anna(dut.domain(), "/lab/robot1/cmd_vel");
   RosWriter<ros::Twist> bert(dut.domain(), "/lab/robot1/cmd_vel");
   ASSERT_TRUE(dut.spinActing(
@@ -148,7 +148,7 @@ TEST(RosGateway, OnePublisherHoldsARobot) {
 }
 
 TEST(RosGateway, NanAndForeignTypesAreRefusedAndSaid) {
-  RosWorld dut(kTwoRobots, true);
+  RosGatewayFixture dut(kTwoRobots, true);
   RosWriter<ros::Twist> teleop(dut.domain(), "/lab/robot1/cmd_vel");
   RosWriter<ros::String> foreign(dut.domain(), "/lab/robot2/cmd_vel");
   static char text[] = "forward";
@@ -169,7 +169,7 @@ TEST(RosGateway, NanAndForeignTypesAreRefusedAndSaid) {
 }
 
 TEST(RosGateway, AFloodOnOneTopicLeavesTheOthersAlone) {
-  RosWorld dut(kTwoRobots, true);
+  RosGatewayFixture dut(kTwoRobots, true);
   RosWriter<ros::Twist> calm(dut.domain(), "/lab/robot2/cmd_vel");
   ASSERT_TRUE(dut.spinActing(
       10, 0.05, [&] { calm.write(forward(0.05)); }, [&] { return dut.driven(2, 0.05); }));
@@ -202,7 +202,7 @@ TEST(RosGateway, AFloodOnOneTopicLeavesTheOthersAlone) {
 }
 
 TEST(RosGateway, AStopOutranksEveryPublisher) {
-  RosWorld dut(kTwoRobots, true);
+  RosGatewayFixture dut(kTwoRobots, true);
   RosWriter<ros::Twist> teleop(dut.domain(), "/lab/robot1/cmd_vel");
   const auto drive = [&] { teleop.write(forward(0.1)); };
   ASSERT_TRUE(dut.spinActing(10, 0.05, drive, [&] { return dut.driven(1, 0.1); }));
@@ -225,7 +225,7 @@ TEST(RosGateway, AStopOutranksEveryPublisher) {
 }
 
 TEST(RosGateway, ProgramsAndLightFollowTheirCommands) {
-  RosWorld dut(kTwoRobots, true);
+  RosGatewayFixture dut(kTwoRobots, true);
   std::optional<light_command_t> light;
   dut.node().subscribe<light_command_t>(channels::kLightCommand,
                                         [&](const light_command_t& command) { light = command; });

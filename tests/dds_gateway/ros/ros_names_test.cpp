@@ -5,7 +5,7 @@
 namespace lab::gateway {
 namespace {
 
-TEST(Names, OfTopicsAreWhatRosTakes) {
+TEST(RosNames, OfTopicsAreWhatRosTakes) {
   for (const char* good : {"/tf", "/lab/robot1/pose", "/a/b_c", "/_x", "/A9"}) {
     EXPECT_TRUE(isTopicName(good)) << good;
   }
@@ -19,7 +19,7 @@ TEST(Names, OfTopicsAreWhatRosTakes) {
   EXPECT_FALSE(isTopicName("/" + std::string(200, 'a')));
 }
 
-TEST(Names, PartsAreMadeOfAnyText) {
+TEST(RosNames, PartsAreMadeOfAnyText) {
   EXPECT_EQ(namePart("abp"), "abp");
   EXPECT_EQ(namePart("run-and-tumble (2)"), "run_and_tumble_2_");
   EXPECT_EQ(namePart("7th"), "_7th");
@@ -30,13 +30,13 @@ TEST(Names, PartsAreMadeOfAnyText) {
   }
 }
 
-TEST(Names, OfALab) {
-  const Names dut("lab");
+TEST(RosNames, OfALab) {
+  const RosNames dut("lab");
   EXPECT_EQ(dut.topic("light_field"), "/lab/light_field");
   EXPECT_EQ(dut.topic(7, "pose"), "/lab/robot7/pose");
   EXPECT_EQ(dut.arenaFrame(), "lab/arena");
   EXPECT_EQ(dut.robotFrame(12), "lab/robot12");
-  EXPECT_EQ(Names("2nd lab").topic("poses"), "/_2nd_lab/poses");
+  EXPECT_EQ(RosNames("2nd lab").topic("poses"), "/_2nd_lab/poses");
 }
 
 }  // namespace

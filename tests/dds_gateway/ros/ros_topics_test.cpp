@@ -6,10 +6,10 @@
 #include <lab/analysis_t.hpp>
 #include <lab/clock_t.hpp>
 
+#include "tests/dds_gateway/peers/cdr.hpp"
 #include "tests/dds_gateway/peers/peer.hpp"
 #include "tests/dds_gateway/peers/peer_loop.hpp"
 #include "tests/dds_gateway/ros/ros_gateway_fixture.hpp"
-#include "tests/dds_gateway/peers/cdr.hpp"
 
 namespace lab::gateway {
 namespace {
@@ -21,7 +21,7 @@ using ::testing::Not;
 constexpr std::int64_t kThen = 1'700'000'000'000'000;  // [us]
 
 TEST(RosTopics, ClockIsTheLabsTimeWhereItHasOne) {
-  RosWorld dut;
+  RosGatewayFixture dut;
   RosReader<ros::Clock> reader(dut.domain(), "/clock");
   EXPECT_FALSE(dut.spin(1.5, [&] { return reader.matching().peers > 0; })) << "in real time none";
   std::int64_t tick = 0;
@@ -35,8 +35,8 @@ TEST(RosTopics, ClockIsTheLabsTimeWhereItHasOne) {
       },
       [&] {
         reader.take([&](const ros::Clock& message) {
-          got.push_back(std::int64_t{message.clock.sec} * 1'000'000 +
-                        message.clock.nanosec / 1000 - kThen);
+          got.push_back(std::int64_t{message.clock.sec} * 1'000'000 + message.clock.nanosec / 1000 -
+                        kThen);
         });
         return got.size() >= 5;
       }));
@@ -74,7 +74,7 @@ analysis_t analysisOf(std::int32_t robot, double d_r) {
 }
 
 TEST(RosTopics, ALateReaderGetsTheLastAnalysis) {
-  RosWorld dut;
+  RosGatewayFixture dut;
   for (const double d_r : {0.5, 0.75}) {  // the last counts
     for (const std::int32_t robot : {-1, 2}) {
       analysis_t analysis = analysisOf(robot, d_r);
@@ -108,7 +108,7 @@ TEST(RosTopics, ALateReaderGetsTheLastAnalysis) {
 }
 
 TEST(RosTopics, TheMappingDeniesRenamesAndThins) {
-  RosWorld dut(withGatewayLine("mapping = \"mapping.toml\""), false, R"(
+  RosGatewayFixture dut(withGatewayLine("mapping = \"mapping.toml\""), false, R"(
 fileversion = 1
 [[rules]]
 topic = "/lab/(robot[0-9]+)/pose"
@@ -139,18 +139,15 @@ allow = false
     dut.node().publish(channels::kTrackedFrame, frame);
   };
   publish();
-  ASSERT_TRUE(dut.spin(10, [&] {
-    return renamed.matching().peers == 1 && passing.matching().peers == 1;
-  }));
+  ASSERT_TRUE(
+      dut.spin(10, [&] { return renamed.matching().peers == 1 && passing.matching().peers == 1; }));
   dut.spin(0.2);
   take();  // the first is latched
   poses = odometry = 0;
-  dut.spinActing(
-      30, 0.01, publish,
-      [&] {
-        take();
-        return number == 151;
-      });
+  dut.spinActing(30, 0.01, publish, [&] {
+    take();
+    return number == 151;
+  });
   dut.spin(0.5, [&] {
     take();
     return false;
@@ -172,7 +169,7 @@ TEST(RosTopics, TwoRobotsOfOneNameAreSaidAndTheOthersGoOn) {
   std::string experiment = withGatewayLine("mapping = \"mapping.toml\"");
   const std::size_t second = experiment.find("[[robots]]\nid = 2");
   experiment.erase(second, experiment.find("[programs.abp]") - second);
-  RosWorld dut(experiment, false, R"(fileversion = 1
+  RosGatewayFixture dut(experiment, false, R"(fileversion = 1
 [[rules]]
 topic = "/lab/robot[0-9]+/pose"
 rename = "/pose"
@@ -200,7 +197,7 @@ rename = "/pose"
 }
 
 TEST(RosTopics, GarbageOnOneRobotsTopicLeavesTheOtherAlone) {
-  RosWorld dut(kTwoRobots, true);
+  RosGatewayFixture dut(kTwoRobots, true);
   const std::string topic = "rt/lab/robot1/cmd_vel";
   dds::Peer stranger({LAB_CYCLONE_PEER, "41", dds::kHumble});
   stranger.say("writer " + topic + " geometry_msgs::msg::dds_::Twist_ depth=1000");

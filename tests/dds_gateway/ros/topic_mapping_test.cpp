@@ -14,15 +14,15 @@ using ::testing::StartsWith;
 
 std::vector<std::string> problemsOf(const std::string& text) {
   try {
-    static_cast<void>(Mapping(text, "m.toml"));
+    static_cast<void>(TopicMapping(text, "m.toml"));
   } catch (const ExperimentError& error) {
     return error.problems();
   }
   return {};
 }
 
-TEST(Mapping, LetsEverythingPassWithoutAFile) {
-  Mapping dut;
+TEST(TopicMapping, LetsEverythingPassWithoutAFile) {
+  TopicMapping dut;
   const auto pose = dut.route("/lab/robot1/pose");
   ASSERT_TRUE(pose);
   EXPECT_EQ(pose->topic, "/lab/robot1/pose");
@@ -31,8 +31,8 @@ TEST(Mapping, LetsEverythingPassWithoutAFile) {
   EXPECT_EQ(dut.route("/hall_2/light_field")->rate, 5);
 }
 
-TEST(Mapping, TheFirstRuleOfAWholeNameDecides) {
-  Mapping dut(R"(
+TEST(TopicMapping, TheFirstRuleOfAWholeNameDecides) {
+  TopicMapping dut(R"(
 fileversion = 1
 [[rules]]
 topic = "/lab/(robot[0-9]+)/pose"
@@ -44,7 +44,7 @@ allow = false
 [[rules]]
 topic = "/lab/robot3/odom"
 )",
-                    "m.toml");
+                   "m.toml");
   EXPECT_EQ(dut.route("/lab/robot12/pose")->topic, "/fleet/robot12/pose");
   EXPECT_EQ(dut.route("/lab/robot12/pose")->rate, 10);
   EXPECT_FALSE(dut.route("/lab/robot3/odom"));
@@ -52,26 +52,26 @@ topic = "/lab/robot3/odom"
   EXPECT_TRUE(dut.route("/tf"));
 }
 
-TEST(Mapping, WhatARuleLeavesOpenStays) {
-  Mapping dut(R"(
+TEST(TopicMapping, WhatARuleLeavesOpenStays) {
+  TopicMapping dut(R"(
 fileversion = 1
 [[rules]]
 topic = "/lab/light_field"
 rename = "/map"
 )",
-                    "m.toml");
+                   "m.toml");
   EXPECT_EQ(dut.route("/lab/light_field")->topic, "/map");
   EXPECT_EQ(dut.route("/lab/light_field")->rate, 5);
 }
 
-TEST(Mapping, ARenameThatRosDoesNotTakeIsRefused) {
-  Mapping dut(R"(
+TEST(TopicMapping, ARenameThatRosDoesNotTakeIsRefused) {
+  TopicMapping dut(R"(
 fileversion = 1
 [[rules]]
 topic = "/lab/robot([0-9]+)/pose"
 rename = "/$1/pose"
 )",
-                    "m.toml");
+                   "m.toml");
   EXPECT_THROW(
       {
         try {
@@ -86,7 +86,7 @@ rename = "/$1/pose"
 
 /// What is said when these topics are asked for in turn; empty: nothing.
 std::string clashOf(const std::string& rules, const std::vector<std::string>& topics) {
-  Mapping dut("fileversion = 1\n" + rules, "m.toml");
+  TopicMapping dut("fileversion = 1\n" + rules, "m.toml");
   try {
     for (const std::string& topic : topics) static_cast<void>(dut.route(topic));
   } catch (const std::runtime_error& error) {
@@ -95,7 +95,7 @@ std::string clashOf(const std::string& rules, const std::vector<std::string>& to
   return "";
 }
 
-TEST(Mapping, TwoTopicsOfOneNameAreRefused) {
+TEST(TopicMapping, TwoTopicsOfOneNameAreRefused) {
   const std::string both =
       "[[rules]]\ntopic = \"/lab/robot[0-9]+/pose\"\nrename = \"/fleet/pose\"\n";
   EXPECT_THAT(clashOf(both, {"/lab/robot1/pose", "/tf", "/lab/robot2/pose"}),
@@ -116,7 +116,7 @@ TEST(Mapping, TwoTopicsOfOneNameAreRefused) {
             "");
 }
 
-TEST(Mapping, SaysWhatIsWrongWhere) {
+TEST(TopicMapping, SaysWhatIsWrongWhere) {
   EXPECT_THAT(problemsOf(R"(fileversion = 2
 [[rules]]
 topic = "("
@@ -141,8 +141,8 @@ rename = "x"
   EXPECT_THAT(problemsOf("fileversion = "), ElementsAre(StartsWith("m.toml:1")));
 }
 
-TEST(Mapping, AFileThatIsNotThereIsNamed) {
-  EXPECT_THROW(static_cast<void>(readMappingFile("/nowhere/m.toml")), ExperimentError);
+TEST(TopicMapping, AFileThatIsNotThereIsNamed) {
+  EXPECT_THROW(static_cast<void>(readTopicMappingFile("/nowhere/m.toml")), ExperimentError);
 }
 
 }  // namespace

@@ -18,7 +18,8 @@ std::string textOf(const fs::path& path) {
 }
 
 const Definitions& idl() {
-  static const Definitions all = fromIdl(textOf(fs::path(LAB_ROOT) / "dds_gateway/ros/messages.idl"));
+  static const Definitions all =
+      fromIdl(textOf(fs::path(LAB_ROOT) / "dds_gateway/ros/messages.idl"));
   return all;
 }
 
@@ -110,7 +111,7 @@ TEST(RosProfiles, AreThoseOfRos2) {
   for (const dds::Qos& qos :
        {defaultQos(type), latchedQos(type, 3), sensorQos(type), tfQos(type)}) {
     EXPECT_EQ(qos.user_data, userData(type));
-    EXPECT_LE(qos.most_blocking, 0.01);
+    EXPECT_LE(qos.max_blocking_time, 0.01);
   }
   EXPECT_TRUE(defaultQos(type).reliable);
   EXPECT_FALSE(defaultQos(type).latched);

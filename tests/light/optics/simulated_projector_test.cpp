@@ -20,8 +20,8 @@ double width(const ProjectorModel& model, double row) {
 
 TEST(SimulatedProjector, WithoutFaultsTheArenaFillsThePicture) {
   EXPECT_TRUE(projector({}).isNominal());
-  const Bending bending(projector({}), projector({}));
-  EXPECT_TRUE(bending.isStraight());
+  const ProjectorWarp warp(projector({}), projector({}));
+  EXPECT_TRUE(warp.isIdentity());
 }
 
 TEST(SimulatedProjector, AlmostWithoutFaultsItIsNearlyThat) {
@@ -53,13 +53,15 @@ TEST(SimulatedProjector, BarrelPullsTheCornersIn) {
 TEST(SimulatedProjector, CoversTheArenaAndTouchesItsBorder) {
   for (const ProjectorFaults& faults :
        {ProjectorFaults{0.15, 0.08, 0, 0}, {-0.3, 0, 0, 0}, {0, -0.1, 0, 0}, {0.1, 0.15, 0, 0}}) {
-    const Bending bending(projector({}), projector(faults));
+    const ProjectorWarp warp(projector({}), projector(faults));
     double least = 1e9;
     for (int i = 0; i <= 120; ++i) {
       const double along = i / 120.0;
-      for (const Place& place : {Place{along * kWidth, 0}, {along * kWidth, kHeight},
-                                 {0, along * kHeight}, {kWidth, along * kHeight}}) {
-        least = std::min(least, bending.insideBy(place));
+      for (const Place& place : {Place{along * kWidth, 0},
+                                 {along * kWidth, kHeight},
+                                 {0, along * kHeight},
+                                 {kWidth, along * kHeight}}) {
+        least = std::min(least, warp.marginInside(place));
       }
     }
     EXPECT_NEAR(least, 0, 0.05);
@@ -75,14 +77,14 @@ TEST(SimulatedProjector, OffsetShiftsThePicture) {
   EXPECT_NEAR(before.y, after.y, 1e-9);
 }
 
-TEST(Bending, CalibratedLightIsWhereItIsWanted) {
+TEST(ProjectorWarp, CalibratedLightIsWhereItIsWanted) {
   const ProjectorModel real = projector({0.15, 0.08, 0.02, 0});
-  const Bending bending(real, real);
-  const auto source = bending.source({0.7, 0.2});
+  const ProjectorWarp warp(real, real);
+  const auto source = warp.source({0.7, 0.2});
   ASSERT_TRUE(source);
   EXPECT_NEAR(source->x, 0.7, 1e-9);
   EXPECT_NEAR(source->y, 0.2, 1e-9);
-  EXPECT_FALSE(bending.source({0.001, 0.899}));  // shifted out of the picture
+  EXPECT_FALSE(warp.source({0.001, 0.899}));  // shifted out of the picture
 }
 
 }  // namespace

@@ -77,8 +77,8 @@ TEST(LightFit, PredictsWhatASensorReadsAnywhere) {
       for (const double value : {0.0, 0.1, 0.5, 0.9}) {
         const double reading =
             gains.at({2, true}) * (truth.ambient + truth.scale * tone.light(value, {x, y}));
-        worst = std::max(worst, std::abs(fit.reading({2, true}, {x, y}, value, kWidth, kHeight) -
-                                         reading));
+        worst = std::max(
+            worst, std::abs(fit.reading({2, true}, {x, y}, value, kWidth, kHeight) - reading));
       }
     }
   }
@@ -131,7 +131,7 @@ TEST(ProjectorTone, GivesTheWantedLightWhereverThereIsEnough) {
                   1e-12);
     }
   }
-  EXPECT_TRUE(optics::ProjectorTone().isPlain());
+  EXPECT_TRUE(optics::ProjectorTone().isIdentity());
   EXPECT_EQ(optics::ProjectorTone().value(0.3, {0.1, 0.1}), 0.3);
 }
 

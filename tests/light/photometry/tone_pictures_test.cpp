@@ -20,17 +20,17 @@ const std::array<double, 5> kVignetting{0.05, 0, -0.12, 0, -0.10};
 
 /// Places 10 cm apart, lit through kVignetting and seen through a camera that is darker in its
 /// corners by another law, with noise of each mean [DN].
-std::vector<ToneSight> sightsOf(double gamma, double noise, unsigned seed) {
+std::vector<ToneObservation> sightsOf(double gamma, double noise, unsigned seed) {
   std::mt19937_64 engine(seed);
   std::normal_distribution<double> normal;  // which has no width of 0
   const optics::ProjectorTone tone(gamma, kVignetting, kWidth, kHeight);
-  std::vector<ToneSight> sights;
+  std::vector<ToneObservation> sights;
   for (double x = 0.05; x < kWidth; x += 0.1) {
     for (double y = 0.05; y < kHeight; y += 0.1) {
       const double a = 2 * x / kWidth - 1;
       const double b = 2 * y / kHeight - 1;
       const double camera = 180 * std::exp(-0.08 * (a * a + b * b) + 0.03 * a);
-      ToneSight sight{{x, y}, {}, false};
+      ToneObservation sight{{x, y}, {}, false};
       for (const double value : kValues) {
         sight.grey.push_back(12 + camera * tone.light(value, {x, y}) + noise * normal(engine));
       }
@@ -40,7 +40,7 @@ std::vector<ToneSight> sightsOf(double gamma, double noise, unsigned seed) {
   return sights;
 }
 
-ToneFromPictures fitted(const std::vector<ToneSight>& sights, double gamma) {
+ToneFromPictures fitted(const std::vector<ToneObservation>& sights, double gamma) {
   return fitTone(kValues, sights, {gamma, kVignetting, kWidth, kHeight}, kWidth, kHeight);
 }
 
@@ -68,8 +68,8 @@ TEST(TonePictures, StateTheErrorOfGamma) {
 }
 
 TEST(TonePictures, SeeAShadowWhereItIs) {
-  std::vector<ToneSight> sights = sightsOf(2.2, 0.05, 3);
-  ToneSight& dark = sights[40];
+  std::vector<ToneObservation> sights = sightsOf(2.2, 0.05, 3);
+  ToneObservation& dark = sights[40];
   for (double& grey : dark.grey) grey = 12 + 0.8 * (grey - 12);
   const ToneFromPictures fit = fitted(sights, 2.2);
   EXPECT_DOUBLE_EQ(fit.worst_place.x, dark.place.x);
@@ -78,10 +78,10 @@ TEST(TonePictures, SeeAShadowWhereItIs) {
 }
 
 TEST(TonePictures, SayWhyTheySayNothing) {
-  std::vector<ToneSight> sights = sightsOf(2.2, 0, 1);
-  for (ToneSight& sight : sights) sight.saturated = true;
+  std::vector<ToneObservation> sights = sightsOf(2.2, 0, 1);
+  for (ToneObservation& sight : sights) sight.saturated = true;
   EXPECT_THAT(fitted(sights, 2.2).refusal, HasSubstr("108 are saturated"));
-  for (ToneSight& sight : sights) {
+  for (ToneObservation& sight : sights) {
     sight.saturated = false;
     sight.grey.assign(kValues.size(), 20);
   }
@@ -99,7 +99,7 @@ TEST(TonePictures, AverageTheFloorOfAPicture) {
   for (auto& pixel : picture.pixels) pixel = 255;
   const auto sights = pictures.sights();
   ASSERT_GE(sights.size(), 100U);
-  for (const ToneSight& sight : sights) {
+  for (const ToneObservation& sight : sights) {
     EXPECT_DOUBLE_EQ(sight.grey[0], 40);
     EXPECT_DOUBLE_EQ(sight.grey[1], 50);
     EXPECT_FALSE(sight.saturated);

@@ -31,16 +31,15 @@ bool isLit(const Pixel& pixel) {
 }
 
 /// Sights every 2 cm with a noise of `sigma` [px] that the fit is told `told` about.
-std::vector<ProjectorSight> sightsOf(const ProjectorModel& real, double sigma, Random& random,
-                                     double told = 0.05) {
-  std::vector<ProjectorSight> sights;
+std::vector<ProjectorObservation> sightsOf(const ProjectorModel& real, double sigma, Random& random,
+                                           double told = 0.05) {
+  std::vector<ProjectorObservation> sights;
   for (double y = 0.01; y < kHeight; y += 0.02) {
     for (double x = 0.01; x < kWidth; x += 0.02) {
       const Pixel pixel = real.pixelOf({x, y});
       if (!isLit(pixel)) continue;
-      sights.push_back({{x, y},
-                        {pixel.x + sigma * random.normal(), pixel.y + sigma * random.normal()},
-                        told});
+      sights.push_back(
+          {{x, y}, {pixel.x + sigma * random.normal(), pixel.y + sigma * random.normal()}, told});
     }
   }
   return sights;
@@ -64,13 +63,17 @@ double trueError(const optics::CameraParameters& lens, const ProjectorModel& rea
 }
 
 TEST(ProjectorFit, ClaimsWhatIsTrueForManyLenses) {
-  // Of one fit the error is a draw of some ten numbers; of many, its mean square is what was claimed.
+  // Of one fit the error is a draw of some ten numbers; of many, its mean square is what was
+  // claimed.
   double claimed = 0;
   double found = 0;
   int fits = 0;
-  for (const optics::ProjectorFaults& faults :
-       {optics::ProjectorFaults{}, {0.15, 0.08, 0, 0}, {-0.2, 0, 0, 0}, {0, -0.06, 0, 0},
-        {0.05, 0.12, 0.002, -0.003}, {0.3, 0.02, 0, 0}}) {
+  for (const optics::ProjectorFaults& faults : {optics::ProjectorFaults{},
+                                                {0.15, 0.08, 0, 0},
+                                                {-0.2, 0, 0, 0},
+                                                {0, -0.06, 0, 0},
+                                                {0.05, 0.12, 0.002, -0.003},
+                                                {0.3, 0.02, 0, 0}}) {
     const ProjectorModel real = projector(faults);
     for (std::uint64_t seed = 1; seed <= 4; ++seed) {
       Random random(100 * seed + static_cast<std::uint64_t>(fits));
@@ -100,9 +103,9 @@ TEST(ProjectorFit, ErrorOfTheCameraIsPartOfTheClaim) {
   // A camera that stretches by 0.05 % along x: places are measured so much off.
   Random random(1);
   const ProjectorModel real = projector({0.15, 0.08, 0, 0});
-  std::vector<ProjectorSight> sights = sightsOf(real, 0.1, random);
+  std::vector<ProjectorObservation> sights = sightsOf(real, 0.1, random);
   double camera = 0;
-  for (ProjectorSight& sight : sights) {
+  for (ProjectorObservation& sight : sights) {
     const double off = 5e-4 * (sight.place.x - kWidth / 2);
     camera += off * off;
     sight.place.x += off;
@@ -117,11 +120,11 @@ TEST(ProjectorFit, WhatNoLensDoesIsClaimedAsMisfit) {
   // A board that waves by some 0.2 mm across.
   Random random(1);
   const ProjectorModel real = projector({0.1, 0.05, 0, 0});
-  std::vector<ProjectorSight> sights;
+  std::vector<ProjectorObservation> sights;
   const auto waved = [](const Place& place) {
     return Place{place.x + 2e-4 * std::sin(20 * place.y), place.y + 2e-4 * std::cos(18 * place.x)};
   };
-  for (const ProjectorSight& sight : sightsOf(real, 0.1, random)) {
+  for (const ProjectorObservation& sight : sightsOf(real, 0.1, random)) {
     sights.push_back({waved(sight.place), sight.pixel, sight.sigma});
   }
   const ProjectorFit fit = fitProjector(sights, kPlane);
@@ -144,7 +147,7 @@ TEST(ProjectorFit, WhatNoLensDoesIsClaimedAsMisfit) {
 TEST(ProjectorFit, ShadowsAndGlareAreLeftOut) {
   Random random(3);
   const ProjectorModel real = projector({0.15, 0.08, 0, 0});
-  std::vector<ProjectorSight> sights = sightsOf(real, 0.1, random);
+  std::vector<ProjectorObservation> sights = sightsOf(real, 0.1, random);
   int strangers = 0;
   for (std::size_t i = 0; i < sights.size(); i += 9) {
     sights[i].pixel.x += 30 + 100 * random.uniform();
@@ -161,8 +164,8 @@ TEST(ProjectorFit, PictureSeenInAMirrorOrUpsideDown) {
   Random random(4);
   const ProjectorModel real = projector({0.15, 0.08, 0, 0});
   for (const bool mirrored : {false, true}) {
-    std::vector<ProjectorSight> sights = sightsOf(real, 0.1, random);
-    for (ProjectorSight& sight : sights) {
+    std::vector<ProjectorObservation> sights = sightsOf(real, 0.1, random);
+    for (ProjectorObservation& sight : sights) {
       if (!mirrored) sight.pixel.x = kPlane.columns - 1 - sight.pixel.x;
       sight.pixel.y = kPlane.rows - 1 - sight.pixel.y;
     }
@@ -175,13 +178,13 @@ TEST(ProjectorFit, PictureSeenInAMirrorOrUpsideDown) {
 TEST(ProjectorFit, RefusalsSayWhy) {
   Random random(5);
   const ProjectorModel real = projector({0.15, 0.08, 0, 0});
-  std::vector<ProjectorSight> sights = sightsOf(real, 0.1, random);
+  std::vector<ProjectorObservation> sights = sightsOf(real, 0.1, random);
   EXPECT_THAT(fitProjector({sights.begin(), sights.begin() + 50}, kPlane).refusal,
               HasSubstr("seen in 50 places, needed 200"));
   EXPECT_THAT(fitProjector({}, kPlane).refusal, HasSubstr("seen in 0 places"));
   // Only the left half.
-  std::vector<ProjectorSight> half;
-  for (const ProjectorSight& sight : sights) {
+  std::vector<ProjectorObservation> half;
+  for (const ProjectorObservation& sight : sights) {
     if (sight.place.x < kWidth / 2) half.push_back(sight);
   }
   EXPECT_THAT(fitProjector(half, kPlane).refusal, HasSubstr("on 50 % of the arena"));
@@ -189,7 +192,7 @@ TEST(ProjectorFit, RefusalsSayWhy) {
   EXPECT_THAT(fitProjector(sightsOf(projector({0, 0, 0.04, 0}), 0.1, random), kPlane).refusal,
               HasSubstr("corner (0, 0) cm and (0, 90) cm: move"));
   // A board that nobody keeps flat.
-  for (ProjectorSight& sight : sights) {
+  for (ProjectorObservation& sight : sights) {
     sight.place.x += 3e-3 * std::sin(25 * sight.place.x) * std::cos(20 * sight.place.y);
   }
   EXPECT_THAT(fitProjector(sights, kPlane).refusal, HasSubstr("mm (rms), allowed 1.00 mm"));

@@ -20,7 +20,7 @@ constexpr int kRows = 240;
 
 struct Scene {
   double gamma = 1;
-  double surface = optics::kSensorHeight;             ///< [m]
+  double surface = optics::kSensorHeight;              ///< [m]
   std::array<double, 3> projector = {0.6, 1.18, 2.1};  ///< [m]
   bool projector_known = false;
   optics::ProjectorModel real{kWidth, kHeight, 1920, 1080};
@@ -42,7 +42,7 @@ PatternReader read(const Scene& scene) {
   const auto patterns = projectorPatterns(kWidth, kHeight);
   PatternReader reader(view, patterns);
   const optics::CameraModel camera(view.camera);
-  const optics::Bending bending(view.believed, scene.real);
+  const optics::ProjectorWarp warp(view.believed, scene.real);
   optics::GreyImage picture(kColumns, kRows);
   for (std::size_t i = 0; i < patterns.size(); ++i) {
     const light::CompiledLayers layers({patterns[i].layer});
@@ -50,14 +50,14 @@ PatternReader read(const Scene& scene) {
       for (int u = 0; u < kColumns; ++u) {
         const auto seen =
             camera.toPlane({static_cast<double>(u), static_cast<double>(v)}, scene.surface);
-        const double scale = (scene.projector[2] - optics::kSensorHeight) /
-                             (scene.projector[2] - scene.surface);
+        const double scale =
+            (scene.projector[2] - optics::kSensorHeight) / (scene.projector[2] - scene.surface);
         const optics::Place place{scene.projector[0] + scale * (seen->x - scene.projector[0]),
                                   scene.projector[1] + scale * (seen->y - scene.projector[1])};
-        const auto source = bending.source(place);
+        const auto source = warp.source(place);
         const double light = source ? layers.evaluate(source->x, source->y) : 0;
-        picture.row(v)[u] =
-            static_cast<std::uint8_t>(std::lround(10 + scene.bright * std::pow(light, scene.gamma)));
+        picture.row(v)[u] = static_cast<std::uint8_t>(
+            std::lround(10 + scene.bright * std::pow(light, scene.gamma)));
       }
     }
     reader.take(i, picture.view());
@@ -68,7 +68,7 @@ PatternReader read(const Scene& scene) {
 /// [px] of the projector: largest error of any sight.
 double worst(const PatternReader& reader, const optics::ProjectorModel& real) {
   double most = 0;
-  for (const ProjectorSight& sight : reader.sights()) {
+  for (const ProjectorObservation& sight : reader.sights()) {
     const optics::Pixel pixel = real.pixelOf(sight.place);
     most = std::max(most, std::hypot(pixel.x - sight.pixel.x, pixel.y - sight.pixel.y));
   }
@@ -92,7 +92,8 @@ TEST(ProjectorPatterns, AreReadToASmallPartOfAPixel) {
     scene.real = real;
     const PatternReader reader = read(scene);
     EXPECT_GT(reader.sights().size(), 100U);
-    // Rounding to whole grey steps makes 0.03 px in the middle of a square; the rest is room for it.
+    // Rounding to whole grey steps makes 0.03 px in the middle of a square; the rest is room for
+    // it.
     EXPECT_LT(worst(reader, real), 0.15);
   }
 }

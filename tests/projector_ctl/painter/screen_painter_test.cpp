@@ -35,11 +35,26 @@ Field fieldAt(double time) {
   field.layers = {
       Layer{.intensity = 0.3},
       Layer{.kind = LayerKind::kHalfPlane, .x = 0.7, .y = 0.4, .angle = 0.4, .intensity = 0.8},
-      Layer{.kind = LayerKind::kStripes, .blend = Blend::kMultiply, .x = 0.2, .y = 0.2,
-            .angle = 0.1, .size = 0.3, .inner = 0.4, .intensity = 1, .intensity2 = 0.7},
-      Layer{.kind = LayerKind::kRing, .x = 0.5, .y = 0.5, .size = 0.2, .inner = 0.15,
-            .softness = 0.01, .intensity = 1},
-      Layer{.kind = LayerKind::kDisk, .x = 0.2 + 0.3 * time, .y = 0.3 + 0.2 * time, .size = 0.06,
+      Layer{.kind = LayerKind::kStripes,
+            .blend = Blend::kMultiply,
+            .x = 0.2,
+            .y = 0.2,
+            .angle = 0.1,
+            .size = 0.3,
+            .inner = 0.4,
+            .intensity = 1,
+            .intensity2 = 0.7},
+      Layer{.kind = LayerKind::kRing,
+            .x = 0.5,
+            .y = 0.5,
+            .size = 0.2,
+            .inner = 0.15,
+            .softness = 0.01,
+            .intensity = 1},
+      Layer{.kind = LayerKind::kDisk,
+            .x = 0.2 + 0.3 * time,
+            .y = 0.3 + 0.2 * time,
+            .size = 0.06,
             .intensity = 1}};
   return field;
 }
@@ -118,7 +133,8 @@ TEST(ScreenPainter, AToneMaySetEachPixelByItself) {
     void apply(const double* intensity, int x, int y, std::size_t count,
                std::uint8_t* out) const override {
       for (std::size_t i = 0; i < count; ++i) {
-        out[i] = static_cast<std::uint8_t>(100 * intensity[i] + (x + static_cast<int>(i) + y) % 100);
+        out[i] =
+            static_cast<std::uint8_t>(100 * intensity[i] + (x + static_cast<int>(i) + y) % 100);
       }
     }
   };

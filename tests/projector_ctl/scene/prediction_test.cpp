@@ -25,7 +25,7 @@ RobotPose truth(double speed, double turn, double time) {
           speed / turn * (std::cos(0.3) - std::cos(theta)), theta};
 }
 
-SeenRobot seen(const RobotPose& pose, double noise = 0, double turn_noise = 0) {
+ObservedRobot seen(const RobotPose& pose, double noise = 0, double turn_noise = 0) {
   return {1, pose.x, pose.y, pose.theta, noise * noise, turn_noise * turn_noise, 1};
 }
 
@@ -115,7 +115,7 @@ TEST(Prediction, BeginsAnewAfterAGap) {
 }
 
 TEST(Prediction, LeavesOutPosesThatNobodyIsSureOf) {
-  Robots dut;
+  RobotTracks dut;
   const double nan = std::numeric_limits<double>::quiet_NaN();
   dut.take({1,
             1,
@@ -131,7 +131,7 @@ TEST(Prediction, LeavesOutPosesThatNobodyIsSureOf) {
 }
 
 TEST(Prediction, AReportOfAProgramIsBelievedForAWhile) {
-  Robots dut;
+  RobotTracks dut;
   dut.report(1, "abp", at(0));
   EXPECT_TRUE(dut.runs(1, "abp", at(0.5), 0.5));
   EXPECT_FALSE(dut.runs(1, "abp", at(0.6), 0.5));

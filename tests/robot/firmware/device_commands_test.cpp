@@ -295,16 +295,15 @@ TEST_P(Params, AreReadAndWrittenWithinTheirRange) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    All, Params,
-    testing::Values(ParamRange{wire::kUid, INT32_MIN, INT32_MAX, 0},
-                    ParamRange{wire::kGainLeft, 500000, 1500000, 1000000},
-                    ParamRange{wire::kGainRight, 500000, 1500000, 1000000},
-                    ParamRange{wire::kDeadBandLeft, 0, 127, 0},
-                    ParamRange{wire::kDeadBandRight, 0, 127, 0},
-                    ParamRange{wire::kWheelBase, 10000, 500000, 75000},
-                    ParamRange{wire::kTelemetryPeriod, 10, 60000, 50},
-                    ParamRange{wire::kStepLog, 0, 1, 1}));
+INSTANTIATE_TEST_SUITE_P(All, Params,
+                         testing::Values(ParamRange{wire::kUid, INT32_MIN, INT32_MAX, 0},
+                                         ParamRange{wire::kGainLeft, 500000, 1500000, 1000000},
+                                         ParamRange{wire::kGainRight, 500000, 1500000, 1000000},
+                                         ParamRange{wire::kDeadBandLeft, 0, 127, 0},
+                                         ParamRange{wire::kDeadBandRight, 0, 127, 0},
+                                         ParamRange{wire::kWheelBase, 10000, 500000, 75000},
+                                         ParamRange{wire::kTelemetryPeriod, 10, 60000, 50},
+                                         ParamRange{wire::kStepLog, 0, 1, 1}));
 
 TEST(Param, ThatDoesNotExistIsRefused) {
   RobotOnBench robot;

@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/support/robot_on_bench.hpp"
 #include "robot/wire/crc16.hpp"
+#include "tests/support/robot_on_bench.hpp"
 
 namespace lab::firmware {
 namespace {

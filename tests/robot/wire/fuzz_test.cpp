@@ -7,8 +7,8 @@
 #include <memory>
 #include <vector>
 
-#include "tests/robot/wire/tally.hpp"
 #include "robot/wire/config.hpp"
+#include "tests/robot/wire/tally.hpp"
 
 namespace lab::wire {
 namespace {

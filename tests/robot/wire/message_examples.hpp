@@ -5,8 +5,8 @@
 #include <sstream>
 #include <string>
 
-#include "tests/robot/wire/frames.hpp"
 #include "robot/wire/schema.hpp"
+#include "tests/robot/wire/frames.hpp"
 
 namespace lab::wire {
 

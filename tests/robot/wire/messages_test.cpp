@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "tests/robot/wire/message_examples.hpp"
 #include "robot/wire/schema.hpp"
+#include "tests/robot/wire/message_examples.hpp"
 
 namespace lab::wire {
 namespace {
@@ -141,7 +141,8 @@ TEST(Messages, AreAllKnownToForEachMessage) {
   }
   int visited = 0;
   forEachMessage([&](const char*, const auto&) { ++visited; });
-  EXPECT_EQ(visited, declared) << "a message of robot/wire/messages.hpp is missing in robot/wire/schema.hpp";
+  EXPECT_EQ(visited, declared)
+      << "a message of robot/wire/messages.hpp is missing in robot/wire/schema.hpp";
 }
 
 TEST(Messages, AreRefusedWithAnotherLengthOrType) {

@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "tests/robot/wire/message_examples.hpp"
 #include "robot/wire/config.hpp"
+#include "tests/robot/wire/message_examples.hpp"
 
 namespace lab::wire {
 namespace {

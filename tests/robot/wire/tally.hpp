@@ -8,8 +8,8 @@
 #include <iostream>
 #include <string>
 
-#include "tests/robot/wire/frames.hpp"
 #include "robot/wire/schema.hpp"
+#include "tests/robot/wire/frames.hpp"
 
 namespace lab::wire {
 

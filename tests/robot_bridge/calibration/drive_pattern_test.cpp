@@ -70,13 +70,13 @@ TEST(Pattern, TheCheckDrivesSpeedsThatTheFitHasNotSeen) {
 }
 
 TEST(RoomyHeading, KeepsTheHeadingWhereThereIsRoom) {
-  const auto heading = roomyHeading(checkPattern(kMax), {0.6, 0.45, 1.2}, emptyArena());
+  const auto heading = clearHeading(checkPattern(kMax), {0.6, 0.45, 1.2}, emptyArena());
   ASSERT_TRUE(heading);
   EXPECT_NEAR(*heading, 1.2, 1e-12);
 }
 
 TEST(RoomyHeading, TurnsAwayFromAWall) {
-  const auto heading = roomyHeading(checkPattern(kMax), {1.12, 0.45, 0}, emptyArena());
+  const auto heading = clearHeading(checkPattern(kMax), {1.12, 0.45, 0}, emptyArena());
   ASSERT_TRUE(heading);
   EXPECT_GT(std::fabs(*heading), 1);
 }
@@ -87,43 +87,43 @@ TEST(RoomyHeading, FindsTheOneFreeWayAmongRobots) {
     const double angle = degree * M_PI / 180;
     around.others.push_back({0.6 + 0.18 * std::cos(angle), 0.45 + 0.18 * std::sin(angle), 0});
   }
-  const auto heading = roomyHeading(checkPattern(kMax), {0.6, 0.45, M_PI}, around);
+  const auto heading = clearHeading(checkPattern(kMax), {0.6, 0.45, M_PI}, around);
   ASSERT_TRUE(heading);
   EXPECT_LT(std::fabs(*heading - 20 * M_PI / 180), 0.9);
 }
 
 TEST(RoomyHeading, IsNotTheEdgeOfTheRoom) {
   const Place robot{1.12, 0.45, 0};
-  const double heading = roomyHeading(checkPattern(kMax), robot, emptyArena()).value();
+  const double heading = clearHeading(checkPattern(kMax), robot, emptyArena()).value();
   for (const double off : {-0.08, 0.08}) {
     const double nearby = heading + off;
-    const auto again = roomyHeading(checkPattern(kMax), {robot.x, robot.y, nearby}, emptyArena());
+    const auto again = clearHeading(checkPattern(kMax), {robot.x, robot.y, nearby}, emptyArena());
     EXPECT_NEAR(again.value(), nearby, 1e-9);
   }
 }
 
-TEST(WayOut, LeadsAwayFromAWallThatIsTooNear) {
+TEST(EscapePath, LeadsAwayFromAWallThatIsTooNear) {
   const Place at_the_wall{0.41, 0.86, 2.0};
-  EXPECT_FALSE(roomyHeading(checkPattern(kMax), at_the_wall, emptyArena()));
-  const auto way = wayOut(checkPattern(kMax), at_the_wall, emptyArena());
+  EXPECT_FALSE(clearHeading(checkPattern(kMax), at_the_wall, emptyArena()));
+  const auto way = escapePath(checkPattern(kMax), at_the_wall, emptyArena());
   ASSERT_TRUE(way);
   EXPECT_LT(std::sin(way->heading), -0.25);
   EXPECT_LE(way->distance, 0.08);
   const Place there{at_the_wall.x + way->distance * std::cos(way->heading),
                     at_the_wall.y + way->distance * std::sin(way->heading), way->heading};
-  EXPECT_TRUE(roomyHeading(checkPattern(kMax), there, emptyArena()));
+  EXPECT_TRUE(clearHeading(checkPattern(kMax), there, emptyArena()));
 }
 
-TEST(WayOut, IsNoneForARobotThatIsShutIn) {
+TEST(EscapePath, IsNoneForARobotThatIsShutIn) {
   Surroundings around = emptyArena();
   around.others = {{0.05 + 0.08, 0.05, 0}, {0.05, 0.05 + 0.08, 0}, {0.14, 0.14, 0}};
-  EXPECT_FALSE(wayOut(checkPattern(kMax), {0.05, 0.05, 0}, around));
+  EXPECT_FALSE(escapePath(checkPattern(kMax), {0.05, 0.05, 0}, around));
 }
 
 TEST(RoomyHeading, SaysWhenThereIsNone) {
   Surroundings around = emptyArena();
   around.others = {{0.69, 0.45, 0}, {0.51, 0.45, 0}, {0.6, 0.54, 0}, {0.6, 0.36, 0}};
-  EXPECT_FALSE(roomyHeading(calibrationPattern({}, kMax), {0.6, 0.45, 0}, around));
+  EXPECT_FALSE(clearHeading(calibrationPattern({}, kMax), {0.6, 0.45, 0}, around));
 }
 
 }  // namespace

@@ -37,8 +37,7 @@ TEST(MotorFit, FindsHiddenMotorsWithHonestErrors) {
     const Motors truth{{1 + 0.05 * random.normal(), 0.1 * random.uniform()},
                        {1 + 0.05 * random.normal(), 0.1 * random.uniform()},
                        0.075 * (1 + 0.02 * random.normal())};
-    const MotorFit fit =
-        fitMotors(driven(truth, static_cast<std::uint64_t>(seed)), {}, kMax);
+    const MotorFit fit = fitMotors(driven(truth, static_cast<std::uint64_t>(seed)), {}, kMax);
     ASSERT_EQ(fit.refusal, "") << seed;
     EXPECT_EQ(fit.segments.used, fit.segments.driven);
     for (const double pull : pulls(fit, truth)) {
@@ -129,7 +128,8 @@ TEST(MotorFit, RefusesARobotThatBumpsIntoThingsAllTheTime) {
   auto segments = driven(kHidden, 7);
   for (std::size_t i = 0; i < segments.size(); i += 3) {
     auto& track = segments[i].track;
-    for (std::size_t k = track.size() / 2; k < track.size(); ++k) track[k] = track[track.size() / 2];
+    for (std::size_t k = track.size() / 2; k < track.size(); ++k)
+      track[k] = track[track.size() / 2];
   }
   for (Segment& segment : segments) {
     for (std::size_t k = 0; k < segment.track.size(); ++k) {

@@ -5,11 +5,11 @@
 #include <numbers>
 #include <vector>
 
-#include "robot_bridge/calibration/motor_fit.hpp"
-#include "robot_bridge/calibration/drive_pattern.hpp"
-#include "robot_bridge/calibration/speed_check.hpp"
 #include "common/math/random.hpp"
 #include "robot/dynamics/kinematics.hpp"
+#include "robot_bridge/calibration/drive_pattern.hpp"
+#include "robot_bridge/calibration/motor_fit.hpp"
+#include "robot_bridge/calibration/speed_check.hpp"
 
 namespace lab::calibration {
 
@@ -38,8 +38,7 @@ class SyntheticRobot {
     const double left = wheelSpeed(motors_.left, segment.duty_left, kMax);
     const double right = wheelSpeed(motors_.right, segment.duty_right, kMax);
     const dynamics::Arc settle = dynamics::makeArc(left, right, motors_.wheel_base, kSettleTime);
-    const dynamics::Arc frame =
-        dynamics::makeArc(left, right, motors_.wheel_base, 1 / camera_.fps);
+    const dynamics::Arc frame = dynamics::makeArc(left, right, motors_.wheel_base, 1 / camera_.fps);
     pose_ = dynamics::apply(settle, pose_);
     for (int i = 0; i < segment.frames; ++i) {
       pose_ = dynamics::apply(frame, pose_);

@@ -4,8 +4,8 @@
 
 #include <deque>
 
-#include "common/serial/memory_serial.hpp"
 #include "common/loop/virtual_loop.hpp"
+#include "common/serial/memory_serial.hpp"
 #include "robot_bridge/lines/line_survey.hpp"
 #include "robot_bridge/lines/uid_writer.hpp"
 #include "tests/support/wire_robot.hpp"

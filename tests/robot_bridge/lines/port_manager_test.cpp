@@ -6,10 +6,10 @@
 
 #include <deque>
 
-#include "common/serial/memory_serial.hpp"
 #include "common/loop/virtual_loop.hpp"
-#include "tests/support/wire_robot.hpp"
+#include "common/serial/memory_serial.hpp"
 #include "robot/wire/crc16.hpp"
+#include "tests/support/wire_robot.hpp"
 
 namespace lab::bridge {
 namespace {
@@ -92,11 +92,11 @@ class PortKeeperTest : public testing::Test {
   RobotLink second{link(2)};
   std::vector<std::string> notes;
   bool keeper_runs = true;
-  PortKeeper dut{loop,
-                 ports,
-                 {true, "", 38400},
-                 {{kUid, &first}, {kUid + 1, &second}},
-                 [this](const std::string& text) { notes.push_back(text); }};
+  PortManager dut{loop,
+                  ports,
+                  {true, "", 38400},
+                  {{kUid, &first}, {kUid + 1, &second}},
+                  [this](const std::string& text) { notes.push_back(text); }};
 };
 
 TEST_F(PortKeeperTest, FindsRobotsByTheirUidNotByTheirLine) {

@@ -30,8 +30,8 @@ class ReplugTest : public testing::Test {
       options.uid = uidOf(id);
       robots.emplace_back(loop, ports, options);
     }
-    dut = std::make_unique<PortKeeper>(loop, ports, PortSettings{true, "", 38400}, by_uid,
-                                       [this](const std::string& text) { notes.push_back(text); });
+    dut = std::make_unique<PortManager>(loop, ports, PortSettings{true, "", 38400}, by_uid,
+                                        [this](const std::string& text) { notes.push_back(text); });
     loop.every(20'000, loop.now(), [this] { dut->tick(); });
     loop.every(100'000, loop.now(), [this] { command(); });
   }
@@ -67,9 +67,9 @@ class ReplugTest : public testing::Test {
   AsioLoop loop;
   SerialDevices ports{loop, folder / "ports"};
   std::deque<RobotLink> links;
-  PortKeeper::Robots by_uid;
+  PortManager::Robots by_uid;
   std::deque<WireRobot> robots;
-  std::unique_ptr<PortKeeper> dut;
+  std::unique_ptr<PortManager> dut;
   std::vector<std::string> notes;
 };
 

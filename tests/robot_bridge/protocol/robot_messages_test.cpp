@@ -1,8 +1,8 @@
+#include "robot_bridge/protocol/robot_messages.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cstdlib>
-
-#include "robot_bridge/protocol/robot_messages.hpp"
 
 namespace lab::bridge {
 namespace {
@@ -17,8 +17,8 @@ ClockEstimate clockOf(std::uint32_t ms, std::int64_t utime, double rate) {
   return clock;
 }
 
-TEST(Reported, ATimeFollowsTheClockAtFirstAndThenStays) {
-  Reported::Time dut;
+TEST(ReportHistory, ATimeFollowsTheClockAtFirstAndThenStays) {
+  ReportHistory::Time dut;
   const std::int64_t first = dut.at(clockOf(100'000, 1'000'000'000, 1), 100'000, 100'000);
   EXPECT_EQ(first, 1'000'000'000);
   const std::int64_t better = dut.at(clockOf(102'000, 1'002'010'000, 1), 100'000, 102'000);
@@ -29,16 +29,16 @@ TEST(Reported, ATimeFollowsTheClockAtFirstAndThenStays) {
   EXPECT_EQ(dut.at(later, 4'000'000, 4'100'000), later.utimeOf(4'000'000)) << "another event";
 }
 
-TEST(Reported, RunTimeNeverFallsWhenTheRateIsFittedAnew) {
-  Reported dut;
+TEST(ReportHistory, RunTimeNeverFallsWhenTheRateIsFittedAnew) {
+  ReportHistory dut;
   EXPECT_DOUBLE_EQ(dut.runTime(3'600'000, 1.001), 3603.6);
   EXPECT_DOUBLE_EQ(dut.runTime(3'600'000, 0.999), 3603.6);
   EXPECT_DOUBLE_EQ(dut.runTime(3'601'000, 1), 3604.6);
   EXPECT_DOUBLE_EQ(dut.runTime(500, 1), 0.5) << "after a restart";
 }
 
-TEST(Reported, SaturationsAreSaidOnce) {
-  Reported dut;
+TEST(ReportHistory, SaturationsAreSaidOnce) {
+  ReportHistory dut;
   EXPECT_FALSE(dut.saturated(0));
   EXPECT_TRUE(dut.saturated(3));
   EXPECT_FALSE(dut.saturated(3));

@@ -44,15 +44,15 @@ class RobotViewTest : public testing::Test {
 };
 
 TEST_F(RobotViewTest, NeedsTelemetryAndItsState) {
-  EXPECT_FALSE(dut.picture());
+  EXPECT_FALSE(dut.snapshot());
   telemetry(50);
-  EXPECT_FALSE(dut.picture());
+  EXPECT_FALSE(dut.snapshot());
   state();
   telemetry(100);
-  ASSERT_TRUE(dut.picture());
-  EXPECT_EQ(dut.picture()->telemetry.t_ms, 100U);
-  EXPECT_TRUE(dut.takeNews());
-  EXPECT_FALSE(dut.takeNews());
+  ASSERT_TRUE(dut.snapshot());
+  EXPECT_EQ(dut.snapshot()->telemetry.t_ms, 100U);
+  EXPECT_TRUE(dut.takeUpdateFlag());
+  EXPECT_FALSE(dut.takeUpdateFlag());
 }
 
 TEST_F(RobotViewTest, ATelemetryWhoseStateWasLostWaitsForTheNextState) {
@@ -60,29 +60,29 @@ TEST_F(RobotViewTest, ATelemetryWhoseStateWasLostWaitsForTheNextState) {
   telemetry(50);
   epoch = 1;
   telemetry(100);
-  EXPECT_EQ(dut.picture()->telemetry.t_ms, 50U);
+  EXPECT_EQ(dut.snapshot()->telemetry.t_ms, 50U);
   state();
   telemetry(150);
-  EXPECT_EQ(dut.picture()->telemetry.t_ms, 150U);
-  EXPECT_EQ(dut.picture()->program_epoch, 1U);
+  EXPECT_EQ(dut.snapshot()->telemetry.t_ms, 150U);
+  EXPECT_EQ(dut.snapshot()->program_epoch, 1U);
 }
 
 TEST_F(RobotViewTest, AReversalWhoseStateWasLostWaitsToo) {
   state();
   telemetry(50, dynamics::kReversing);
-  EXPECT_FALSE(dut.picture());
+  EXPECT_FALSE(dut.snapshot());
   reversals = 1;
   reversal_start = 40;
   state();
   telemetry(100, dynamics::kReversing);
-  EXPECT_EQ(dut.picture()->telemetry.t_ms, 100U);
-  EXPECT_EQ(dut.picture()->reversal_count, 1U);
+  EXPECT_EQ(dut.snapshot()->telemetry.t_ms, 100U);
+  EXPECT_EQ(dut.snapshot()->reversal_count, 1U);
   telemetry(150);  // it is over, but its STATE was lost
-  EXPECT_EQ(dut.picture()->telemetry.t_ms, 100U);
+  EXPECT_EQ(dut.snapshot()->telemetry.t_ms, 100U);
   reversal_end = 140;
   state();
   telemetry(200);
-  EXPECT_EQ(dut.picture()->telemetry.t_ms, 200U);
+  EXPECT_EQ(dut.snapshot()->telemetry.t_ms, 200U);
 }
 
 TEST_F(RobotViewTest, UnwrapsTheCounts) {
@@ -91,8 +91,8 @@ TEST_F(RobotViewTest, UnwrapsTheCounts) {
     tumbles = static_cast<std::uint16_t>(i * 3000);
     state();
     telemetry(i * 50);
-    EXPECT_EQ(dut.picture()->program_epoch, i * 1000);
-    EXPECT_EQ(dut.picture()->tumble_count, i * 3000);
+    EXPECT_EQ(dut.snapshot()->program_epoch, i * 1000);
+    EXPECT_EQ(dut.snapshot()->tumble_count, i * 3000);
   }
 }
 
@@ -116,20 +116,20 @@ TEST_F(RobotViewTest, CountsRunsAndTumblesBetweenTheReports) {
   counters(0, 5000);
   telemetry(0);
   telemetry(50);
-  EXPECT_DOUBLE_EQ(dut.picture()->run_time_ms, 5050);
+  EXPECT_DOUBLE_EQ(dut.snapshot()->run_time_ms, 5050);
   telemetry(100, dynamics::kTumbling);
-  EXPECT_DOUBLE_EQ(dut.picture()->run_time_ms, 5075);
-  EXPECT_EQ(dut.picture()->tumble_count, 1U);
+  EXPECT_DOUBLE_EQ(dut.snapshot()->run_time_ms, 5075);
+  EXPECT_EQ(dut.snapshot()->tumble_count, 1U);
   telemetry(150, dynamics::kTumbling);
   telemetry(200);
-  EXPECT_DOUBLE_EQ(dut.picture()->run_time_ms, 5100);
+  EXPECT_DOUBLE_EQ(dut.snapshot()->run_time_ms, 5100);
   counters(210, 5110);
   telemetry(250);
-  EXPECT_DOUBLE_EQ(dut.picture()->run_time_ms, 5150);
+  EXPECT_DOUBLE_EQ(dut.snapshot()->run_time_ms, 5150);
   tumbles = 1;
   state();
   telemetry(300);
-  EXPECT_EQ(dut.picture()->tumble_count, 1U);
+  EXPECT_EQ(dut.snapshot()->tumble_count, 1U);
 }
 
 TEST_F(RobotViewTest, NeitherRunTimeNorTumblesEverFall) {
@@ -140,10 +140,10 @@ TEST_F(RobotViewTest, NeitherRunTimeNorTumblesEverFall) {
   telemetry(50, dynamics::kTumbling);  // counts half of it as run
   counters(60, 3);                     // it was less
   telemetry(100, dynamics::kTumbling);
-  EXPECT_DOUBLE_EQ(dut.picture()->run_time_ms, 25);
+  EXPECT_DOUBLE_EQ(dut.snapshot()->run_time_ms, 25);
   state();  // still counts no tumble: sent before it began
   telemetry(150, dynamics::kTumbling);
-  EXPECT_EQ(dut.picture()->tumble_count, 1U);
+  EXPECT_EQ(dut.snapshot()->tumble_count, 1U);
 }
 
 TEST_F(RobotViewTest, KeepsStepsWithTheirFullEpoch) {

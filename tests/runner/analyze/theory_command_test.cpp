@@ -51,9 +51,9 @@ TEST(LabTheory, PrintsTheHighPrecisionTable) {
   // One call for each set of parameters, and one for each of its phases.
   std::map<std::string, std::vector<std::vector<std::string>>> sets;
   for (const auto& row : lab::analysis::readTable("unit_tests.csv")) {
-    const std::string keys =
-        row[0] == "ABP" ? "abp v_cm_s=" + row[1] + " eta_rad_s=" + row[3]
-        : std::stod(row[1]) == 0 ? "bp V_cm_s=" + row[3]
+    const std::string keys = row[0] == "ABP" ? "abp v_cm_s=" + row[1] + " eta_rad_s=" + row[3]
+                             : std::stod(row[1]) == 0
+                                 ? "bp V_cm_s=" + row[3]
                                  : "noisy_abp va_cm_s=" + row[1] + " V_cm_s=" + row[3];
     sets[keys + " epsilon_s=" + row[2] + " diameter_cm=" + row[4]].push_back(row);
   }
@@ -74,7 +74,8 @@ TEST(LabTheory, PrintsTheHighPrecisionTable) {
       const auto dut = numbers(table[i + 1]);
       ASSERT_EQ(dut.size(), 5U);
       const auto expect = [&](double value, const std::string& text) {
-        EXPECT_NEAR(value, std::stod(text), tolerance(std::stod(text))) << keys << " " << rows[i][5];
+        EXPECT_NEAR(value, std::stod(text), tolerance(std::stod(text)))
+            << keys << " " << rows[i][5];
       };
       EXPECT_EQ(dut[0], std::stod(rows[i][5]));
       expect(dut[1], rows[i][6]);

@@ -9,8 +9,8 @@
 #include <stdexcept>
 
 #include "common/math/random.hpp"
-#include "light/photometry/camera_response.hpp"
 #include "light/optics/simulated_camera.hpp"
+#include "light/photometry/camera_response.hpp"
 
 namespace lab::runner::board_finder_test {
 namespace {
@@ -37,9 +37,9 @@ optics::CameraParameters seenFromBoard(const optics::CameraParameters& camera, d
 /// White paper with black discs on grey, blurred and noisy. The board's first disc is at (0, 0).
 optics::GreyImage paintBoard(const optics::CameraParameters& from_board, const BoardSpec& board,
                              Random& random) {
-  constexpr int kFine = 4;          // samples a pixel, each way
-  constexpr double kBlur = 0.75;    // px
-  constexpr int kReach = 3 * kFine; // of the blur
+  constexpr int kFine = 4;           // samples a pixel, each way
+  constexpr double kBlur = 0.75;     // px
+  constexpr int kReach = 3 * kFine;  // of the blur
   const optics::CameraModel model(from_board);
   const double width = board.spacing * (board.columns - 1);
   const double height = board.spacing * (board.rows - 1);
@@ -60,8 +60,8 @@ optics::GreyImage paintBoard(const optics::CameraParameters& from_board, const B
   Eigen::MatrixXd fine(rows, columns);
   for (int j = 0; j < rows; ++j) {
     for (int i = 0; i < columns; ++i) {
-      const auto at = model.toPlane(
-          {x0 + (i + 0.5) / kFine - 0.5, y0 + (j + 0.5) / kFine - 0.5}, 0);
+      const auto at =
+          model.toPlane({x0 + (i + 0.5) / kFine - 0.5, y0 + (j + 0.5) / kFine - 0.5}, 0);
       const double u = at->x / board.spacing;
       const double v = at->y / board.spacing;
       const bool paper = u > -1 && v > -1 && u < board.columns && v < board.rows;
@@ -130,7 +130,7 @@ TEST(BoardFinder, ReadsPicturesThatAreEncodedForTheEye) {
   const optics::CameraParameters from_board = seenFromBoard(camera, 0.4, 0.4, 0.1, 0.4, 0.3);
   optics::GreyImage picture = paintBoard(from_board, kBoard, random);
   const auto linear = findBoard(picture.view(), kBoard);
-  const optics::Response webcam(optics::kVideoGamma);
+  const optics::CameraResponse webcam(optics::kVideoGamma);
   for (std::uint8_t& grey : picture.pixels) {
     grey = static_cast<std::uint8_t>(std::lround(webcam.grey(grey)));
   }
@@ -165,7 +165,7 @@ TEST(BoardFinder, GivesACalibrationFromPictures) {
   Random random(3);
   const optics::CameraParameters camera = optics::simulatedCamera(kWidth, kHeight, 1.2, 0.9);
   const optics::CameraModel truth(camera);
-  calibration::CameraSights sights;
+  calibration::CameraObservations sights;
   sights.width = kWidth;
   sights.height = kHeight;
   sights.corner_sigma = 0.1;
@@ -209,7 +209,8 @@ TEST(Board, IsReadFromText) {
 TEST(Board, IsDrawnWithAllItsDiscs) {
   const std::string svg = calibration::boardSvg(kBoard);
   std::size_t discs = 0;
-  for (std::size_t at = svg.find("<circle"); at != std::string::npos; at = svg.find("<circle", at + 1)) {
+  for (std::size_t at = svg.find("<circle"); at != std::string::npos;
+       at = svg.find("<circle", at + 1)) {
     ++discs;
   }
   EXPECT_EQ(discs, 54U);

@@ -12,11 +12,11 @@
 #include "common/calibration/camera_file.hpp"
 #include "common/experiment/experiment_file.hpp"
 #include "common/math/random.hpp"
-#include "tests/support/temporary_folder.hpp"
 #include "light/field/image.hpp"
 #include "light/optics/simulated_camera.hpp"
 #include "runner/commands/commands.hpp"
 #include "sim_svc/camera_painter.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace lab::runner {
 namespace {
@@ -53,8 +53,8 @@ class CalibrateCamera : public testing::Test {
     constexpr optics::Place kCorners[] = {{0, 0}, {1.2, 0}, {1.2, 0.9}, {0, 0.9}};
     for (std::size_t i = 0; i < 4; ++i) {
       const optics::Pixel at = model.project(kCorners[i].x, kCorners[i].y, 0);
-      options_.corners += fmt::format("{:.2f},{:.2f} ", at.x + kMarked[2 * i],
-                                      at.y + kMarked[2 * i + 1]);
+      options_.corners +=
+          fmt::format("{:.2f},{:.2f} ", at.x + kMarked[2 * i], at.y + kMarked[2 * i + 1]);
     }
     options_.source = (folder_ / "film").string();
     options_.out = folder_ / "camera.json";

@@ -23,10 +23,10 @@ class Stage {
   explicit Stage(const Motors& motors = {}, double x = 0.6, double y = 0.45, double theta = 0.3)
       : motors_(motors), pose_{x, y, theta} {
     experiment_.camera.delay = 0.02;
-    driver_.emplace(experiment_, 7, Motors{}, calibration::checkPattern(kMax), scene_,
-                    Reins{[this](double left, double right) { order(left, right); },
-                          [this] { order(0, 0); },
-                          [this] { return answers_ && now_ - ordered_ > kEcho_us; }});
+    driver_.emplace(experiment_, 7, Motors{}, calibration::checkPattern(kMax), seen_robots_,
+                    DriveActions{[this](double left, double right) { order(left, right); },
+                                 [this] { order(0, 0); },
+                                 [this] { return answers_ && now_ - ordered_ > kEcho_us; }});
   }
 
   void run(double seconds) {
@@ -38,7 +38,7 @@ class Stage {
     }
   }
 
-  void put(std::int32_t id, double x, double y) { scene_[id] = {0, {x, y, 0}}; }
+  void put(std::int32_t id, double x, double y) { seen_robots_[id] = {0, {x, y, 0}}; }
   void hide() { seen_ = false; }
   void fallSilent() { answers_ = false; }
   void report(std::int32_t flags) {
@@ -77,7 +77,7 @@ class Stage {
     pose.theta = std::remainder(pose_.theta, 2 * M_PI);
     frame.robots.push_back(pose);
     frame.num_robots = 1;
-    scene_[7] = {now_, {pose.x, pose.y, pose.theta}};
+    seen_robots_[7] = {now_, {pose.x, pose.y, pose.theta}};
     driver_->see(frame);
   }
 
@@ -85,7 +85,7 @@ class Stage {
   Motors motors_;
   dynamics::Pose pose_;
   double clearance_ = 1;
-  Scene scene_;
+  SeenRobots seen_robots_;
   std::int64_t now_ = 1'000'000;
   std::int64_t ordered_ = 0;
   double left_ = 0;
@@ -109,8 +109,7 @@ TEST(PatternDriver, DrivesEveryStepAndKeepsWhatWasSeen) {
     EXPECT_EQ(segments[i].segment.duty_right,
               calibration::dutyFor({}, pattern[i].right, kMax, true));
     EXPECT_NEAR(segments[i].segment.frames, pattern[i].duration * 50, 2);
-    EXPECT_NEAR(static_cast<double>(segments[i].segment.track.size()),
-                pattern[i].duration * 50, 3);
+    EXPECT_NEAR(static_cast<double>(segments[i].segment.track.size()), pattern[i].duration * 50, 3);
   }
   const auto check = calibration::checkSpeeds(segments, {}, kMax, 0);
   EXPECT_EQ(check.used, check.driven);

@@ -5,19 +5,19 @@
 namespace lab::runner {
 namespace {
 
-TEST(FilmProgress, SaysHowFarAndHowLongStill) {
-  EXPECT_EQ(filmProgressText(100, 400, 2),
+TEST(ProgressBar, SaysHowFarAndHowLongStill) {
+  EXPECT_EQ(progressBarText(100, 400, 2),
             "[######..................] 100 of 400 frames, 50 a second, 6 s left");
 }
 
-TEST(FilmProgress, KnowsNoEndWhereTheLengthIsNotKnown) {
-  EXPECT_EQ(filmProgressText(100, 0, 2), "100 frames, 50 a second");
+TEST(ProgressBar, KnowsNoEndWhereTheLengthIsNotKnown) {
+  EXPECT_EQ(progressBarText(100, 0, 2), "100 frames, 50 a second");
 }
 
-TEST(FilmProgress, SurvivesAFilmLongerThanItSaid) {
-  EXPECT_EQ(filmProgressText(500, 400, 5),
+TEST(ProgressBar, SurvivesAFilmLongerThanItSaid) {
+  EXPECT_EQ(progressBarText(500, 400, 5),
             "[########################] 500 of 400 frames, 100 a second, 0 s left");
-  EXPECT_EQ(filmProgressText(0, 400, 0), "[........................] 0 of 400 frames, 0 a second");
+  EXPECT_EQ(progressBarText(0, 400, 0), "[........................] 0 of 400 frames, 0 a second");
 }
 
 }  // namespace

@@ -131,9 +131,10 @@ TEST_F(FlashTest, ByAProgrammerSetsTheFuses) {
   options_.isp = "usbasp";
   flashed(kDone);
   // Two calls: the chip is erased with the second, when the fuse that keeps the EEPROM is set.
-  EXPECT_EQ(called(), "-q -p m328p -c usbasp -U lfuse:w:0xFF:m -U hfuse:w:0xD7:m -U "
-                      "efuse:w:0xFD:m\n-q -p m328p -c usbasp -U flash:w:" +
-                          (folder_ / "bin/robot_firmware.hex").string() + ":i");
+  EXPECT_EQ(called(),
+            "-q -p m328p -c usbasp -U lfuse:w:0xFF:m -U hfuse:w:0xD7:m -U "
+            "efuse:w:0xFD:m\n-q -p m328p -c usbasp -U flash:w:" +
+                (folder_ / "bin/robot_firmware.hex").string() + ":i");
 }
 
 TEST_F(FlashTest, ThatFailsIsToldAndNoRobotIsAsked) {

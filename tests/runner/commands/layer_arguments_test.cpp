@@ -19,7 +19,7 @@ using light::LayerKind;
 std::vector<light::DrivenLayer> byHand(const std::vector<std::string>& texts,
                                        const std::filesystem::path& directory = ".",
                                        const light::ImageStore& known = {}) {
-  return layersByHand(texts, experimentByHand(), known, directory);
+  return parseLayers(texts, placeholderExperiment(), known, directory);
 }
 
 std::filesystem::path writePicture(const std::filesystem::path& path) {

@@ -52,14 +52,14 @@ std::vector<LogEvent> film() {
 
 class Deck : public testing::Test {
  protected:
-  explicit Deck(AtEnd at_end = AtEnd::kStand) : deck_(events_, "run-1", 1, at_end, kWall) {}
+  explicit Deck(AtEnd at_end = AtEnd::kPause) : playback_(events_, "run-1", 1, at_end, kWall) {}
 
   /// What is sent at this time of the wall clock [s].
   std::vector<std::string> playTo(double s) {
     now_ = kWall + us(s);
     std::vector<std::string> sent;
-    deck_.advance(now_);
-    deck_.play(now_, [&sent](const LogEvent& event) {
+    playback_.advance(now_);
+    playback_.play(now_, [&sent](const LogEvent& event) {
       experiment_event_t happened{};
       const bool happening = event.channel == channels::kExperimentEvent;
       EXPECT_TRUE(!happening || decode(event.data, happened));
@@ -72,19 +72,19 @@ class Deck : public testing::Test {
     experiment_command_t command{};
     command.action = action;
     command.value = value;
-    return deck_.obey(command, now_);
+    return playback_.obey(command, now_);
   }
 
   std::vector<LogEvent> events_ = film();
   std::int64_t now_ = kWall;
-  LogDeck deck_;
+  LogPlayback playback_;
 };
 
 TEST_F(Deck, PlaysInOrderOfTime) {
   EXPECT_THAT(playTo(0), ElementsAre("F0", "file"));
   EXPECT_THAT(playTo(1.2), ElementsAre("F5", "F10"));
   EXPECT_THAT(playTo(1.3), IsEmpty());
-  const experiment_status_t status = deck_.status(now_);
+  const experiment_status_t status = playback_.status(now_);
   EXPECT_EQ(status.phase, experiment_status_t::PLAYING);
   EXPECT_EQ(status.run, "run-1");
   EXPECT_DOUBLE_EQ(status.elapsed, 1.3);
@@ -97,10 +97,10 @@ TEST_F(Deck, PlaysInOrderOfTime) {
 TEST_F(Deck, AJumpAheadTellsWhatHappenedOnceAndTheTwoSecondsBefore) {
   playTo(1);
   EXPECT_EQ(wish(experiment_command_t::SEEK, 40), "");
-  EXPECT_EQ(deck_.status(now_).jumps, 1) << "said before anything of the new place";
+  EXPECT_EQ(playback_.status(now_).jumps, 1) << "said before anything of the new place";
   EXPECT_THAT(playTo(1), ElementsAre("file", "fell over", "F380", "F385", "F390", "F395", "F400"));
   EXPECT_THAT(playTo(1.5), ElementsAre("F405"));
-  EXPECT_EQ(deck_.status(now_).jumps, 1);
+  EXPECT_EQ(playback_.status(now_).jumps, 1);
 }
 
 TEST_F(Deck, AJumpBackForgetsWhatWasStillToCome) {
@@ -109,7 +109,7 @@ TEST_F(Deck, AJumpBackForgetsWhatWasStillToCome) {
   EXPECT_THAT(playTo(60), ElementsAre("file", "F10", "F15", "F20", "F25", "F30"));
   EXPECT_EQ(wish(experiment_command_t::SEEK, 0.75), "");
   EXPECT_THAT(playTo(60), ElementsAre("F0", "file", "F5"));
-  EXPECT_EQ(deck_.status(now_).jumps, 2);
+  EXPECT_EQ(playback_.status(now_).jumps, 2);
 }
 
 TEST_F(Deck, AHappeningWithinTheTwoSecondsComesAsItWasSaid) {
@@ -125,8 +125,8 @@ TEST_F(Deck, JumpsWhilePausedAndStaysPaused) {
   EXPECT_EQ(wish(experiment_command_t::SEEK, 10), "");
   EXPECT_EQ(playTo(6).back(), "F100");
   EXPECT_THAT(playTo(30), IsEmpty());
-  EXPECT_EQ(deck_.status(now_).phase, experiment_status_t::PLAY_PAUSED);
-  EXPECT_DOUBLE_EQ(deck_.status(now_).elapsed, 10);
+  EXPECT_EQ(playback_.status(now_).phase, experiment_status_t::PLAY_PAUSED);
+  EXPECT_DOUBLE_EQ(playback_.status(now_).elapsed, 10);
   EXPECT_EQ(wish(experiment_command_t::RESUME), "");
   EXPECT_THAT(wish(experiment_command_t::RESUME), HasSubstr("already"));
   EXPECT_THAT(playTo(30.6), ElementsAre("F105"));
@@ -137,12 +137,12 @@ TEST_F(Deck, ChangesItsSpeedWhereItIs) {
   EXPECT_EQ(wish(experiment_command_t::SPEED, 4), "");
   EXPECT_THAT(playTo(10), IsEmpty());
   EXPECT_THAT(playTo(10.25), ElementsAre("F105", "F110"));
-  EXPECT_EQ(deck_.status(now_).rate, 4);
-  EXPECT_EQ(deck_.status(now_).jumps, 0);
+  EXPECT_EQ(playback_.status(now_).rate, 4);
+  EXPECT_EQ(playback_.status(now_).jumps, 0);
   wish(experiment_command_t::PAUSE);
   EXPECT_EQ(wish(experiment_command_t::SPEED, 2), "");
-  EXPECT_TRUE(deck_.paused());
-  EXPECT_EQ(deck_.rate(), 0);
+  EXPECT_TRUE(playback_.paused());
+  EXPECT_EQ(playback_.rate(), 0);
 }
 
 TEST_F(Deck, RefusesPlacesAndSpeedsThatAreNone) {
@@ -153,7 +153,7 @@ TEST_F(Deck, RefusesPlacesAndSpeedsThatAreNone) {
   for (const double speed : {0.0, -1.0, 1e5, nan}) {
     EXPECT_THAT(wish(experiment_command_t::SPEED, speed), HasSubstr("allowed 0.001 to 10000"));
   }
-  EXPECT_EQ(deck_.status(now_).jumps, 0);
+  EXPECT_EQ(playback_.status(now_).jumps, 0);
   EXPECT_EQ(wish(experiment_command_t::SEEK, 60), "") << "its last moment";
 }
 
@@ -165,25 +165,25 @@ TEST_F(Deck, RefusesWhatOnlyARunningLabCanDo) {
 TEST_F(Deck, StandsAtItsEndAndBeginsAnewWhenItIsToGoOn) {
   playTo(59);
   playTo(61);
-  EXPECT_FALSE(deck_.paused());
-  EXPECT_TRUE(deck_.advance(kWall + us(61.1)));
-  EXPECT_TRUE(deck_.paused());
-  EXPECT_FALSE(deck_.over());
-  EXPECT_FALSE(deck_.advance(kWall + us(61.2))) << "said once";
+  EXPECT_FALSE(playback_.paused());
+  EXPECT_TRUE(playback_.advance(kWall + us(61.1)));
+  EXPECT_TRUE(playback_.paused());
+  EXPECT_FALSE(playback_.over());
+  EXPECT_FALSE(playback_.advance(kWall + us(61.2))) << "said once";
   now_ = kWall + us(70);
-  EXPECT_DOUBLE_EQ(deck_.status(now_).elapsed, 60);
+  EXPECT_DOUBLE_EQ(playback_.status(now_).elapsed, 60);
   EXPECT_EQ(wish(experiment_command_t::RESUME), "");
-  EXPECT_EQ(deck_.status(now_).jumps, 1);
+  EXPECT_EQ(playback_.status(now_).jumps, 1);
   EXPECT_THAT(playTo(70), ElementsAre("F0", "file"));
 }
 
 TEST_F(Deck, EndsWhenSomebodyWishes) {
   EXPECT_EQ(wish(experiment_command_t::END), "");
-  EXPECT_TRUE(deck_.over());
+  EXPECT_TRUE(playback_.over());
 }
 
 TEST_F(Deck, IsOverWithItsLogWhereNobodyLooks) {
-  LogDeck dut(events_, "run-1", 10, AtEnd::kOver, kWall);
+  LogPlayback dut(events_, "run-1", 10, AtEnd::kEnd, kWall);
   const auto nobody = [](const LogEvent&) {};
   dut.play(kWall + us(6.1), nobody);
   EXPECT_EQ(dut.sent(), events_.size());
@@ -193,7 +193,7 @@ TEST_F(Deck, IsOverWithItsLogWhereNobodyLooks) {
 }
 
 TEST_F(Deck, BeginsAgainWithAJumpWhereItIsToGoRoundAndRound) {
-  LogDeck dut(events_, "run-1", 10, AtEnd::kAgain, kWall);
+  LogPlayback dut(events_, "run-1", 10, AtEnd::kLoop, kWall);
   std::size_t sent = 0;
   const auto count = [&sent](const LogEvent&) { ++sent; };
   dut.play(kWall + us(6.1), count);
@@ -207,7 +207,7 @@ TEST_F(Deck, BeginsAgainWithAJumpWhereItIsToGoRoundAndRound) {
 TEST(DeckOfAFullLog, PlaysItInPortionsAndLeavesNothingOut) {
   std::vector<LogEvent> events;
   for (int i = 0; i < 4500; ++i) events.push_back({std::to_string(i), {}, kLog + i});
-  LogDeck dut(events, "run-1", 1, AtEnd::kStand, kWall);
+  LogPlayback dut(events, "run-1", 1, AtEnd::kPause, kWall);
   std::vector<std::string> sent;
   const std::int64_t late = kWall + us(1);
   const auto play = [&] {

@@ -7,8 +7,8 @@
 #include <set>
 
 #include "common/experiment/experiment.hpp"
-#include "common/serial/memory_serial.hpp"
 #include "common/loop/virtual_loop.hpp"
+#include "common/serial/memory_serial.hpp"
 #include "tests/support/robot_on_bench.hpp"
 
 namespace lab::runner {

@@ -9,9 +9,9 @@
 #include <lab/service_status_t.hpp>
 #include <thread>
 
-#include "common/loop/asio_loop.hpp"
 #include "common/bus/channels.hpp"
 #include "common/bus/lcm_bus.hpp"
+#include "common/loop/asio_loop.hpp"
 #include "common/service/node.hpp"
 #include "runner/commands/commands.hpp"
 #include "runner/runs/lab_registry.hpp"

@@ -11,15 +11,15 @@
 #include <sstream>
 #include <string_view>
 
-#include "tests/support/temporary_folder.hpp"
-#include "tests/runner/../tracker_svc/painted_film.hpp"
-#include "tracker_svc/film_reader.hpp"
 #include "common/calibration/camera_file.hpp"
 #include "common/experiment/experiment_file.hpp"
 #include "light/field/image.hpp"
-#include "runner/commands/commands.hpp"
 #include "runner/command_line/exit_code.hpp"
+#include "runner/commands/commands.hpp"
 #include "runner/film/movie_writer.hpp"
+#include "tests/runner/../tracker_svc/painted_film.hpp"
+#include "tests/support/temporary_folder.hpp"
+#include "tracker_svc/film_reader.hpp"
 
 namespace lab::runner {
 namespace {
@@ -73,7 +73,8 @@ class TrackCommand : public testing::Test {
   [[nodiscard]] fs::path movie() const {
     fs::path file = folder_ / "whole.avi";
     const std::string command = "ffmpeg -v error -framerate 30 -i '" + options_.source +
-                                "/f%04d.png' -c:v ffv1 -level 3 -slicecrc 1 '" + file.string() + "'";
+                                "/f%04d.png' -c:v ffv1 -level 3 -slicecrc 1 '" + file.string() +
+                                "'";
     EXPECT_EQ(std::system(command.c_str()), 0);
     return file;
   }
@@ -110,8 +111,8 @@ TEST_F(TrackCommand, ReadsAFilmThatWasEncodedForTheEye) {
   testing::internal::CaptureStdout();
   EXPECT_EQ(track(options_), kDone);
   EXPECT_THAT(testing::internal::GetCapturedStdout(),
-              AllOf(HasSubstr("with a gamma of 2.2"), HasSubstr("at 3 of 3 places caps show only so"),
-                    Not(HasSubstr("from frame"))));
+              AllOf(HasSubstr("with a gamma of 2.2"),
+                    HasSubstr("at 3 of 3 places caps show only so"), Not(HasSubstr("from frame"))));
   EXPECT_EQ(linesIn(textOf(options_.out)), 1 + 5 * 3);
 }
 
@@ -138,7 +139,8 @@ TEST_F(TrackCommand, BelievesTheCalibrationOverThePictures) {
   options_.calibration = folder_ / "wrong.json";
   testing::internal::CaptureStdout();
   EXPECT_EQ(track(options_), kDone);
-  EXPECT_THAT(testing::internal::GetCapturedStdout(), AllOf(HasSubstr("no robot was found"),
+  EXPECT_THAT(testing::internal::GetCapturedStdout(),
+              AllOf(HasSubstr("no robot was found"),
                     HasSubstr("with a gamma of 5, as the calibration says")));
 }
 
@@ -306,10 +308,10 @@ TEST_F(TrackCommand, NamesBothSizesWhereTheCalibrationIsOfAnother) {
 TEST_F(TrackCommand, SaysThatPlayersTurnAMovie) {
   if (!isInstalled("ffmpeg")) GTEST_SKIP() << "ffmpeg is not installed";
   const fs::path turned = folder_ / "turned.mov";
-  const std::string command = "ffmpeg -v error -i '" + movie().string() +
-                              "' -c:v png '" + turned.string() + ".mov' && ffmpeg -v error -i '" +
-                              turned.string() + ".mov' -c copy -metadata:s:v rotate=90 '" +
-                              turned.string() + "'";  // only copied is it kept
+  const std::string command = "ffmpeg -v error -i '" + movie().string() + "' -c:v png '" +
+                              turned.string() + ".mov' && ffmpeg -v error -i '" + turned.string() +
+                              ".mov' -c copy -metadata:s:v rotate=90 '" + turned.string() +
+                              "'";  // only copied is it kept
   ASSERT_EQ(std::system(command.c_str()), 0);
   options_.source = turned.string();
   testing::internal::CaptureStdout();
@@ -336,8 +338,13 @@ TEST_F(TrackCommand, SaysThatPlayersTurnPictures) {
 
   // One tag, Orientation (0x0112) = 6, in a block of its own behind the first two bytes.
   constexpr std::string_view kExif{
-      "\xFF\xE1\0\x22" "Exif\0\0" "MM\0*\0\0\0\x08" "\0\x01"
-      "\x01\x12\0\x03\0\0\0\x01\0\x06\0\0" "\0\0\0\0", 36};
+      "\xFF\xE1\0\x22"
+      "Exif\0\0"
+      "MM\0*\0\0\0\x08"
+      "\0\x01"
+      "\x01\x12\0\x03\0\0\0\x01\0\x06\0\0"
+      "\0\0\0\0",
+      36};
   const std::string bytes = textOf(plain);
   write("phone/f0.jpg", bytes.substr(0, 2) + std::string(kExif) + bytes.substr(2));
   options_.source = (folder_ / "phone").string();

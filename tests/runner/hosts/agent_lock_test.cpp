@@ -32,8 +32,8 @@ class OnlyAgentTest : public testing::Test {
     fs::remove_all(folder);
   }
 
-  static std::future<std::unique_ptr<OnlyAgent>> another() {
-    return std::async(std::launch::async, [] { return std::make_unique<OnlyAgent>("run-bench"); });
+  static std::future<std::unique_ptr<AgentLock>> another() {
+    return std::async(std::launch::async, [] { return std::make_unique<AgentLock>("run-bench"); });
   }
 
   fs::path folder = fs::path(testing::TempDir()) / ("only_agent_" + std::to_string(getpid()));

@@ -76,7 +76,7 @@ TEST(ClockMeasurement, IsRightToWithinItsError) {
 
 TEST(ClockMeasurement, IsThatOfTheFastestAnswer) {
   ClockMeasurement dut;
-  dut.add(1000, 5000, 11000);  // round trip 10 ms
+  dut.add(1000, 5000, 11000);    // round trip 10 ms
   dut.add(20000, 22500, 21000);  // 1 ms: 2 ms ahead of the middle
   dut.add(30000, 30000, 40000);
 

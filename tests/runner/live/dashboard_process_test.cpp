@@ -48,7 +48,7 @@ class Page : public testing::Test {
   /// Looks after it until `done`, for 10 s at most.
   bool lookUntil(DashboardProcess& page, const std::function<bool()>& done) {
     for (int i = 0; i < 1000 && !done(); ++i) {
-      page.lookAfter([this](const std::string& what) { said_.push_back(what); });
+      page.supervise([this](const std::string& what) { said_.push_back(what); });
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
     return done();
@@ -100,9 +100,8 @@ TEST_F(Page, ComesAgainWhenItIsKilledWithItsAddressBeforeIt) {
   ASSERT_TRUE(lookUntil(page, [&] { return !page.address().empty(); }));
   const std::string before = page.address();
   int pid = 0;
-  ASSERT_TRUE(lookUntil(page, [&] {
-    return static_cast<bool>(std::ifstream(folder_ / "address.pids") >> pid);
-  }));
+  ASSERT_TRUE(lookUntil(
+      page, [&] { return static_cast<bool>(std::ifstream(folder_ / "address.pids") >> pid); }));
   ASSERT_EQ(kill(pid, SIGKILL), 0);
   ASSERT_TRUE(lookUntil(page, [&] { return !said_.empty(); }));
   EXPECT_THAT(said_, testing::ElementsAre("dashboard died (killed by signal 9) and was restarted"));
@@ -128,7 +127,7 @@ TEST_F(Page, IsDoneWithoutWhereItIsNotInstalled) {
   DashboardProcess page(missing);
   page.start(say_);
   EXPECT_TRUE(page.givenUp());
-  page.lookAfter(say_);
+  page.supervise(say_);
   EXPECT_THAT(said_, testing::ElementsAre(testing::AllOf(
                          HasSubstr(missing.program.string() + " is not there: build the lab"),
                          HasSubstr("everything else goes on"))));

@@ -1,4 +1,4 @@
-// What the conductor does when somebody wants something of a running experiment.
+// What the controller does when somebody wants something of a running experiment.
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -10,12 +10,12 @@
 #include <vector>
 
 #include "common/bus/channels.hpp"
+#include "common/bus/memory_bus.hpp"
 #include "common/experiment/experiment_file.hpp"
 #include "common/experiment/experiment_messages.hpp"
-#include "common/bus/memory_bus.hpp"
-#include "common/service/node.hpp"
-#include "common/math/units.hpp"
 #include "common/loop/virtual_loop.hpp"
+#include "common/math/units.hpp"
+#include "common/service/node.hpp"
 #include "runner/live/experiment_controller.hpp"
 
 namespace lab::runner {
@@ -71,7 +71,7 @@ std::string tumbling() {
   return file.replace(file.find(program), program.size(), "program = \"rtp\"");
 }
 
-/// A conductor on a bus with a robot that obeys, and somebody who wishes.
+/// A controller on a bus with a robot that obeys, and somebody who wishes.
 class ConductorWishes : public testing::Test {
  protected:
   ConductorWishes() {
@@ -104,19 +104,20 @@ class ConductorWishes : public testing::Test {
 
   void start(const std::string& file) {
     experiment_ = parseExperiment(file, "test");
-    conductor_.emplace(ServiceContext{node_, loop_, experiment_, "runs/wishes-01"},
-                       writeExperiment(experiment_), [this](Ending ending, const std::string& why) {
-                         if (!ending_) ended_at_ = since(loop_.now());
-                         ending_ = ending;
-                         why_ = why;
-                         loop_.stop();
-                       });
+    controller_.emplace(ServiceContext{node_, loop_, experiment_, "runs/wishes-01"},
+                        writeExperiment(experiment_),
+                        [this](Ending ending, const std::string& why) {
+                          if (!ending_) ended_at_ = since(loop_.now());
+                          ending_ = ending;
+                          why_ = why;
+                          loop_.stop();
+                        });
     node_.start();
     begin_ = loop_.now();
-    conductor_->begin();
+    controller_->begin();
     script_ = begin_;
     loop_.runUntil(begin_ + 1'000'000);
-    ASSERT_TRUE(conductor_->inScript());
+    ASSERT_TRUE(controller_->inScript());
   }
 
   /// To `s` after the script began.
@@ -140,7 +141,7 @@ class ConductorWishes : public testing::Test {
   Node page_{bus_, loop_, {"page", 0, 5}};
   Node robot_{bus_, loop_, {"sim_svc", 0, 1}};
   Experiment experiment_;
-  std::optional<Conductor> conductor_;
+  std::optional<ExperimentController> controller_;
   std::int64_t begin_ = 0;
   std::int64_t script_ = 0;
   std::int64_t seq_ = 0;
@@ -182,7 +183,7 @@ TEST_F(ConductorWishes, SaysHowTheRunStands) {
   EXPECT_EQ(status().label, "two");
   EXPECT_TRUE(std::isnan(status().step_left)) << "nothing follows";
   goTo(40);
-  conductor_->conclude("over");
+  controller_->conclude("over");
   bus_.deliver();
   EXPECT_EQ(status().phase, experiment_status_t::ENDED);
   EXPECT_EQ(status().left, 0);
@@ -197,7 +198,7 @@ TEST_F(ConductorWishes, APauseShiftsWhatIsStillToCome) {
   EXPECT_EQ(status().commander, "page");
   EXPECT_EQ(status().command_instance, 5);
   EXPECT_EQ(status().refusal, "");
-  EXPECT_TRUE(conductor_->progress().paused);
+  EXPECT_TRUE(controller_->progress().paused);
   const std::int64_t light = light_.seq;
 
   goTo(4 + 30);  // behind the step's time, and the run's
@@ -213,14 +214,13 @@ TEST_F(ConductorWishes, APauseShiftsWhatIsStillToCome) {
 
   goTo(100);
   EXPECT_EQ(ending_, Ending::kDone);
-  conductor_->conclude(why_);
+  controller_->conclude(why_);
   bus_.deliver();
   EXPECT_DOUBLE_EQ(begins_.at("one"), 0);
   EXPECT_DOUBLE_EQ(begins_.at("two"), 10 + 33.2);
   EXPECT_DOUBLE_EQ(ended_at_, 30 + 33.2);
-  EXPECT_THAT(marks_,
-              ElementsAre("script paused by page", "script resumed by page after 33.2 s"));
-  EXPECT_THAT(conductor_->faults(), IsEmpty());
+  EXPECT_THAT(marks_, ElementsAre("script paused by page", "script resumed by page after 33.2 s"));
+  EXPECT_THAT(controller_->faults(), IsEmpty());
 }
 
 TEST_F(ConductorWishes, PausesAddUp) {
@@ -232,7 +232,7 @@ TEST_F(ConductorWishes, PausesAddUp) {
     wish(experiment_command_t::RESUME);
   }
   goTo(100);
-  conductor_->conclude(why_);
+  controller_->conclude(why_);
   bus_.deliver();
   EXPECT_DOUBLE_EQ(begins_.at("two"), 10.75);
   EXPECT_DOUBLE_EQ(ended_at_, 30.75);
@@ -248,7 +248,7 @@ TEST_F(ConductorWishes, AConditionsPatienceStandsToo) {
   EXPECT_EQ(status().step, 0);
   goTo(20.1);
   EXPECT_EQ(status().step, 1);
-  EXPECT_THAT(conductor_->faults(), ElementsAre(HasSubstr("waited 10 s in vain")));
+  EXPECT_THAT(controller_->faults(), ElementsAre(HasSubstr("waited 10 s in vain")));
 }
 
 TEST_F(ConductorWishes, WhatAStepWaitsForMayComeAboutInAPause) {
@@ -261,11 +261,11 @@ TEST_F(ConductorWishes, WhatAStepWaitsForMayComeAboutInAPause) {
   wish(experiment_command_t::RESUME);
   EXPECT_EQ(status().step, 1);
   goTo(100);
-  conductor_->conclude(why_);
+  controller_->conclude(why_);
   bus_.deliver();
   EXPECT_DOUBLE_EQ(begins_.at("two"), 5);
   EXPECT_DOUBLE_EQ(ended_at_, 10);
-  EXPECT_THAT(conductor_->faults(), IsEmpty());
+  EXPECT_THAT(controller_->faults(), IsEmpty());
 }
 
 TEST_F(ConductorWishes, StopRulesGoOnInAPause) {
@@ -309,7 +309,7 @@ TEST_F(ConductorWishes, RefusesWhatMakesNoSenseWithAReason) {
   EXPECT_THAT(status().refusal, HasSubstr("control characters"));
   EXPECT_EQ(status().command_seq, 8);
   EXPECT_THAT(marks_, ElementsAre("script paused by page"));
-  conductor_->conclude("over");
+  controller_->conclude("over");
   wish(experiment_command_t::PAUSE);
   EXPECT_THAT(status().refusal, HasSubstr("over"));
 }
@@ -327,9 +327,9 @@ TEST_F(ConductorWishes, EndsByHandEvenInAPause) {
   wish(experiment_command_t::PAUSE);
   goTo(5);
   wish(experiment_command_t::END, "enough");
-  EXPECT_EQ(ending_, Ending::kWished);
+  EXPECT_EQ(ending_, Ending::kRequested);
   EXPECT_EQ(why_, "ended by page: enough");
-  conductor_->conclude(why_);
+  controller_->conclude(why_);
   bus_.deliver();
   EXPECT_EQ(status().phase, experiment_status_t::ENDED);
   EXPECT_DOUBLE_EQ(status().elapsed, 3) << "pauses do not count";
@@ -355,24 +355,24 @@ TEST_F(ConductorWishes, TheOnlookersTroublesAreNoFaults) {
   Node onlooker(bus_, loop_, {"dashboard", 0, 1});
   onlooker.fault("no port is free");
   bus_.deliver();
-  EXPECT_THAT(conductor_->faults(), IsEmpty());
+  EXPECT_THAT(controller_->faults(), IsEmpty());
   EXPECT_THAT(marks_, ElementsAre("dashboard: no port is free"));
   Node service(bus_, loop_, {"tracker_svc", 0, 1});
   service.fault("no camera");
   bus_.deliver();
-  EXPECT_THAT(conductor_->faults(), ElementsAre("tracker_svc: no camera"));
+  EXPECT_THAT(controller_->faults(), ElementsAre("tracker_svc: no camera"));
 }
 
 /// While the robots are still asked for their table.
 TEST_F(ConductorWishes, APauseBeforeTheScriptIsRefused) {
   experiment_ = parseExperiment(std::string(kPlanned) + "[[robots]]\nid = 2\n" + kSteps, "test");
-  conductor_.emplace(ServiceContext{node_, loop_, experiment_, "runs/wishes-02"}, "",
-                     [](Ending, const std::string&) {});
+  controller_.emplace(ServiceContext{node_, loop_, experiment_, "runs/wishes-02"}, "",
+                      [](Ending, const std::string&) {});
   wish(experiment_command_t::PAUSE);
   EXPECT_TRUE(statuses_.empty()) << "nobody conducts yet";
-  conductor_->begin();
+  controller_->begin();
   loop_.runUntil(loop_.now() + 1'000'000);
-  ASSERT_FALSE(conductor_->inScript());
+  ASSERT_FALSE(controller_->inScript());
   EXPECT_EQ(status().phase, experiment_status_t::PREPARING);
   EXPECT_EQ(status().step, -1);
   wish(experiment_command_t::PAUSE);

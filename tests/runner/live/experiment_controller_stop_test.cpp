@@ -8,12 +8,12 @@
 #include <vector>
 
 #include "common/bus/channels.hpp"
+#include "common/bus/memory_bus.hpp"
 #include "common/experiment/experiment_file.hpp"
 #include "common/experiment/experiment_messages.hpp"
-#include "common/bus/memory_bus.hpp"
-#include "common/service/node.hpp"
-#include "common/math/units.hpp"
 #include "common/loop/virtual_loop.hpp"
+#include "common/math/units.hpp"
+#include "common/service/node.hpp"
 #include "runner/live/experiment_controller.hpp"
 
 namespace lab::runner::conductor_stop_test {
@@ -41,7 +41,7 @@ program = "abp"
 relative_error_percent = 10
 )";
 
-/// A conductor alone on the bus, and an analyzer whose errors fall as 1 / sqrt(t).
+/// A controller alone on the bus, and an analyzer whose errors fall as 1 / sqrt(t).
 class ConductorStops : public testing::Test {
  protected:
   struct End {
@@ -60,11 +60,12 @@ class ConductorStops : public testing::Test {
     Node analyzer(bus, loop, {"analyzer", 0, 1});
     std::optional<End> end;
     const std::int64_t begin = loop.now();
-    Conductor conductor({node, loop, experiment, "."}, writeExperiment(experiment),
-                        [&](Ending ending, const std::string& why) {
-                          if (!end) end = End{ending, why, units::seconds(loop.now() - begin)};
-                          loop.stop();
-                        });
+    ExperimentController controller({node, loop, experiment, "."}, writeExperiment(experiment),
+                                    [&](Ending ending, const std::string& why) {
+                                      if (!end)
+                                        end = End{ending, why, units::seconds(loop.now() - begin)};
+                                      loop.stop();
+                                    });
     loop.every(kSecond_us, begin + kSecond_us, [&] {
       analysis_t message{};
       message.utime = loop.now();
@@ -74,16 +75,15 @@ class ConductorStops : public testing::Test {
       message.num_estimates = 1;
       message.estimates[0].name = "D_r";
       message.estimates[0].value = 0.75;
-      message.estimates[0].sigma =
-          0.75 * first / std::sqrt(units::seconds(message.utime - begin));
+      message.estimates[0].sigma = 0.75 * first / std::sqrt(units::seconds(message.utime - begin));
       analyzer.publish(channels::kAnalysis, message);
-      progress_ = conductor.progress();
+      progress_ = controller.progress();
     });
     node.start();
     analyzer.start();
-    conductor.begin();
+    controller.begin();
     loop.run();
-    faults_ = conductor.faults();
+    faults_ = controller.faults();
     return end.value_or(End{});
   }
 
@@ -95,7 +95,8 @@ TEST_F(ConductorStops, EndsTheRunWhenTheNumberIsKnown) {
   const End end = play(0.5);  // 10 % after 25 s
   EXPECT_EQ(end.ending, Ending::kDone);
   EXPECT_NEAR(end.at, 25, 1.01);  // 0.5 / sqrt(25) may round to more than 0.1
-  EXPECT_THAT(end.why, StartsWith("stop_when: D_r of abp is known to 10 %: relative error 0.1 after"));
+  EXPECT_THAT(end.why,
+              StartsWith("stop_when: D_r of abp is known to 10 %: relative error 0.1 after"));
   EXPECT_TRUE(progress_.at_most);
   EXPECT_THAT(progress_.stop, StartsWith("D_r of abp 10"));
   EXPECT_THAT(progress_.stop, HasSubstr("wanted 10 %"));
@@ -105,8 +106,9 @@ TEST_F(ConductorStops, MarksARunThatDidNotGetThere) {
   const End end = play(2);
   EXPECT_EQ(end.ending, Ending::kUnmet);
   EXPECT_GE(end.at, 60);
-  EXPECT_THAT(end.why, StartsWith("stop_when was not reached; D_r of abp is known to 10 %: relative "
-                                  "error 0.2"));
+  EXPECT_THAT(end.why,
+              StartsWith("stop_when was not reached; D_r of abp is known to 10 %: relative "
+                         "error 0.2"));
   EXPECT_EQ(faults_.back(), end.why);
 }
 

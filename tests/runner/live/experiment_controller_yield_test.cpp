@@ -7,12 +7,12 @@
 #include <vector>
 
 #include "common/bus/channels.hpp"
+#include "common/bus/memory_bus.hpp"
 #include "common/experiment/experiment_file.hpp"
 #include "common/experiment/experiment_messages.hpp"
-#include "common/bus/memory_bus.hpp"
-#include "common/service/node.hpp"
-#include "common/math/units.hpp"
 #include "common/loop/virtual_loop.hpp"
+#include "common/math/units.hpp"
+#include "common/service/node.hpp"
 #include "runner/live/experiment_controller.hpp"
 
 namespace lab::runner {
@@ -60,11 +60,11 @@ TEST(ConductorYields, WhileSomebodyElsesLeaseRuns) {
     orders.push_back({now(), order.mode, order.robot_ids, command.seq});
   });
   bool over = false;
-  Conductor conductor({node, loop, experiment, "."}, writeExperiment(experiment),
-                      [&](Ending /*ending*/, const std::string& /*why*/) {
-                        over = true;
-                        loop.stop();
-                      });
+  ExperimentController controller({node, loop, experiment, "."}, writeExperiment(experiment),
+                                  [&](Ending /*ending*/, const std::string& /*why*/) {
+                                    over = true;
+                                    loop.stop();
+                                  });
   robot_order_t stand{};
   stand.mode = robot_order_t::STAND;
   stand.robot_ids = {1};
@@ -81,7 +81,7 @@ TEST(ConductorYields, WhileSomebodyElsesLeaseRuns) {
   });
   node.start();
   other.start();
-  conductor.begin();
+  controller.begin();
   loop.run();
 
   EXPECT_TRUE(over);

@@ -98,7 +98,8 @@ TEST(Handshake, ARobotThatIsNotRecognisedHasASecondTurnAtTheEnd) {
   std::vector<std::int32_t> turned;
   std::int64_t now = 0;
   for (; !(now > 0 && handshake.done()) && now < 100 * kSecond_us; now += 20'000) {
-    if (handshake.advance(now, kObeys) && (turned.empty() || turned.back() != turning(handshake.command()))) {
+    if (handshake.advance(now, kObeys) &&
+        (turned.empty() || turned.back() != turning(handshake.command()))) {
       turned.push_back(turning(handshake.command()));
     }
     if (!turned.empty() && turned.back() == 2) handshake.see(frameWith({2}));

@@ -21,9 +21,9 @@ class PulseWatchTest : public testing::Test {
     }
   }
 
-  PulseWatch dut;
+  HeartbeatMonitor dut;
   std::int64_t now = 1'000 * kSecond_us;
-  std::vector<PulseWatch::Change> changes;
+  std::vector<HeartbeatMonitor::Change> changes;
 };
 
 TEST_F(PulseWatchTest, SaysOnceWhoHasFallenSilentAndThatItIsBack) {

@@ -21,15 +21,17 @@ TEST(ProgressText, SaysHowFarTheRulesAreThatEndTheRun) {
   progress.left = 75.2;
   progress.at_most = true;
   progress.stop = "D_r of abp 7.3 %, wanted 5 %: about 12 s";
-  EXPECT_EQ(progressText(progress),
-            "at most 76 s left | D_r of abp 7.3 %, wanted 5 %: about 12 s | light - | 0 robots seen "
-            "| no robot | 0 lost");
+  EXPECT_EQ(
+      progressText(progress),
+      "at most 76 s left | D_r of abp 7.3 %, wanted 5 %: about 12 s | light - | 0 robots seen "
+      "| no robot | 0 lost");
 }
 
 TEST(ProgressText, SpeaksOfMinutesAndHoursWhenThereAreMany) {
   Progress progress;
   progress.left = 600;
-  EXPECT_EQ(progressText(progress), "10 min 00 s left | light - | 0 robots seen | no robot | 0 lost");
+  EXPECT_EQ(progressText(progress),
+            "10 min 00 s left | light - | 0 robots seen | no robot | 0 lost");
   progress.left = 2 * 3600 + 90;
   EXPECT_EQ(progressText(progress).substr(0, 15), "2 h 01 min left");
 }

@@ -29,7 +29,7 @@ class Desk : public testing::Test {
 
   std::vector<experiment_command_t> obeyed_;
   std::string refusal_;
-  WishDesk desk_{[this](const experiment_command_t& wish) {
+  RequestLog desk_{[this](const experiment_command_t& wish) {
     obeyed_.push_back(wish);
     return refusal_;
   }};

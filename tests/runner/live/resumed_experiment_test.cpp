@@ -51,9 +51,9 @@ TEST(ResumedExperiment, MovesApartWhatNoiseMadeOverlapSoThatTheFileLoads) {
   const Experiment resumed = resumedExperiment(
       threeRobots(), {{1, at(0.500, 0.4)}, {2, at(0.573, 0.4)}, {3, at(0.001, 0.899)}}, 1);
   const auto& robots = resumed.robots;
-  EXPECT_GE(std::hypot(robots[1].start->x - robots[0].start->x,
-                       robots[1].start->y - robots[0].start->y),
-            0.075);
+  EXPECT_GE(
+      std::hypot(robots[1].start->x - robots[0].start->x, robots[1].start->y - robots[0].start->y),
+      0.075);
   EXPECT_NEAR(robots[0].start->x, 0.499, 1e-3);
   EXPECT_NO_THROW(static_cast<void>(parseExperiment(writeExperiment(resumed), "resumed")));
 }

@@ -100,7 +100,7 @@ TEST_F(LabRegistry, ForgetsLabsWhoseRunnerDied) {
 
 TEST_F(LabRegistry, ClearsAwayWhatDeadRunnersKept) {
   fs::create_directories(registryDirectory());
-  const fs::path mine = ownFile(".web.txt");
+  const fs::path mine = registryFile(".web.txt");
   std::ofstream(mine) << "";
   for (const char* ending : {".web", ".web.txt", ".web.part", ".web.html"}) {
     std::ofstream(registryDirectory() / (std::string("999999999") + ending)) << "";
@@ -110,7 +110,7 @@ TEST_F(LabRegistry, ClearsAwayWhatDeadRunnersKept) {
   for (const auto& entry : fs::directory_iterator(registryDirectory())) left.push_back(entry);
   EXPECT_THAT(left, testing::ElementsAre(mine));
   {
-    const OwnFile dut(".web.txt");
+    const RegistryFile dut(".web.txt");
     EXPECT_EQ(dut.path(), mine);
   }
   EXPECT_FALSE(fs::exists(mine));

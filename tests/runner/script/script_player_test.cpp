@@ -76,7 +76,7 @@ std::vector<std::pair<double, std::size_t>> showings(const Experiment& experimen
       ADD_FAILURE() << "nothing happened when it was due";
       break;
     }
-    if (turn->kind != Turn::Kind::kStep) {
+    if (turn->kind != ScriptTransition::Kind::kStep) {
       shown.emplace_back(static_cast<double>(*due - kStart) * 1e-6, 99);
       continue;
     }
@@ -104,18 +104,16 @@ TEST(ScriptPlayer, ALongRunOfPassesDoesNotDriftByTheMicrosecond) {
 }
 
 TEST(ScriptPlayer, ShowsAGroupAsOftenAsItSaysAndEndsTheRunWithItsLastStep) {
-  EXPECT_THAT(showings(experimentOf({held("a", 1), held("b", 2), back(held("c", 3), "b", 2),
-                                     held("d", 1)},
-                                    20)),
-              ElementsAre(std::pair(0.0, 0U), std::pair(1.0, 1U), std::pair(3.0, 2U),
-                          std::pair(6.0, 1U), std::pair(8.0, 2U), std::pair(11.0, 3U),
-                          std::pair(12.0, 99U)));
+  EXPECT_THAT(
+      showings(
+          experimentOf({held("a", 1), held("b", 2), back(held("c", 3), "b", 2), held("d", 1)}, 20)),
+      ElementsAre(std::pair(0.0, 0U), std::pair(1.0, 1U), std::pair(3.0, 2U), std::pair(6.0, 1U),
+                  std::pair(8.0, 2U), std::pair(11.0, 3U), std::pair(12.0, 99U)));
 }
 
 TEST(ScriptPlayer, ShowsGroupsWithinGroupsAndAStepThatRepeatsItself) {
-  const auto shown =
-      showings(experimentOf({held("a", 1), back(held("b", 1), "b", 2), back(held("c", 1), "a", 2)},
-                            100));
+  const auto shown = showings(
+      experimentOf({held("a", 1), back(held("b", 1), "b", 2), back(held("c", 1), "a", 2)}, 100));
   std::vector<std::size_t> order;
   for (const auto& [when, index] : shown) order.push_back(index);
   EXPECT_THAT(order, ElementsAre(0U, 1U, 1U, 2U, 0U, 1U, 1U, 2U, 99U));
@@ -136,7 +134,7 @@ TEST(ScriptPlayer, GoesOnAtOnceWhenTheConditionIsMetAndNamesTheSample) {
   player.take(frameAt(2, 0.05));
   const auto turn = player.turn(at(2.02));
   ASSERT_TRUE(turn);
-  EXPECT_EQ(turn->kind, Turn::Kind::kStep);
+  EXPECT_EQ(turn->kind, ScriptTransition::Kind::kStep);
   EXPECT_EQ(turn->index, 1U);
   EXPECT_EQ(turn->ended_by, "a robot is in the circle of radius 10 cm around 0, 0 cm; sample " +
                                 std::to_string(at(2)));
@@ -159,9 +157,9 @@ TEST(ScriptPlayer, ASampleOfBeforeTheStepDoesNotCount) {
 }
 
 TEST(ScriptPlayer, ALimitThatComesFirstIsAFaultWhateverFollows) {
-  for (const auto& [if_not, kind] : {std::pair(IfNot::kNext, Turn::Kind::kStep),
-                                     std::pair(IfNot::kEnd, Turn::Kind::kEnd),
-                                     std::pair(IfNot::kSafe, Turn::Kind::kSafe)}) {
+  for (const auto& [if_not, kind] : {std::pair(IfNot::kNext, ScriptTransition::Kind::kStep),
+                                     std::pair(IfNot::kEnd, ScriptTransition::Kind::kEnd),
+                                     std::pair(IfNot::kSafe, ScriptTransition::Kind::kSafe)}) {
     const Experiment experiment = experimentOf({corner("go", 30, if_not), held("then", 5)}, 100);
     ScriptPlayer player(experiment);
     player.begin(kStart);
@@ -187,7 +185,7 @@ TEST(ScriptPlayer, TheLastStepsConditionEndsTheRun) {
   player.take(frameAt(3, 0));
   const auto turn = player.turn(at(3));
   ASSERT_TRUE(turn);
-  EXPECT_EQ(turn->kind, Turn::Kind::kOver);
+  EXPECT_EQ(turn->kind, ScriptTransition::Kind::kOver);
   EXPECT_THAT(turn->ended_by, HasSubstr("sample"));
 }
 
@@ -198,7 +196,7 @@ TEST(ScriptPlayer, ALimitThatFallsOnTheRunsEndIsAFaultToo) {
   ASSERT_TRUE(player.turn(at(0)));
   const auto turn = player.turn(at(30));
   ASSERT_TRUE(turn);
-  EXPECT_EQ(turn->kind, Turn::Kind::kSafe);
+  EXPECT_EQ(turn->kind, ScriptTransition::Kind::kSafe);
   EXPECT_THAT(turn->fault, HasSubstr("no robot was seen"));
 }
 
@@ -222,7 +220,7 @@ TEST(ScriptPlayer, ARepeatingScriptIsCutByTheRunsEndWithoutAFault) {
   ASSERT_TRUE(player.turn(at(0)));
   const auto turn = player.turn(at(10));
   ASSERT_TRUE(turn);
-  EXPECT_EQ(turn->kind, Turn::Kind::kOver);
+  EXPECT_EQ(turn->kind, ScriptTransition::Kind::kOver);
   EXPECT_EQ(turn->fault, "");
 }
 

@@ -67,8 +67,9 @@ TEST(StopRules, EndTheRunWhenTheEstimateIsKnown) {
             "stop_when was not reached; D_r of abp is known to 5 %: relative error 0.0999, "
             "wanted 0.05");
   dut.take(heard(experiment, 401, 0.0499, 1));
-  EXPECT_EQ(dut.met(), "stop_when: D_r of abp is known to 5 %: relative error 0.0499 after 401 s, "
-                       "sample 402000000");
+  EXPECT_EQ(dut.met(),
+            "stop_when: D_r of abp is known to 5 %: relative error 0.0499 after 401 s, "
+            "sample 402000000");
 }
 
 TEST(StopRules, AllOfThemHaveToHoldAtATime) {
@@ -86,8 +87,7 @@ TEST(StopRules, AllOfThemHaveToHoldAtATime) {
 }
 
 TEST(StopRules, OneIsEnoughWhereAnyIs) {
-  const Experiment experiment =
-      experimentWith({rule("D_r", 0.05), rule("v", 0.01)}, StopOn::kAny);
+  const Experiment experiment = experimentWith({rule("D_r", 0.05), rule("v", 0.01)}, StopOn::kAny);
   StopRules dut(experiment);
   dut.begin(kBegin);
   dut.take(heard(experiment, 10, 0.4, 0.02));

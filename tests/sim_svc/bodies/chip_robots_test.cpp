@@ -8,9 +8,9 @@
 #include <csignal>
 #include <fstream>
 
-#include "common/serial/memory_serial.hpp"
-#include "common/math/random.hpp"
 #include "common/loop/virtual_loop.hpp"
+#include "common/math/random.hpp"
+#include "common/serial/memory_serial.hpp"
 #include "robot/firmware/settings.hpp"
 #include "sim_svc/bodies/external_robots.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -54,7 +54,7 @@ struct Bench {
                                      [this](const std::string& what) { reports.push_back(what); });
     robots = driver.get();
     outer.add(std::move(driver));
-    loop.every(OuterRobots::kSlice_us, start, [this] { follow(); });
+    loop.every(ExternalRobots::kSlice_us, start, [this] { follow(); });
   }
 
   void follow() { outer.advanceTo(loop.now() - start); }
@@ -65,7 +65,7 @@ struct Bench {
   MemorySerial ports{loop};
   StepLight light{0.6, 0.5, 0.5};
   World world;
-  OuterRobots outer{world, ports, [this] { follow(); }};
+  ExternalRobots outer{world, ports, [this] { follow(); }};
   ChipRobots* robots = nullptr;
   std::vector<std::string> reports;
 };
@@ -232,9 +232,9 @@ void makeProgram(const fs::path& path, const std::string& script) {
 TEST(ChipRobotsStart, WhatIsMissingIsNamedWithTheWayOut) {
   TemporaryFolder folder;
   EXPECT_THAT([&] { startIn(folder / ""); },
-              ThrowsMessage<std::runtime_error>(
-                  AllOf(HasSubstr("robot 7"), HasSubstr("robot_emulator: not there"),
-                        HasSubstr("libsimavr-dev"))));
+              ThrowsMessage<std::runtime_error>(AllOf(HasSubstr("robot 7"),
+                                                      HasSubstr("robot_emulator: not there"),
+                                                      HasSubstr("libsimavr-dev"))));
   makeProgram(folder / "robot_emulator", "exit 0");
   EXPECT_THAT([&] { startIn(folder / ""); },
               ThrowsMessage<std::runtime_error>(

@@ -19,7 +19,7 @@ using testing::HasSubstr;
 using testing::ThrowsMessage;
 
 constexpr std::int64_t kSecond_us = 1'000'000;
-constexpr std::int64_t kFirst = 1'000 * kSecond_us;   // the first frame of the recording
+constexpr std::int64_t kFirst = 1'000 * kSecond_us;    // the first frame of the recording
 constexpr std::int64_t kScript = kFirst + kSecond_us;  // its script starts a second later
 constexpr std::int64_t kLive = 5'000 * kSecond_us;
 
@@ -144,12 +144,12 @@ TEST_F(ReplayRobotTest, WhatCannotBePlayedIsNamedInOneLine) {
   };
   EXPECT_THAT(loading("none.lcmlog", 3, 0),
               ThrowsMessage<std::runtime_error>(HasSubstr("none.lcmlog: there is no log")));
-  EXPECT_THAT(loading("log.lcmlog", 5, 0),
-              ThrowsMessage<std::runtime_error>(
-                  HasSubstr("no camera frame has robot 5; it has 3, 4")));
+  EXPECT_THAT(
+      loading("log.lcmlog", 5, 0),
+      ThrowsMessage<std::runtime_error>(HasSubstr("no camera frame has robot 5; it has 3, 4")));
   EXPECT_THAT(loading("log.lcmlog", 3, 60),
-              ThrowsMessage<std::runtime_error>(HasSubstr(
-                  "last seen 9.0 s after the start, so nothing is left from 60.0 s on")));
+              ThrowsMessage<std::runtime_error>(
+                  HasSubstr("last seen 9.0 s after the start, so nothing is left from 60.0 s on")));
 }
 
 }  // namespace

@@ -5,9 +5,9 @@
 
 #include <cmath>
 
-#include "common/serial/memory_serial.hpp"
-#include "common/math/random.hpp"
 #include "common/loop/virtual_loop.hpp"
+#include "common/math/random.hpp"
+#include "common/serial/memory_serial.hpp"
 #include "sim_svc/bodies/external_robots.hpp"
 #include "tests/support/wire_host.hpp"
 #include "tests/support/world_fixture.hpp"
@@ -40,7 +40,7 @@ struct Bench {
     auto driver = std::make_unique<WireRobots>(world, wire);
     robots = driver.get();
     outer.add(std::move(driver));
-    loop.every(OuterRobots::kSlice_us, start, [this] { follow(); });
+    loop.every(ExternalRobots::kSlice_us, start, [this] { follow(); });
   }
 
   void follow() { outer.advanceTo(loop.now() - start); }
@@ -51,7 +51,7 @@ struct Bench {
   MemorySerial ports{loop};
   StepLight light{0.6, 0.5, 0.5};
   World world;
-  OuterRobots outer{world, ports, [this] { follow(); }};
+  ExternalRobots outer{world, ports, [this] { follow(); }};
   WireRobots* robots = nullptr;
 };
 
@@ -194,7 +194,7 @@ TEST(WireRobots, SwitchProgramsByTheLightAndTurnBackFromARobotAhead) {
   Bench bench(idealHardware(), wireRobotAt(0.6, 0.45, 0));
   dynamics::CoreSettings settings = always(wheelsProgram(0.05, 0.05));
   settings.reversal.distance_um = 50000;
-  bench.world.moveGhost(bench.world.addGhost(), {0.75, 0.45});
+  bench.world.moveKinematicDisk(bench.world.addKinematicDisk(), {0.75, 0.45});
   WireHost host(bench.ports, "robot_07");
   host.configure(settings, 1);
   host.run(60'000);

@@ -252,7 +252,8 @@ TEST(PainterLight, FollowsTheProjectorsGammaAndVignetting) {
     const std::vector<float> seen = dim.expose({});
     for (const optics::Place place : {optics::Place{0.6, 0.45}, {0.1, 0.1}, {1.1, 0.6}}) {
       const optics::Pixel at = camera.project(place.x, place.y, 0);
-      const double share = (greyAt(seen, at) - greyAt(dark, at)) / (greyAt(white, at) - greyAt(dark, at));
+      const double share =
+          (greyAt(seen, at) - greyAt(dark, at)) / (greyAt(white, at) - greyAt(dark, at));
       // A floor point gets the light that is meant for a place a little nearer to the projector, at
       // cap height.
       const double up = settings.cap.height / settings.projector[2];

@@ -29,7 +29,7 @@ PainterSettings plain() {
 
 optics::ProjectorModel nominal() { return {kWidth, kHeight, 1920, 1080}; }
 
-optics::Bending bent() {
+optics::ProjectorWarp bent() {
   return {nominal(), optics::simulatedProjector(kWidth, kHeight, 1920, 1080, {0.15, 0.08, 0, 0})};
 }
 
@@ -65,10 +65,10 @@ optics::Pixel middleOfLight(CameraPainter& painter) {
 }
 
 /// Where a pixel of the disk's middle really falls: the place whose source it is.
-optics::Place fallsOf(const optics::Bending& bending, const optics::Place& wanted) {
+optics::Place fallsOf(const optics::ProjectorWarp& warp, const optics::Place& wanted) {
   optics::Place place = wanted;
   for (int i = 0; i < 50; ++i) {
-    const optics::Place source = bending.source(place).value();
+    const optics::Place source = warp.source(place).value();
     place.x += wanted.x - source.x;
     place.y += wanted.y - source.y;
   }
@@ -79,9 +79,9 @@ TEST(CameraPainterBending, ADiskIsSeenWhereItsLightFalls) {
   PainterSettings settings = plain();
   const optics::CameraModel camera(settings.camera);
   for (const bool straight : {true, false}) {
-    if (!straight) settings.bending = bent();
+    if (!straight) settings.warp = bent();
     CameraPainter painter(settings);
-    const optics::Place place = fallsOf(settings.bending, {0.95, 0.2});
+    const optics::Place place = fallsOf(settings.warp, {0.95, 0.2});
     const optics::Pixel expected = camera.project(place.x, place.y, optics::kSensorHeight);
     const optics::Pixel seen = middleOfLight(painter);
     // The disk's outline is bent too: its middle moves by about a hundredth of a pixel.
@@ -94,8 +94,8 @@ TEST(CameraPainterBending, ADiskIsSeenWhereItsLightFalls) {
 
 TEST(CameraPainterBending, DarkWhereThePictureDoesNotReach) {
   PainterSettings settings = plain();
-  settings.bending = {nominal(), optics::simulatedProjector(kWidth, kHeight, 1920, 1080,
-                                                            {0, 0, 0.1, 0})};
+  settings.warp = {nominal(),
+                   optics::simulatedProjector(kWidth, kHeight, 1920, 1080, {0, 0, 0.1, 0})};
   CameraPainter painter(settings);
   painter.setLight({{light::Layer{.intensity = 1}}, {}, 1});
   const std::vector<float> seen = painter.expose({});

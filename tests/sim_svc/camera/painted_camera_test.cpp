@@ -10,11 +10,11 @@
 #include <memory>
 #include <vector>
 
-#include "common/camera/memory_cameras.hpp"
 #include "common/bus/channels.hpp"
+#include "common/bus/memory_bus.hpp"
+#include "common/camera/memory_cameras.hpp"
 #include "common/experiment/experiment_file.hpp"
 #include "common/experiment/light_messages.hpp"
-#include "common/bus/memory_bus.hpp"
 #include "common/loop/virtual_loop.hpp"
 #include "light/optics/simulated_camera.hpp"
 #include "sim_svc/sim_service.hpp"

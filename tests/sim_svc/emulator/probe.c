@@ -50,9 +50,9 @@ static void pwm(void) {
   TCCR0A = 1 << COM0A1 | 1 << COM0B1 | 3;
   TCCR0B = 2;
   PORTB |= 2;
-  PORTD |= 1 << 2;  /* left forward */
+  PORTD |= 1 << 2; /* left forward */
   OCR0B = 100;
-  PORTB |= 1;       /* right backward */
+  PORTB |= 1; /* right backward */
   OCR0A = 200;
 }
 
@@ -69,17 +69,17 @@ int main(void) {
   put(cause);
   for (;;) {
     switch (get()) {
-      case 't':  /* a hundred bytes as fast as they go */
+      case 't': /* a hundred bytes as fast as they go */
         for (uint8_t i = 0; i < 100; ++i) put(i);
         break;
       case 'c':
         countBytes();
         break;
-      case 'd':  /* does not look for 20 ms */
+      case 'd': /* does not look for 20 ms */
         waitMs(20);
         put('d');
         break;
-      case 'w':  /* the watchdog resets in 16 ms */
+      case 'w': /* the watchdog resets in 16 ms */
         DDRB |= 7;
         PORTB |= 2;
         wdt_enable(WDTO_15MS);
@@ -89,23 +89,23 @@ int main(void) {
         pwm();
         put('p');
         break;
-      case 's':  /* sleeps for good */
+      case 's': /* sleeps for good */
         cli();
         sleep_enable();
         sleep_cpu();
         break;
-      case 'i':  /* sleeps, with a timer that wakes it each ms */
+      case 'i': /* sleeps, with a timer that wakes it each ms */
         OCR1A = 7999;
         TCCR1B = 1 << WGM12 | 1;
         TIMSK1 = 1 << OCIE1A;
         DDRD |= 1 << 2 | 1 << 3;
-        PORTD &= (uint8_t)~(1 << 2 | 1 << 3);  /* low, with interrupts 0 and 1 unused */
+        PORTD &= (uint8_t) ~(1 << 2 | 1 << 3); /* low, with interrupts 0 and 1 unused */
         sei();
         for (;;) {
           sleep_enable();
           sleep_cpu();
         }
-      case 'b':  /* sleeps, and sends a byte each ms */
+      case 'b': /* sleeps, and sends a byte each ms */
         OCR1A = 7999;
         TCCR1B = 1 << WGM12 | 1;
         TIMSK1 = 1 << OCIE1A;
@@ -115,7 +115,7 @@ int main(void) {
           sleep_enable();
           sleep_cpu();
         }
-      case 'e':  /* writes two bytes into the EEPROM and says when it is ready */
+      case 'e': /* writes two bytes into the EEPROM and says when it is ready */
         for (uint8_t i = 0; i < 2; ++i) {
           while ((EECR & 1 << EEPE) != 0) {
           }

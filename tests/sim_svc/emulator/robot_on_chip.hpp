@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "robot/firmware/settings.hpp"
-#include "sim_svc/emulator/chip.hpp"
 #include "robot/wire/config.hpp"
 #include "robot/wire/fields.hpp"
+#include "sim_svc/emulator/chip.hpp"
 
 namespace lab::emulator {
 
@@ -19,8 +19,8 @@ inline constexpr double kCyclesPerMs = kChipHz / 1000;
 inline constexpr std::uint32_t kTestUid = 0x51000042;
 inline constexpr std::uint32_t kLongLease = 1U << 30U;
 
-inline std::shared_ptr<const Program> shippedProgram() {
-  static const auto program = std::make_shared<const Program>(LAB_FIRMWARE_ELF);
+inline std::shared_ptr<const FirmwareImage> shippedProgram() {
+  static const auto program = std::make_shared<const FirmwareImage>(LAB_FIRMWARE_ELF);
   return program;
 }
 

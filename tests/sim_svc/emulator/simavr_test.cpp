@@ -27,7 +27,7 @@ constexpr std::uint64_t kMsCycles = 8000;
 class Probe {
  public:
   explicit Probe(ChipSettings settings = {}, bool on = true)
-      : chip_(std::make_shared<const Program>(LAB_PROBE_ELF), settings) {
+      : chip_(std::make_shared<const FirmwareImage>(LAB_PROBE_ELF), settings) {
     if (on) {
       chip_.switchOn();
       run(10);
@@ -277,8 +277,8 @@ TEST(Simulator, TimeGoesOnWhileItIsOff) {
 TEST(Simulator, WhatIsNoProgramIsRefusedInOneLine) {
   const auto complaint = [](const std::filesystem::path& path) {
     try {
-      Program program(path);
-    } catch (const ProgramError& error) {
+      FirmwareImage program(path);
+    } catch (const FirmwareImageError& error) {
       return std::string(error.what());
     }
     return std::string("accepted");

@@ -131,27 +131,27 @@ TEST(WorldCalibration, ARightCalibrationMakesARobotDriveWhatItIsTold) {
 TEST(WorldGhosts, AreSensedWhereTheyStandAndNotWhenHidden) {
   World dut(idealHardware(), externalAt(0.6, 0.45, 0));
   EXPECT_EQ(dut.measure(0).ir[0], 0);
-  const std::size_t ghost = dut.addGhost();
+  const std::size_t ghost = dut.addKinematicDisk();
   EXPECT_EQ(dut.measure(0).ir[0], 0);
-  dut.moveGhost(ghost, {0.6 + 0.075 + 0.025, 0.45});
+  dut.moveKinematicDisk(ghost, {0.6 + 0.075 + 0.025, 0.45});
   EXPECT_NEAR(dut.measure(0).ir[0], 1023 / 2.0, 1);
   EXPECT_EQ(dut.measure(0).ir[3], 0);
-  dut.moveGhost(ghost, {0.6 - 0.075 - 0.025, 0.45});
+  dut.moveKinematicDisk(ghost, {0.6 - 0.075 - 0.025, 0.45});
   EXPECT_EQ(dut.measure(0).ir[0], 0);
   EXPECT_NEAR(dut.measure(0).ir[3], 1023 / 2.0, 1);
-  dut.hideGhost(ghost);
+  dut.hideKinematicDisk(ghost);
   EXPECT_EQ(dut.measure(0).ir[3], 0);
-  dut.moveGhost(ghost, {0.6 - 0.075 - 0.025, 0.45});
+  dut.moveKinematicDisk(ghost, {0.6 - 0.075 - 0.025, 0.45});
   EXPECT_NE(dut.measure(0).ir[3], 0);
-  dut.moveGhost(ghost, {std::nan(""), 0.45});
-  dut.moveGhost(ghost, {1e300, -1e300});
+  dut.moveKinematicDisk(ghost, {std::nan(""), 0.45});
+  dut.moveKinematicDisk(ghost, {1e300, -1e300});
   EXPECT_EQ(dut.measure(0).ir[3], 0);
   dut.advanceTo(kSecond);
 }
 
 TEST(WorldGhosts, StopARobotThatRunsIntoThem) {
   World dut(idealHardware(), externalAt(0.3, 0.45, 0));
-  dut.moveGhost(dut.addGhost(), {0.6, 0.45});
+  dut.moveKinematicDisk(dut.addKinematicDisk(), {0.6, 0.45});
   dut.setMotors(0, {0, 255, 255});
   dut.advanceTo(3 * kSecond);
   EXPECT_NEAR(dut.pose(0).x, 0.6 - 0.075, 1e-6);
@@ -161,9 +161,9 @@ TEST(WorldGhosts, StopARobotThatRunsIntoThem) {
 
 TEST(WorldGhosts, PushARobotOutAlongTheLineOfCentres) {
   World dut(idealHardware(), externalAt(0.6, 0.45, 2));
-  const std::size_t ghost = dut.addGhost();
+  const std::size_t ghost = dut.addKinematicDisk();
   const Vec centre = {0.6 - 0.03, 0.45 - 0.04};  // 5 cm off: 2.5 cm too near
-  dut.moveGhost(ghost, centre);
+  dut.moveKinematicDisk(ghost, centre);
   EXPECT_NEAR(distance(centre, dut.pose(0)), 0.075, 1e-6);
   EXPECT_NEAR(dut.pose(0).x, 0.6 + 0.025 * 0.6, 1e-6);
   EXPECT_NEAR(dut.pose(0).y, 0.45 + 0.025 * 0.8, 1e-6);
@@ -173,7 +173,7 @@ TEST(WorldGhosts, PushARobotOutAlongTheLineOfCentres) {
 
 TEST(WorldGhosts, ARobotAtTheVerySamePlaceIsPushedOutToo) {
   World dut(idealHardware(), externalAt(0.6, 0.45, 0));
-  dut.moveGhost(dut.addGhost(), {0.6, 0.45});
+  dut.moveKinematicDisk(dut.addKinematicDisk(), {0.6, 0.45});
   EXPECT_NEAR(dut.pose(0).x, 0.6 + 0.075, 1e-6);
 }
 
@@ -182,7 +182,7 @@ TEST(WorldGhosts, WallsAndRobotsLimitThePushWhichGoesOnWhenTheyAreGone) {
   std::vector<RobotSetup> setups = {{1, dynamics::Pose{0.5, 0.45, 0}, true},
                                     {2, dynamics::Pose{0.58, 0.45, 0}, true}};
   World dut(idealHardware(), setups);
-  dut.moveGhost(dut.addGhost(), {0.44, 0.45});
+  dut.moveKinematicDisk(dut.addKinematicDisk(), {0.44, 0.45});
   EXPECT_NEAR(dut.pose(0).x, 0.58 - 0.075, 1e-6) << "as far as the other allows";
   EXPECT_EQ(dut.pose(1).x, 0.58) << "a push is not handed on";
   dut.setMotors(1, {0, 100, 100});
@@ -190,7 +190,7 @@ TEST(WorldGhosts, WallsAndRobotsLimitThePushWhichGoesOnWhenTheyAreGone) {
   EXPECT_NEAR(dut.pose(0).x, 0.44 + 0.075, 1e-6);
 
   World corner(idealHardware(), externalAt(0.04, 0.45, 0));
-  corner.moveGhost(corner.addGhost(), {0.09, 0.45});
+  corner.moveKinematicDisk(corner.addKinematicDisk(), {0.09, 0.45});
   EXPECT_NEAR(corner.pose(0).x, 0.0375, 1e-6);
 }
 
@@ -203,7 +203,7 @@ TEST(WorldGhosts, AndExternalRobotsChangeNoDrawOfTheOthers) {
   std::vector<RobotSetup> setups = robots(3);
   setups.push_back({4, std::nullopt, true});
   World more(settings, setups);
-  more.moveGhost(more.addGhost(), {19.9, 19.9});
+  more.moveKinematicDisk(more.addKinematicDisk(), {19.9, 19.9});
   more.setMotors(3, {5000, 100, -100});
   for (World* world : {&few, &more}) {
     startAll(*world, always(abpProgram()));
@@ -220,7 +220,7 @@ TEST(WorldGhosts, NeverOverlapARobotThatCanYield) {
   startAll(dut, always(abpProgram(0.1)));
   const StepLight light(0.6, 0.5, 0.5);
   dut.setLight(&light);
-  const std::size_t ghost = dut.addGhost();
+  const std::size_t ghost = dut.addKinematicDisk();
   int overlaps = 0;
   int frames = 0;
   // A real robot crosses the crowd at 20 cm/s, seen 50 times a second.
@@ -228,7 +228,7 @@ TEST(WorldGhosts, NeverOverlapARobotThatCanYield) {
     dut.advanceTo(at);
     const double phase = static_cast<double>(at) * 1e-6;
     const Vec centre = {0.6 + 0.5 * std::sin(0.4 * phase), 0.45 + 0.35 * std::cos(0.29 * phase)};
-    dut.moveGhost(ghost, centre);
+    dut.moveKinematicDisk(ghost, centre);
     for (std::size_t i = 0; i < dut.size(); ++i) {
       ++frames;
       overlaps += distance(centre, dut.pose(i)) < 0.075 - 1e-6 ? 1 : 0;

@@ -22,7 +22,7 @@ __attribute__((format(printf, 1, 2))) std::string sentence(const char* format, .
 
 }  // namespace
 
-double mostSurprise(const Tally& tally) {
+double allowedNees(const Tally& tally) {
   return 0.1 + 3 * std::sqrt(2 / (kFreedoms * std::max(tally.surprises, 1)));
 }
 
@@ -36,14 +36,14 @@ double chanceOf(int count, double expected) {
   return std::max(0.0, 1 - fewer);
 }
 
-std::vector<Shortfall> shortOf(const Bars& bars, const Tally& tally) {
+std::vector<Shortfall> shortOf(const AcceptanceLimits& bars, const Tally& tally) {
   std::vector<Shortfall> out;
   const int missed = tally.robots - tally.found + tally.flipped;
   if (chanceOf(missed, (1 - bars.recall) * tally.robots) < kRarely) {
-    out.push_back({sentence("%d of %d robots missed or turned round: %.2f %%, wanted %.2f %%",
-                            missed, tally.robots, 100.0 - 100.0 * missed / tally.robots,
-                            100 * bars.recall),
-                   chanceOf(missed, (1 - bars.recall_known) * tally.robots) >= kRarely});
+    out.push_back(
+        {sentence("%d of %d robots missed or turned round: %.2f %%, wanted %.2f %%", missed,
+                  tally.robots, 100.0 - 100.0 * missed / tally.robots, 100 * bars.recall),
+         chanceOf(missed, (1 - bars.recall_known) * tally.robots) >= kRarely});
   }
   if (std::isfinite(bars.wrong) && chanceOf(tally.wrong, bars.wrong * tally.frames) < kRarely) {
     out.push_back({sentence("%d wrong poses in %d pictures, allowed %.2f a picture", tally.wrong,
@@ -57,9 +57,9 @@ std::vector<Shortfall> shortOf(const Bars& bars, const Tally& tally) {
     out.push_back(
         {sentence("headings off by %.4f degrees, allowed %.4f", tally.heading, bars.heading)});
   }
-  if (bars.honest && !(std::abs(tally.surprise - 1) <= mostSurprise(tally))) {
+  if (bars.honest && !(std::abs(tally.surprise - 1) <= allowedNees(tally))) {
     out.push_back({sentence("errors squared %.3f times what is claimed, wanted 1 +- %.3f",
-                            tally.surprise, mostSurprise(tally))});
+                            tally.surprise, allowedNees(tally))});
   }
   return out;
 }

@@ -8,31 +8,40 @@ namespace {
 
 // The bars that the project has set itself. Light that is soft and strong at once (waves, noise)
 // has none, nor have wrong poses in room light alone and where the light has slopes or edges.
-constexpr Bars kAll{.recall = 1, .wrong = 0};
-constexpr Bars kAllHonest{.recall = 1, .wrong = 0, .honest = true};
-constexpr Bars kClean{.recall = 1, .wrong = 0, .position = 0.012, .heading = 0.03, .honest = true};
-constexpr Bars kDim{.recall = 1, .wrong = 0, .position = 0.03, .honest = true};
-constexpr Bars kDimJpeg{.recall = 0.995, .wrong = 0, .honest = true};
-constexpr Bars kDark{.recall = 0.99, .honest = true};
-constexpr Bars kSlope{.recall = 0.995, .position = 0.015};
-constexpr Bars kEdge{.recall = 0.995};
-constexpr Bars kEdges{.recall = 0.995, .position = 0.2};  // across nearly every circle
-constexpr Bars kHard{.recall = 0.99};
-constexpr Bars kFloor{.recall = 1, .wrong = 0.1};  // pairs on the bare floor
+constexpr AcceptanceLimits kAll{.recall = 1, .wrong = 0};
+constexpr AcceptanceLimits kAllHonest{.recall = 1, .wrong = 0, .honest = true};
+constexpr AcceptanceLimits kClean{
+    .recall = 1, .wrong = 0, .position = 0.012, .heading = 0.03, .honest = true};
+constexpr AcceptanceLimits kDim{.recall = 1, .wrong = 0, .position = 0.03, .honest = true};
+constexpr AcceptanceLimits kDimJpeg{.recall = 0.995, .wrong = 0, .honest = true};
+constexpr AcceptanceLimits kDark{.recall = 0.99, .honest = true};
+constexpr AcceptanceLimits kSlope{.recall = 0.995, .position = 0.015};
+constexpr AcceptanceLimits kEdge{.recall = 0.995};
+constexpr AcceptanceLimits kEdges{.recall = 0.995, .position = 0.2};  // across nearly every circle
+constexpr AcceptanceLimits kHard{.recall = 0.99};
+constexpr AcceptanceLimits kFloor{.recall = 1, .wrong = 0.1};  // pairs on the bare floor
 // Under a reflection black paint may be as bright as white paint.
-constexpr Bars kGlare{.recall = 1, .wrong = 0, .recall_known = 0.985};
+constexpr AcceptanceLimits kGlare{.recall = 1, .wrong = 0, .recall_known = 0.985};
 
-constexpr Kind kWorst{.name = "worst_720", .robots = 50, .shown = Shown::kHalf, .low = 0.12,
-                      .blur = 1.5, .read_noise = 2, .speed = 0.1, .debris = 12, .decoys = 3,
-                      .glares = 2, .bars = kHard};
+constexpr SceneKind kWorst{.name = "worst_720",
+                           .robots = 50,
+                           .shown = SceneLight::kHalf,
+                           .low = 0.12,
+                           .blur = 1.5,
+                           .read_noise = 2,
+                           .speed = 0.1,
+                           .debris = 12,
+                           .decoys = 3,
+                           .glares = 2,
+                           .bars = kHard};
 
-constexpr Kind with(Kind kind, const char* name, auto change) {
+constexpr SceneKind with(SceneKind kind, const char* name, auto change) {
   kind.name = name;
   change(kind);
   return kind;
 }
 
-constexpr Kind kKinds[] = {
+constexpr SceneKind kKinds[] = {
     {.name = "clean_720", .bars = kClean},
     {.name = "clean_1080", .rows = 1080, .bars = kAllHonest},
     {.name = "light_uniform05", .high = 0.05, .bars = kAllHonest},
@@ -40,67 +49,168 @@ constexpr Kind kKinds[] = {
     {.name = "light_over", .brightness = 1.5, .bars = kAll},
     {.name = "light_ambient", .high = 0, .bars = kDark},
     {.name = "light_ambient_1080", .rows = 1080, .high = 0, .bars = kDark},
-    {.name = "light_half_100_30", .shown = Shown::kHalf, .low = 0.30, .bars = kEdge},
-    {.name = "light_half_100_12", .shown = Shown::kHalf, .low = 0.12, .bars = kEdge},
-    {.name = "light_half_100_0", .shown = Shown::kHalf, .low = 0, .bars = kEdge},
-    {.name = "light_half_100_30_1080", .rows = 1080, .shown = Shown::kHalf, .low = 0.30,
+    {.name = "light_half_100_30", .shown = SceneLight::kHalf, .low = 0.30, .bars = kEdge},
+    {.name = "light_half_100_12", .shown = SceneLight::kHalf, .low = 0.12, .bars = kEdge},
+    {.name = "light_half_100_0", .shown = SceneLight::kHalf, .low = 0, .bars = kEdge},
+    {.name = "light_half_100_30_1080",
+     .rows = 1080,
+     .shown = SceneLight::kHalf,
+     .low = 0.30,
      .bars = kEdge},
-    {.name = "light_half_100_12_1080", .rows = 1080, .shown = Shown::kHalf, .low = 0.12,
+    {.name = "light_half_100_12_1080",
+     .rows = 1080,
+     .shown = SceneLight::kHalf,
+     .low = 0.12,
      .bars = kEdge},
-    {.name = "light_half_100_0_1080", .rows = 1080, .shown = Shown::kHalf, .low = 0, .bars = kEdge},
-    {.name = "light_gradient", .shown = Shown::kGradient, .low = 0.12, .bars = kSlope},
-    {.name = "light_gradient_1080", .rows = 1080, .shown = Shown::kGradient, .low = 0.12,
+    {.name = "light_half_100_0_1080",
+     .rows = 1080,
+     .shown = SceneLight::kHalf,
+     .low = 0,
      .bars = kEdge},
-    {.name = "light_radial", .shown = Shown::kRadial, .low = 0.10, .size = 0.6, .bars = kEdge},
-    {.name = "light_stripes", .shown = Shown::kStripes, .low = 0.35, .size = 0.08, .bars = kEdges},
-    {.name = "light_stripes_dark", .shown = Shown::kStripes, .low = 0.10, .size = 0.08,
+    {.name = "light_gradient", .shown = SceneLight::kGradient, .low = 0.12, .bars = kSlope},
+    {.name = "light_gradient_1080",
+     .rows = 1080,
+     .shown = SceneLight::kGradient,
+     .low = 0.12,
+     .bars = kEdge},
+    {.name = "light_radial", .shown = SceneLight::kRadial, .low = 0.10, .size = 0.6, .bars = kEdge},
+    {.name = "light_stripes",
+     .shown = SceneLight::kStripes,
+     .low = 0.35,
+     .size = 0.08,
      .bars = kEdges},
-    {.name = "light_stripes_fine", .shown = Shown::kStripes, .low = 0.35, .size = 0.03,
+    {.name = "light_stripes_dark",
+     .shown = SceneLight::kStripes,
+     .low = 0.10,
+     .size = 0.08,
      .bars = kEdges},
-    {.name = "light_checker", .shown = Shown::kChecker, .low = 0.25, .size = 0.10, .bars = kEdges},
-    {.name = "light_disks", .shown = Shown::kDisks, .low = 0.12, .size = 0.10, .bars = kEdge},
-    {.name = "light_disks_small", .shown = Shown::kDisks, .low = 0.12, .size = 0.05, .bars = kEdge},
-    {.name = "light_disks_black", .shown = Shown::kDisks, .low = 0.02, .size = 0.10, .bars = kEdge},
-    {.name = "light_spots", .shown = Shown::kRobots, .low = 0.25, .size = 0.05, .bars = kEdge},
-    {.name = "light_spots_3cm", .shown = Shown::kRobots, .low = 0.12, .size = 0.03, .bars = kEdge},
-    {.name = "light_wave", .shown = Shown::kWave, .low = 0.10, .size = 0.10},
-    {.name = "light_noise", .shown = Shown::kNoise, .low = 0.10, .size = 0.06},
-    {.name = "geo_pairs", .places = Places::kPairs, .bars = kAll},
-    {.name = "geo_chains_half", .shown = Shown::kHalf, .low = 0.12, .places = Places::kChains,
+    {.name = "light_stripes_fine",
+     .shown = SceneLight::kStripes,
+     .low = 0.35,
+     .size = 0.03,
+     .bars = kEdges},
+    {.name = "light_checker",
+     .shown = SceneLight::kChecker,
+     .low = 0.25,
+     .size = 0.10,
+     .bars = kEdges},
+    {.name = "light_disks", .shown = SceneLight::kDisks, .low = 0.12, .size = 0.10, .bars = kEdge},
+    {.name = "light_disks_small",
+     .shown = SceneLight::kDisks,
+     .low = 0.12,
+     .size = 0.05,
      .bars = kEdge},
-    {.name = "geo_hex", .places = Places::kHexagons, .bars = kAll},
-    {.name = "geo_walls", .places = Places::kAtWalls, .bars = kAll},
+    {.name = "light_disks_black",
+     .shown = SceneLight::kDisks,
+     .low = 0.02,
+     .size = 0.10,
+     .bars = kEdge},
+    {.name = "light_spots", .shown = SceneLight::kRobots, .low = 0.25, .size = 0.05, .bars = kEdge},
+    {.name = "light_spots_3cm",
+     .shown = SceneLight::kRobots,
+     .low = 0.12,
+     .size = 0.03,
+     .bars = kEdge},
+    {.name = "light_wave", .shown = SceneLight::kWave, .low = 0.10, .size = 0.10},
+    {.name = "light_noise", .shown = SceneLight::kNoise, .low = 0.10, .size = 0.06},
+    {.name = "geo_pairs", .places = RobotPlacement::kPairs, .bars = kAll},
+    {.name = "geo_chains_half",
+     .shown = SceneLight::kHalf,
+     .low = 0.12,
+     .places = RobotPlacement::kChains,
+     .bars = kEdge},
+    {.name = "geo_hex", .places = RobotPlacement::kHexagons, .bars = kAll},
+    {.name = "geo_walls", .places = RobotPlacement::kAtWalls, .bars = kAll},
     {.name = "dis_empty", .robots = 0, .bars = kAll},
     {.name = "dis_debris", .debris = 25, .bars = kAll},
     {.name = "dis_decoys", .decoys = 10, .bars = kAll},
     {.name = "dis_floorpair", .robots = 5, .floor_pairs = 4, .bars = kFloor},
     {.name = "dis_glare", .glares = 4, .bars = kGlare},
-    {.name = "dis_nobody_half", .robots = 0, .shown = Shown::kHalf, .low = 0.12, .debris = 25,
-     .decoys = 10, .floor_pairs = 10, .bars = kFloor},
-    {.name = "dis_nobody_checker", .robots = 0, .shown = Shown::kChecker, .low = 0.25,
-     .size = 0.05, .debris = 25, .decoys = 10, .floor_pairs = 10, .bars = kFloor},
-    {.name = "dis_nobody_stripes", .robots = 0, .shown = Shown::kStripes, .low = 0.10,
-     .size = 0.03, .debris = 25, .decoys = 10, .floor_pairs = 10, .bars = kFloor},
-    {.name = "dis_nobody_disks", .robots = 0, .shown = Shown::kDisks, .low = 0.02, .size = 0.03,
-     .debris = 25, .decoys = 10, .floor_pairs = 10, .bars = kFloor},
-    {.name = "dis_nobody_dark", .robots = 0, .high = 0, .debris = 25, .decoys = 10,
-     .floor_pairs = 10, .bars = kFloor},
-    {.name = "dis_nobody_jpeg", .robots = 0, .high = 0.12, .debris = 25, .decoys = 10,
-     .floor_pairs = 10, .jpeg = 50, .bars = kFloor},
+    {.name = "dis_nobody_half",
+     .robots = 0,
+     .shown = SceneLight::kHalf,
+     .low = 0.12,
+     .debris = 25,
+     .decoys = 10,
+     .floor_pairs = 10,
+     .bars = kFloor},
+    {.name = "dis_nobody_checker",
+     .robots = 0,
+     .shown = SceneLight::kChecker,
+     .low = 0.25,
+     .size = 0.05,
+     .debris = 25,
+     .decoys = 10,
+     .floor_pairs = 10,
+     .bars = kFloor},
+    {.name = "dis_nobody_stripes",
+     .robots = 0,
+     .shown = SceneLight::kStripes,
+     .low = 0.10,
+     .size = 0.03,
+     .debris = 25,
+     .decoys = 10,
+     .floor_pairs = 10,
+     .bars = kFloor},
+    {.name = "dis_nobody_disks",
+     .robots = 0,
+     .shown = SceneLight::kDisks,
+     .low = 0.02,
+     .size = 0.03,
+     .debris = 25,
+     .decoys = 10,
+     .floor_pairs = 10,
+     .bars = kFloor},
+    {.name = "dis_nobody_dark",
+     .robots = 0,
+     .high = 0,
+     .debris = 25,
+     .decoys = 10,
+     .floor_pairs = 10,
+     .bars = kFloor},
+    {.name = "dis_nobody_jpeg",
+     .robots = 0,
+     .high = 0.12,
+     .debris = 25,
+     .decoys = 10,
+     .floor_pairs = 10,
+     .jpeg = 50,
+     .bars = kFloor},
     {.name = "opt_jpeg", .jpeg = 75, .bars = kAll},
     {.name = "opt_jpeg_12", .high = 0.12, .jpeg = 75, .bars = kAllHonest},
     {.name = "opt_jpeg_05", .high = 0.05, .jpeg = 75, .bars = kDimJpeg},
-    {.name = "opt_jpeg_half", .shown = Shown::kHalf, .low = 0.12, .jpeg = 75, .bars = kEdge},
+    {.name = "opt_jpeg_half", .shown = SceneLight::kHalf, .low = 0.12, .jpeg = 75, .bars = kEdge},
     {.name = "opt_jpeg_worn", .high = 0.12, .jpeg = 50, .bars = kHard},
     {.name = "opt_gamma", .gamma = 2.2, .bars = kAllHonest},
     {.name = "opt_gamma_05", .high = 0.05, .gamma = 2.2, .bars = kAllHonest},
-    {.name = "opt_gamma_half", .shown = Shown::kHalf, .low = 0.12, .gamma = 2.2, .bars = kEdge},
+    {.name = "opt_gamma_half",
+     .shown = SceneLight::kHalf,
+     .low = 0.12,
+     .gamma = 2.2,
+     .bars = kEdge},
     {.name = "opt_webcam", .gamma = 2.2, .sharpened = 1, .jpeg = 75, .bars = kAll},
-    {.name = "opt_webcam_12", .high = 0.12, .gamma = 2.2, .sharpened = 1, .jpeg = 75, .bars = kHard},
-    {.name = "opt_webcam_half", .shown = Shown::kHalf, .low = 0.12, .gamma = 2.2, .sharpened = 1,
-     .jpeg = 75, .bars = kEdge},
-    {.name = "dis_nobody_webcam", .robots = 0, .debris = 25, .decoys = 10, .floor_pairs = 10,
-     .gamma = 2.2, .sharpened = 1, .jpeg = 75, .bars = kFloor},
+    {.name = "opt_webcam_12",
+     .high = 0.12,
+     .gamma = 2.2,
+     .sharpened = 1,
+     .jpeg = 75,
+     .bars = kHard},
+    {.name = "opt_webcam_half",
+     .shown = SceneLight::kHalf,
+     .low = 0.12,
+     .gamma = 2.2,
+     .sharpened = 1,
+     .jpeg = 75,
+     .bars = kEdge},
+    {.name = "dis_nobody_webcam",
+     .robots = 0,
+     .debris = 25,
+     .decoys = 10,
+     .floor_pairs = 10,
+     .gamma = 2.2,
+     .sharpened = 1,
+     .jpeg = 75,
+     .bars = kFloor},
     {.name = "opt_defocus25", .blur = 2.5, .bars = kAll},
     {.name = "opt_motion10ms", .speed = 0.12, .bars = kAll},
     {.name = "opt_motion25ms", .exposure = 0.025, .brightness = 0.4, .speed = 0.12, .bars = kAll},
@@ -108,17 +218,25 @@ constexpr Kind kKinds[] = {
     {.name = "opt_small", .rows = 480, .bars = kAll},
     {.name = "opt_vignette", .vignetting = 0.6, .bars = kAll},
     kWorst,
-    with(kWorst, "worst_1080", [](Kind& kind) { kind.rows = 1080; }),
-    with(kWorst, "worst_720_dark", [](Kind& kind) { kind.low = 0.05; kind.blur = 1.1; }),
-    with(kWorst, "worst_disks", [](Kind& kind) { kind.shown = Shown::kDisks; kind.size = 0.1; }),
+    with(kWorst, "worst_1080", [](SceneKind& kind) { kind.rows = 1080; }),
+    with(kWorst, "worst_720_dark",
+         [](SceneKind& kind) {
+           kind.low = 0.05;
+           kind.blur = 1.1;
+         }),
+    with(kWorst, "worst_disks",
+         [](SceneKind& kind) {
+           kind.shown = SceneLight::kDisks;
+           kind.size = 0.1;
+         }),
 };
 
 }  // namespace
 
-std::span<const Kind> kinds() { return kKinds; }
+std::span<const SceneKind> kinds() { return kKinds; }
 
-const Kind& kindOf(std::string_view name) {
-  for (const Kind& kind : kKinds) {
+const SceneKind& kindOf(std::string_view name) {
+  for (const SceneKind& kind : kKinds) {
     if (kind.name == name) return kind;
   }
   throw std::out_of_range("no kind of pictures is called " + std::string(name));

@@ -8,10 +8,10 @@
 
 namespace lab::cases {
 
-enum class Places { kAnywhere, kChains, kHexagons, kPairs, kAtWalls };
+enum class RobotPlacement { kAnywhere, kChains, kHexagons, kPairs, kAtWalls };
 
 // What light falls on a scene. `high` and `low` are its two levels, `size` its length.
-enum class Shown {
+enum class SceneLight {
   kUniform,   // high
   kHalf,      // high on one side of a line through the middle third of the arena
   kGradient,  // from low to high across the arena
@@ -24,35 +24,35 @@ enum class Shown {
   kNoise,     // correlated over `size`
 };
 
-struct Kind {
+struct SceneKind {
   const char* name = "";
   int robots = 40;
   int rows = 720;  // of a picture 16 : 9, or 4 : 3 for 480
-  Shown shown = Shown::kUniform;
+  SceneLight shown = SceneLight::kUniform;
   double high = 1;
   double low = 0;
   double size = 0;  // [m]
-  Places places = Places::kAnywhere;
-  double blur = 0.75;        // [px]
-  double read_noise = 1.2;   // [DN]
-  double exposure = 0.01;    // [s]
-  double brightness = 1;     // [1] gain that makes up for nothing else: above 1 whites clip
-  double speed = 0;          // [m/s]
-  double vignetting = 0.1;   // [1]
-  int debris = 0;            // discs and strips on the floor
-  int decoys = 0;            // pairs of discs on the floor of another size or distance than a cap's
-  int floor_pairs = 0;       // pairs on the floor that look as a cap's do
+  RobotPlacement places = RobotPlacement::kAnywhere;
+  double blur = 0.75;       // [px]
+  double read_noise = 1.2;  // [DN]
+  double exposure = 0.01;   // [s]
+  double brightness = 1;    // [1] gain that makes up for nothing else: above 1 whites clip
+  double speed = 0;         // [m/s]
+  double vignetting = 0.1;  // [1]
+  int debris = 0;           // discs and strips on the floor
+  int decoys = 0;           // pairs of discs on the floor of another size or distance than a cap's
+  int floor_pairs = 0;      // pairs on the floor that look as a cap's do
   int glares = 0;
-  double gamma = 1;     // of the grey steps, as Imaging::gamma
-  double sharpened = 0; // [1] of what a blur of a pixel takes off, added, as webcams do
+  double gamma = 1;      // of the grey steps, as Imaging::gamma
+  double sharpened = 0;  // [1] of what a blur of a pixel takes off, added, as webcams do
   int jpeg = 0;  // quality of the pictures' JPEG, as webcams send them: 1 to 100, 0 for no JPEG
-  Bars bars = {};
+  AcceptanceLimits bars = {};
 };
 
 // All of them.
-std::span<const Kind> kinds();
+std::span<const SceneKind> kinds();
 
 // @throws std::out_of_range where there is none of that name
-const Kind& kindOf(std::string_view name);
+const SceneKind& kindOf(std::string_view name);
 
 }  // namespace lab::cases

@@ -1,19 +1,20 @@
 #include "tests/support/tracker_scenes/scenes.hpp"
 
+#include <linux/videodev2.h>
+
 #include <algorithm>
 #include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <linux/videodev2.h>
 #include <numbers>
 #include <random>
 #include <stdexcept>
 
-#include "tracker_svc/cameras/raw_pixels.hpp"
 #include "light/optics/camera_model.hpp"
-#include "light/optics/simulated_camera.hpp"
 #include "light/optics/rgb_image.hpp"
+#include "light/optics/simulated_camera.hpp"
+#include "tracker_svc/cameras/raw_pixels.hpp"
 
 namespace lab::cases {
 namespace {
@@ -56,7 +57,7 @@ bool isFree(const std::vector<PaintedRobot>& robots, double x, double y) {
 }
 
 // Where the first of a group stands, and the others in contact with it.
-std::vector<PaintedRobot> groupOf(Places places, Dice& dice) {
+std::vector<PaintedRobot> groupOf(RobotPlacement places, Dice& dice) {
   PaintedRobot first{dice.between(0.04, 1.16), dice.between(0.04, 0.86), dice.angle(), 0, 0, 0};
   std::vector<PaintedRobot> group;
   const double along = dice.angle();
@@ -66,22 +67,22 @@ std::vector<PaintedRobot> groupOf(Places places, Dice& dice) {
                      theta, 0, 0, 0});
   };
   switch (places) {
-    case Places::kAnywhere:
+    case RobotPlacement::kAnywhere:
       return {first};
-    case Places::kAtWalls:
+    case RobotPlacement::kAtWalls:
       if (dice.between(0, 1) < 0.5) {
         first.x = dice.between(0, 1) < 0.5 ? 0.0378 : kWidth - 0.0378;
       } else {
         first.y = dice.between(0, 1) < 0.5 ? 0.0378 : kHeight - 0.0378;
       }
       return {first};
-    case Places::kPairs:
+    case RobotPlacement::kPairs:
       for (int i = 0; i < 2; ++i) addAt(i, 0, dice.angle());
       return group;
-    case Places::kChains:  // heads against heads: circles of two robots 3.9 cm apart
+    case RobotPlacement::kChains:  // heads against heads: circles of two robots 3.9 cm apart
       for (int i = 0; i < 5; ++i) addAt(i, 0, along + (i % 2) * kPi + dice.between(-0.1, 0.1));
       return group;
-    case Places::kHexagons:
+    case RobotPlacement::kHexagons:
       addAt(0, 0, dice.angle());
       for (int i = 0; i < 6; ++i) addAt(std::cos(i * kPi / 3), std::sin(i * kPi / 3), dice.angle());
       return group;
@@ -89,14 +90,13 @@ std::vector<PaintedRobot> groupOf(Places places, Dice& dice) {
   return group;
 }
 
-std::vector<PaintedRobot> robotsOf(const Kind& kind, Dice& dice) {
+std::vector<PaintedRobot> robotsOf(const SceneKind& kind, Dice& dice) {
   std::vector<PaintedRobot> robots;
   for (int attempt = 0; static_cast<int>(robots.size()) < kind.robots && attempt < 100000;
        ++attempt) {
     const std::vector<PaintedRobot> group = groupOf(kind.places, dice);
-    const bool free = std::ranges::all_of(group, [&](const PaintedRobot& one) {
-      return isFree(robots, one.x, one.y);
-    });
+    const bool free = std::ranges::all_of(
+        group, [&](const PaintedRobot& one) { return isFree(robots, one.x, one.y); });
     if (free) robots.insert(robots.end(), group.begin(), group.end());
   }
   for (PaintedRobot& robot : robots) {
@@ -106,44 +106,48 @@ std::vector<PaintedRobot> robotsOf(const Kind& kind, Dice& dice) {
   return robots;
 }
 
-light::Field lightOf(const Kind& kind, const std::vector<PaintedRobot>& robots, Dice& dice) {
+light::Field lightOf(const SceneKind& kind, const std::vector<PaintedRobot>& robots, Dice& dice) {
   light::Field field;
   std::vector<Layer>& layers = field.layers;
   layers.push_back({.kind = LayerKind::kUniform,
-                    .intensity = kind.shown == Shown::kUniform ? kind.high : kind.low});
-  Layer layer{.x = dice.between(0.4, 0.8), .y = dice.between(0.3, 0.6), .angle = dice.angle(),
-              .size = kind.size, .softness = kSoft, .intensity = kind.high,
+                    .intensity = kind.shown == SceneLight::kUniform ? kind.high : kind.low});
+  Layer layer{.x = dice.between(0.4, 0.8),
+              .y = dice.between(0.3, 0.6),
+              .angle = dice.angle(),
+              .size = kind.size,
+              .softness = kSoft,
+              .intensity = kind.high,
               .intensity2 = kind.low};
   switch (kind.shown) {
-    case Shown::kUniform:
+    case SceneLight::kUniform:
       return field;
-    case Shown::kHalf:
+    case SceneLight::kHalf:
       layer.kind = LayerKind::kHalfPlane;
       break;
-    case Shown::kGradient:
+    case SceneLight::kGradient:
       layer.kind = LayerKind::kLinearGradient;
       layer.x = kWidth / 2;
       layer.y = kHeight / 2;
       layer.size = kWidth;
       break;
-    case Shown::kRadial:
+    case SceneLight::kRadial:
       layer.kind = LayerKind::kRadialGradient;
       break;
-    case Shown::kStripes:
+    case SceneLight::kStripes:
       layer.kind = LayerKind::kStripes;
       layer.inner = 0.5;
       break;
-    case Shown::kChecker:
+    case SceneLight::kChecker:
       layer.kind = LayerKind::kChecker;
       break;
-    case Shown::kWave:
+    case SceneLight::kWave:
       layer.kind = LayerKind::kWave;
       break;
-    case Shown::kNoise:
+    case SceneLight::kNoise:
       layer.kind = LayerKind::kNoise;
       layer.seed = static_cast<std::uint64_t>(dice.between(0, 1e9));
       break;
-    case Shown::kDisks:
+    case SceneLight::kDisks:
       layer.kind = LayerKind::kDisk;
       for (int i = 0; i < kDisksShown; ++i) {
         layer.x = dice.between(0, kWidth);
@@ -152,7 +156,7 @@ light::Field lightOf(const Kind& kind, const std::vector<PaintedRobot>& robots, 
         layers.push_back(layer);
       }
       return field;
-    case Shown::kRobots:
+    case SceneLight::kRobots:
       layer.kind = LayerKind::kDisk;
       for (std::size_t i = 0; i < robots.size(); i += 2) {  // late by a few frames
         const double away = dice.between(0, 0.02);
@@ -180,7 +184,7 @@ void addPair(sim::PainterSettings& settings, double scale, double spacing, Dice&
   }
 }
 
-void addThings(const Kind& kind, sim::PainterSettings& settings, Dice& dice) {
+void addThings(const SceneKind& kind, sim::PainterSettings& settings, Dice& dice) {
   for (int i = 0; i < kind.debris; ++i) {
     const double x = dice.between(0, kWidth);
     const double y = dice.between(0, kHeight);
@@ -252,13 +256,14 @@ void sharpen(optics::GreyImage& image, double amount) {
   const optics::GreyImage from = image;
   const auto blurred = [](int before, int here, int after) { return before + 2 * here + after; };
   for (int y = 1; y + 1 < image.height; ++y) {
-    const std::uint8_t* rows[] = {from.view().row(y - 1), from.view().row(y), from.view().row(y + 1)};
+    const std::uint8_t* rows[] = {from.view().row(y - 1), from.view().row(y),
+                                  from.view().row(y + 1)};
     for (int x = 1; x + 1 < image.width; ++x) {
       int sums[3];
       for (int i = 0; i < 3; ++i) sums[i] = blurred(rows[i][x - 1], rows[i][x], rows[i][x + 1]);
       const double off = rows[1][x] - blurred(sums[0], sums[1], sums[2]) / 16.0;
-      image.row(y)[x] = static_cast<std::uint8_t>(
-          std::clamp(std::lround(rows[1][x] + amount * off), 0L, 255L));
+      image.row(y)[x] =
+          static_cast<std::uint8_t>(std::clamp(std::lround(rows[1][x] + amount * off), 0L, 255L));
     }
   }
 }
@@ -267,9 +272,8 @@ void sharpen(optics::GreyImage& image, double amount) {
 void passAsJpeg(optics::GreyImage& image, int quality) {
   tracker::RgbImage rgb(image.width, image.height);
   for (std::size_t i = 0; i < rgb.pixels.size(); ++i) rgb.pixels[i] = image.pixels[i / 3];
-  const cameras::RawLayout layout{.fourcc = V4L2_PIX_FMT_MJPEG,
-                                  .width = image.width,
-                                  .height = image.height};
+  const cameras::RawLayout layout{
+      .fourcc = V4L2_PIX_FMT_MJPEG, .width = image.width, .height = image.height};
   if (!cameras::greyOfRaw(layout, tracker::jpegBytes(rgb, quality), image)) {
     throw std::runtime_error("a JPEG of our own is not read");
   }
@@ -277,7 +281,7 @@ void passAsJpeg(optics::GreyImage& image, int quality) {
 
 }  // namespace
 
-Scene sceneOf(const Kind& kind, std::uint64_t seed) {
+Scene sceneOf(const SceneKind& kind, std::uint64_t seed) {
   Dice dice(kind.name, seed);
   Scene scene;
   scene.sharpened = kind.sharpened;
@@ -326,29 +330,28 @@ optics::GreyImage paint(const Scene& scene) {
   return image;
 }
 
-Look look(const Kind& kind, std::uint64_t seed, bool with_rejected, Score& score) {
-  Look out{sceneOf(kind, seed), {}, {}, {}, {}};
+DetectedScene look(const SceneKind& kind, std::uint64_t seed, bool with_rejected, Score& score) {
+  DetectedScene out{sceneOf(kind, seed), {}, {}, {}, {}};
   out.image = paint(out.scene);
   const sim::PainterSettings& settings = out.scene.settings;
   detector::Detector detector(optics::CameraModel(settings.camera), settings.cap, settings.imaging);
   const auto start = std::chrono::steady_clock::now();
   out.poses = detector.search(out.image.view(), with_rejected ? &out.rejected : nullptr);
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
-  out.left = score.add(out.scene.truth, out.poses, detector.camera(), settings.cap.height,
-                       took.count());
+  out.left =
+      score.add(out.scene.truth, out.poses, detector.camera(), settings.cap.height, took.count());
   return out;
 }
 
 std::string lightOn(const Scene& scene, std::size_t robot) {
-  constexpr double kStep = 0.0005;   // [m]
+  constexpr double kStep = 0.0005;    // [m]
   constexpr double kFarthest = 0.05;  // [m]
   constexpr double kEdge = 0.05;      // [1] of a step's length
   const light::CompiledField field(scene.light);
   const optics::CapGeometry& cap = scene.settings.cap;
   std::string out;
   for (const bool big : {true, false}) {
-    const optics::Place at =
-        circleAt(scene.robots[robot], big ? cap.big_offset : cap.small_offset);
+    const optics::Place at = circleAt(scene.robots[robot], big ? cap.big_offset : cap.small_offset);
     const double radius = big ? cap.big_radius : cap.small_radius;
     double least = 1;
     double most = 0;
@@ -356,8 +359,7 @@ std::string lightOn(const Scene& scene, std::size_t robot) {
     for (double angle = 0; angle < 2 * kPi; angle += kPi / 24) {
       double before = field.evaluate(at.x, at.y);
       for (double r = 0; r < kFarthest; r += kStep) {
-        const double here =
-            field.evaluate(at.x + r * std::cos(angle), at.y + r * std::sin(angle));
+        const double here = field.evaluate(at.x + r * std::cos(angle), at.y + r * std::sin(angle));
         if (r < 1.3 * radius) least = std::min(least, here);
         if (r < 1.3 * radius) most = std::max(most, here);
         if (std::abs(here - before) > kEdge) nearest = std::min(nearest, r);

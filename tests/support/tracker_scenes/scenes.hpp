@@ -15,20 +15,20 @@ namespace lab::cases {
 
 struct Scene {
   sim::PainterSettings settings;
-  double sharpened = 0;  // as Kind::sharpened
-  int jpeg = 0;          // as Kind::jpeg
+  double sharpened = 0;  // as SceneKind::sharpened
+  int jpeg = 0;          // as SceneKind::jpeg
   light::Field light;
   std::vector<sim::PaintedRobot> robots;
   std::vector<TrueRobot> truth;  // in the same order
 };
 
 // A function of both arguments alone.
-Scene sceneOf(const Kind& kind, std::uint64_t seed);
+Scene sceneOf(const SceneKind& kind, std::uint64_t seed);
 
 optics::GreyImage paint(const Scene& scene);
 
 // What the detector makes of a scene, without any idea of where the robots are.
-struct Look {
+struct DetectedScene {
   Scene scene;
   optics::GreyImage image;
   std::vector<detector::Detection> poses;
@@ -37,7 +37,7 @@ struct Look {
 };
 
 // Paints a scene, runs the detector over it, and adds what it found to the score.
-Look look(const Kind& kind, std::uint64_t seed, bool with_rejected, Score& score);
+DetectedScene look(const SceneKind& kind, std::uint64_t seed, bool with_rejected, Score& score);
 
 // What a scene's light does to a robot, in words: the range of it on both circles, and how far the
 // nearest edge is from their middles.

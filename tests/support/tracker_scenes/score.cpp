@@ -1,7 +1,7 @@
 #include "tests/support/tracker_scenes/score.hpp"
 
-#include <algorithm>
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
@@ -11,7 +11,7 @@
 namespace lab::cases {
 namespace {
 
-constexpr double kSame = 0.01;      // [m] between a pose and its robot
+constexpr double kSame = 0.01;       // [m] between a pose and its robot
 constexpr double kDontCare = 0.025;  // [m] around a robot that does not count
 
 }  // namespace
@@ -113,7 +113,7 @@ Tally Score::tally() const {
 
 bool Score::isSurprising() const {
   const Tally all = tally();
-  return all.surprises > 0 && std::abs(all.surprise - 1) > mostSurprise(all);
+  return all.surprises > 0 && std::abs(all.surprise - 1) > allowedNees(all);
 }
 
 std::string Score::header() {

@@ -7,15 +7,15 @@
 #include <string>
 #include <vector>
 
-#include "tracker_svc/detector.hpp"
 #include "tests/support/tracker_scenes/acceptance_limits.hpp"
+#include "tracker_svc/detector.hpp"
 
 namespace lab::cases {
 
 struct TrueRobot {
-  double x = 0;      // [m]
-  double y = 0;      // [m]
-  double theta = 0;  // [rad]
+  double x = 0;        // [m]
+  double y = 0;        // [m]
+  double theta = 0;    // [rad]
   bool counts = true;  // both circles in view and not washed out by glare
 };
 
@@ -33,7 +33,7 @@ class Score {
  public:
   // Poses without covariance count for everything but the surprise.
   Unmatched add(const std::vector<TrueRobot>& truth, const std::vector<detector::Detection>& poses,
-           const optics::CameraModel& camera, double height, double seconds);
+                const optics::CameraModel& camera, double height, double seconds);
 
   [[nodiscard]] Tally tally() const;
 
@@ -41,7 +41,7 @@ class Score {
   // tenth of what it should be and three of its standard errors.
   [[nodiscard]] bool isSurprising() const;
 
-  [[nodiscard]] std::string text() const;       // one line of the table
+  [[nodiscard]] std::string text() const;  // one line of the table
   [[nodiscard]] static std::string header();
 
  private:

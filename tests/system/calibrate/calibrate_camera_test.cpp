@@ -93,8 +93,9 @@ TEST_F(CalibrateCamera, FindsTheCameraOfALabThatItStarts) {
 }
 
 TEST_F(CalibrateCamera, RefusesRobotsThatStand) {
-  const Finished finished = calibrate("--virtual-time --film-s 5 --set programs.abp.v_cm_s=0 "
-                                      "--set programs.abp.eta_rad_s=0");
+  const Finished finished = calibrate(
+      "--virtual-time --film-s 5 --set programs.abp.v_cm_s=0 "
+      "--set programs.abp.eta_rad_s=0");
   EXPECT_EQ(finished.exit_code, 1) << finished.output;
   EXPECT_THAT(finished.output, HasSubstr("refused"));
   EXPECT_FALSE(fs::exists(out()));

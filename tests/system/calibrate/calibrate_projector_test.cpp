@@ -6,8 +6,8 @@
 #include <fstream>
 
 #include "common/calibration/camera_file.hpp"
-#include "common/experiment/experiment_file.hpp"
 #include "common/calibration/projector_file.hpp"
+#include "common/experiment/experiment_file.hpp"
 #include "light/optics/simulated_camera.hpp"
 #include "light/optics/simulated_projector.hpp"
 #include "tests/support/lab_process.hpp"
@@ -122,14 +122,14 @@ TEST_F(CalibrateProjector, AfterItADiskIsWhereItShouldBe) {
   ASSERT_EQ(done.exit_code, 0) << done.output;
   EXPECT_LT(trueError(readProjectorFile(out())), 0.05e-3);
   // What projector_ctl believes and what the projector is, together: a place by its light's source.
-  const Experiment experiment = loadExperiment(
-      file(), {"projector.calibration=\"projector.json\"", "projector.sheet_cm=0"});
-  const optics::Bending calibrated(
-      projectorInForce(experiment, folder_.path(), 1920, 1080).model, truth());
-  const optics::Bending before(optics::ProjectorModel(kWidth, kHeight, 1920, 1080), truth());
+  const Experiment experiment =
+      loadExperiment(file(), {"projector.calibration=\"projector.json\"", "projector.sheet_cm=0"});
+  const optics::ProjectorWarp calibrated(
+      activeProjectorCalibration(experiment, folder_.path(), 1920, 1080).model, truth());
+  const optics::ProjectorWarp before(optics::ProjectorModel(kWidth, kHeight, 1920, 1080), truth());
   const Place edge{0.9, 0.25};
-  const auto off = [&](const optics::Bending& bending) {
-    const Place source = bending.source(edge).value();
+  const auto off = [&](const optics::ProjectorWarp& warp) {
+    const Place source = warp.source(edge).value();
     return std::hypot(source.x - edge.x, source.y - edge.y);
   };
   EXPECT_GT(off(before), 0.01);

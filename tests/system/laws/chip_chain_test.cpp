@@ -1,6 +1,6 @@
-// The whole chain, without a shortcut: the firmware's binary on simulated chips, its PWM, the arena,
-// the tracker's frames, the serial lines, the bridge, the log and the analyzer's feed, held against
-// the exact laws. One program a run, in virtual time.
+// The whole chain, without a shortcut: the firmware's binary on simulated chips, its PWM, the
+// arena, the tracker's frames, the serial lines, the bridge, the log and the analyzer's feed, held
+// against the exact laws. One program a run, in virtual time.
 #include <gmock/gmock.h>
 
 #include <cstdlib>

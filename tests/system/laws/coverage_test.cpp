@@ -73,17 +73,17 @@ std::vector<analysis::ProgramResult> filmSwitching(std::uint64_t seed) {
   sim::startAll(world, settingsOf(steps));
 
   analysis::Analysis result{analysis::AnalysisConfig{}};
-  FilmSettings film_settings;
+  RecordingSettings film_settings;
   film_settings.position_noise = 0.0003;
   film_settings.heading_noise = 0.6 * std::numbers::pi / 180;
   film_settings.noise_seed = deriveSeed(seed, 1, "tracker noise");
   film_settings.start_us = kBoot;
-  SimulatedFilm film(world, film_settings);
+  WorldRecording film(world, film_settings);
   std::int64_t end = kBoot;
   for (const Step& step : steps) {
     light.set(step.light);
     end += kStep;
-    film.filmUntil(
+    film.recordUntil(
         end,
         [&](const analysis::TrackPoint& p) {
           result.addFrame(

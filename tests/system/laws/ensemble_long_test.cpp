@@ -19,8 +19,8 @@ class AllSimulatedHours : public testing::TestWithParam<std::tuple<Place, const 
 
 TEST_P(AllSimulatedHours, FollowTheExactLaw) {
   const auto& [place, table] = GetParam();
-  const HourFilms films = {.table = table, .room = place.room, .hardware = place.hardware};
-  expectExactLaw(films, filmHours(films));
+  const HourRecordings films = {.table = table, .room = place.room, .hardware = place.hardware};
+  expectExactLaw(films, recordHours(films));
 }
 
 INSTANTIATE_TEST_SUITE_P(

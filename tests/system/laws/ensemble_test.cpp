@@ -22,8 +22,8 @@ void expectPaperFails(const HourCurves& curves) {
 class SimulatedHours : public testing::TestWithParam<const char*> {};
 
 TEST_P(SimulatedHours, InTheArenaFollowTheExactLaw) {
-  const HourFilms films = {.table = GetParam()};
-  const HourCurves dut = filmHours(films);
+  const HourRecordings films = {.table = GetParam()};
+  const HourCurves dut = recordHours(films);
   expectExactLaw(films, dut);
   if (analysis::isHeldNoise(dut.set.law.kind)) {
     expectPaperFails(dut);
@@ -38,8 +38,8 @@ INSTANTIATE_TEST_SUITE_P(Programs, SimulatedHours,
 class RealHardwareHours : public testing::TestWithParam<const char*> {};
 
 TEST_P(RealHardwareHours, InTheArenaFollowTheExactLawAtTheMeasuredSpeed) {
-  const HourFilms films = {.table = GetParam(), .hardware = Hardware::kReal};
-  expectExactLaw(films, filmHours(films));
+  const HourRecordings films = {.table = GetParam(), .hardware = Hardware::kReal};
+  expectExactLaw(films, recordHours(films));
 }
 
 // The programs whose speed the steps of the wheels change.

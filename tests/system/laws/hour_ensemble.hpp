@@ -46,7 +46,7 @@ enum class Hardware {
 };
 
 /// One-hour films of one simulated robot, each with a seed and a phase of its own.
-struct HourFilms {
+struct HourRecordings {
   std::string table;  ///< Of tests/reference, without .csv.
   Room room = Room::kArena;
   Hardware hardware = Hardware::kIdeal;
@@ -62,7 +62,7 @@ struct HourCurves {
   std::int64_t reversals = 0;  ///< Removed and joined.
 };
 
-inline sim::WorldSettings worldOf(const HourFilms& films, std::uint64_t seed) {
+inline sim::WorldSettings worldOf(const HourRecordings& films, std::uint64_t seed) {
   constexpr double kHall = 400;  // m
   sim::WorldSettings settings =
       films.hardware == Hardware::kIdeal ? sim::idealHardware() : sim::WorldSettings{};
@@ -83,8 +83,8 @@ inline std::optional<dynamics::Pose> startIn(const sim::Arena& arena, Room room)
 
 /// Films for one hour through the stitcher into the accumulator, as inside the analyzer. Returns
 /// the number of stitched reversals.
-inline std::int64_t filmOneHour(const HourFilms& films, const ReferenceSet& set, std::uint64_t seed,
-                                analysis::MsdAccumulator& accumulator) {
+inline std::int64_t filmOneHour(const HourRecordings& films, const ReferenceSet& set,
+                                std::uint64_t seed, analysis::MsdAccumulator& accumulator) {
   constexpr double kHour = 3600;   // s
   constexpr double kSettled = 20;  // s, in which the program forgets what it began with
   const sim::WorldSettings settings = worldOf(films, seed);
@@ -95,7 +95,7 @@ inline std::int64_t filmOneHour(const HourFilms& films, const ReferenceSet& set,
   // times per epsilon see a few fixed phases only, so every film begins at a random instant.
   const double period = set.law.epsilon > 0 ? set.law.epsilon : 1;
   Random random(deriveSeed(seed, 1, "film start"));
-  FilmSettings film_settings;
+  RecordingSettings film_settings;
   film_settings.fps = set.fps;
   film_settings.start_us = std::llround((kSettled + period * random.uniform()) * 1e6);
   world.advanceTo(film_settings.start_us);
@@ -108,8 +108,8 @@ inline std::int64_t filmOneHour(const HourFilms& films, const ReferenceSet& set,
     }
     samples.clear();
   };
-  SimulatedFilm film(world, film_settings);
-  film.filmUntil(
+  WorldRecording film(world, film_settings);
+  film.recordUntil(
       film_settings.start_us + std::llround(kHour * 1e6),
       [&](const analysis::TrackPoint& point) {
         stitcher.addFrame(point, samples);
@@ -124,7 +124,7 @@ inline std::int64_t filmOneHour(const HourFilms& films, const ReferenceSet& set,
   return stitcher.counters().reversals;
 }
 
-inline HourCurves filmHours(const HourFilms& films) {
+inline HourCurves recordHours(const HourRecordings& films) {
   HourCurves curves;
   curves.set = readReferenceSet(films.table);
   const std::vector<int>& lags = curves.set.lags;
@@ -191,7 +191,7 @@ inline double speedFactor(const HourCurves& curves) {
   return ratio * ratio;
 }
 
-inline void expectExactLaw(const HourFilms& films, const HourCurves& curves) {
+inline void expectExactLaw(const HourRecordings& films, const HourCurves& curves) {
   constexpr double kSystematicFloor = 0.002;
   constexpr double kLargestZ = 4;  // 3.2 is exceeded in 1 % of ensembles of the true law
   const bool real = films.hardware == Hardware::kReal;

@@ -1,6 +1,6 @@
 // The optical loop without a shortcut: robots, painted frames, detector, identities after the
-// handshake, log and the analyzer's feed, held against the exact laws. One program a run, in virtual
-// time.
+// handshake, log and the analyzer's feed, held against the exact laws. One program a run, in
+// virtual time.
 #include <gmock/gmock.h>
 
 #include <cstdlib>
@@ -52,7 +52,7 @@ TEST_P(OpticalLoop, AgreesWithTheExactLaw) {
   EXPECT_THAT(lab.output, testing::Not(testing::HasSubstr("marked"))) << lab.output;
 
   const fs::path run_folder = onlyRun(folder.path() / "runs");
-  const Truth truth = compareWithTruth(run_folder);
+  const TruthComparison truth = compareWithTruth(run_folder);
   std::cout << truth.compared << " poses against the truth: worst " << truth.worst * 1e3 << " mm, "
             << truth.worst_turn * 180 / std::numbers::pi << " degrees; " << truth.collisions
             << " collisions; spacing error " << truth.tracker.spacing_error * 1e6 << " um\n";

@@ -11,8 +11,8 @@
 
 #include "analyzer/analysis_feed.hpp"
 #include "common/bus/channels.hpp"
-#include "common/experiment/experiment_file.hpp"
 #include "common/bus/log_file.hpp"
+#include "common/experiment/experiment_file.hpp"
 #include "tests/system/laws/hour_ensemble.hpp"
 
 namespace lab::system_test {
@@ -25,11 +25,12 @@ struct Chain {
 
 inline const Chain kAbpChain{"fig2b_ABP_v3_eps0.5_eta3",
                              "model = \"abp\"\nv_cm_s = 3\nepsilon_s = 0.5\neta_rad_s = 3\n"};
-inline const Chain kNoisyAbpChain{"fig3b_NABP_va1_V10_eps0.1",
-                           "model = \"noisy_abp\"\nva_cm_s = 1\nV_cm_s = 10\nepsilon_s = 0.1\n"};
+inline const Chain kNoisyAbpChain{
+    "fig3b_NABP_va1_V10_eps0.1",
+    "model = \"noisy_abp\"\nva_cm_s = 1\nV_cm_s = 10\nepsilon_s = 0.1\n"};
 inline const Chain kBpChain{"fig3d_BP_V7_eps0.2", "model = \"bp\"\nV_cm_s = 7\nepsilon_s = 0.2\n"};
 inline const Chain kRtpChain{"fig4d_RTP_v5_gam3_tt0.5",
-                      "model = \"rtp\"\nv_cm_s = 5\ngamma_per_s = 3\ntau_t_s = 0.5\n"};
+                             "model = \"rtp\"\nv_cm_s = 5\ngamma_per_s = 3\ntau_t_s = 0.5\n"};
 
 struct RunSize {
   int robots = 4;

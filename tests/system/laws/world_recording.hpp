@@ -11,7 +11,7 @@
 
 namespace lab::system_test {
 
-struct FilmSettings {
+struct RecordingSettings {
   double fps = 50;
   double status_rate = 50;    ///< Of the telemetry, 1/s.
   double position_noise = 0;  ///< Of the tracker, per axis, m.
@@ -24,14 +24,14 @@ struct FilmSettings {
 /// gives its messages; only the messages themselves are left out. `on_frame` is called with each
 /// TrackPoint, `on_telemetry` with each RobotTelemetry, whose program is the slot of the robot's
 /// light table (-1: standing). Film time is world time.
-class SimulatedFilm {
+class WorldRecording {
  public:
-  SimulatedFilm(sim::World& world, const FilmSettings& settings)
+  WorldRecording(sim::World& world, const RecordingSettings& settings)
       : world_(world), settings_(settings), noise_(settings.noise_seed) {}
 
   /// Goes on until the given world time, which is still filmed.
   template <class OnFrame, class OnTelemetry>
-  void filmUntil(std::int64_t end_us, OnFrame on_frame, OnTelemetry on_telemetry) {
+  void recordUntil(std::int64_t end_us, OnFrame on_frame, OnTelemetry on_telemetry) {
     for (;;) {
       const std::int64_t frame_us = sampleTime(frames_, settings_.fps);
       const std::int64_t status_us = sampleTime(reports_, settings_.status_rate);
@@ -104,7 +104,7 @@ class SimulatedFilm {
   }
 
   sim::World& world_;
-  FilmSettings settings_;
+  RecordingSettings settings_;
   Random noise_;
   std::int64_t frames_ = 0;
   std::int64_t reports_ = 0;

@@ -9,13 +9,13 @@
 #include <string>
 #include <vector>
 
-#include "common/loop/asio_loop.hpp"
 #include "common/bus/channels.hpp"
+#include "common/bus/lcm_bus.hpp"
+#include "common/bus/memory_bus.hpp"
 #include "common/experiment/experiment_file.hpp"
 #include "common/experiment/experiment_messages.hpp"
-#include "common/bus/lcm_bus.hpp"
 #include "common/experiment/light_messages.hpp"
-#include "common/bus/memory_bus.hpp"
+#include "common/loop/asio_loop.hpp"
 #include "common/loop/virtual_loop.hpp"
 #include "projector_ctl/projector_messages.hpp"
 #include "projector_ctl/projector_service.hpp"
@@ -80,8 +80,8 @@ struct Compared {
 };
 
 Compared replay(const Experiment& experiment, const std::vector<Logged>& log) {
-  const projector::Surroundings surroundings = projector::surroundingsOf(experiment, {});
-  projector::Replay dut(surroundings);
+  const projector::SceneContext scene_context = projector::sceneContextOf(experiment, {});
+  projector::Replay dut(scene_context);
   Compared compared;
   for (const Logged& message : log) {
     light_command_t command{};
@@ -90,7 +90,7 @@ Compared replay(const Experiment& experiment, const std::vector<Logged>& log) {
     if (message.channel == channels::kLightCommand && decode(message.data, command)) {
       dut.take(projector::toCommand(command, experiment, {}));
     } else if (message.channel == channels::kTrackedFrame && decode(message.data, frame)) {
-      dut.take(projector::toSeenFrame(frame));
+      dut.take(projector::toObservedFrame(frame));
     } else if (message.channel == channels::kLightStatus && decode(message.data, status)) {
       const auto found = dut.layersOf(projector::toShownRecord(status));
       if (status.commander.empty()) continue;

@@ -11,10 +11,10 @@
 #include <lab/sim_truth_t.hpp>
 
 #include "common/bus/channels.hpp"
+#include "common/bus/memory_bus.hpp"
 #include "common/experiment/experiment_file.hpp"
 #include "common/experiment/experiment_messages.hpp"
 #include "common/experiment/light_messages.hpp"
-#include "common/bus/memory_bus.hpp"
 #include "common/loop/virtual_loop.hpp"
 #include "projector_ctl/projector_service.hpp"
 #include "sim_svc/sim_service.hpp"
@@ -127,9 +127,9 @@ TEST(FollowSpot, SitsOnARobotOf10CmASecondWithPredictionAndLagsWithout) {
     EXPECT_GT(chain.compared(), 0.8 * kRobots * 10 * (duration_s - 2));
     rms[predict ? 1 : 0] = chain.rms();
   }
-  std::cout << "spot on a robot of 10 cm/s, camera 20 ms, projector 40 ms, " << duration_s << " s of "
-            << kRobots << " robots: " << 100 * rms[1] << " cm RMS with prediction, " << 100 * rms[0]
-            << " cm without\n";
+  std::cout << "spot on a robot of 10 cm/s, camera 20 ms, projector 40 ms, " << duration_s
+            << " s of " << kRobots << " robots: " << 100 * rms[1] << " cm RMS with prediction, "
+            << 100 * rms[0] << " cm without\n";
   EXPECT_LT(rms[1], 0.005);
   EXPECT_GT(rms[0], 2 * rms[1]);
 }

@@ -8,7 +8,7 @@
 namespace lab::system_test {
 namespace {
 
-constexpr double kFrame_ms = 25;            // of the camera, at 40 fps
+constexpr double kFrame_ms = 25;  // of the camera, at 40 fps
 constexpr double kDisplayFrame_ms = 1000.0 / 60;
 constexpr double kLatency_ms = 40;
 constexpr double kSensor_ms = 20;
@@ -68,10 +68,9 @@ double after(const nlohmann::json& step, const char* key) {
 TEST(Delivery, FourTimesOfEveryStepAreConsistent) {
   const TemporaryFolder folder;
   std::ofstream(folder.path() / "delivery.toml") << kSteps;
-  const Finished finished =
-      run("lab run " + (folder.path() / "delivery.toml").string() + " --virtual-time --out " +
-              (folder.path() / "runs").string(),
-          std::chrono::seconds(120));
+  const Finished finished = run("lab run " + (folder.path() / "delivery.toml").string() +
+                                    " --virtual-time --out " + (folder.path() / "runs").string(),
+                                std::chrono::seconds(120));
   ASSERT_EQ(finished.exit_code, 0) << finished.output;
   std::ifstream file(onlyRun(folder.path() / "runs") / "summary.json");
   const nlohmann::json summary = nlohmann::json::parse(file);

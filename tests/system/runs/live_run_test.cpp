@@ -6,8 +6,8 @@
 #include <map>
 
 #include "common/bus/channels.hpp"
-#include "common/bus/message_header.hpp"
 #include "common/bus/log_file.hpp"
+#include "common/bus/message_header.hpp"
 #include "tests/support/lab_process.hpp"
 
 namespace lab::system_test {

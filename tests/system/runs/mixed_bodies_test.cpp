@@ -12,8 +12,8 @@
 #include <set>
 
 #include "common/bus/channels.hpp"
-#include "common/experiment/experiment.hpp"
 #include "common/bus/log_file.hpp"
+#include "common/experiment/experiment.hpp"
 #include "tests/support/lab_process.hpp"
 
 namespace lab::system_test {

@@ -1,6 +1,6 @@
-// Twenty robots that cross and touch before the simulated camera, while the projector goes black and
-// frames are lost: which cap is which robot must never be told wrongly. A minute in the CI tier, ten in
-// the long one.
+// Twenty robots that cross and touch before the simulated camera, while the projector goes black
+// and frames are lost: which cap is which robot must never be told wrongly. A minute in the CI
+// tier, ten in the long one.
 #include <gmock/gmock.h>
 
 #include <cstdlib>
@@ -38,15 +38,15 @@ fs::path writeExperimentFile(const fs::path& folder, double ambient) {
   return file;
 }
 
-Truth runCrowd(double ambient) {
+TruthComparison runCrowd(double ambient) {
   const TemporaryFolder folder;
-  const Finished lab = run("lab run " + writeExperimentFile(folder.path(), ambient).string() +
-                               " --virtual-time --no-report --out " +
-                               (folder.path() / "runs").string(),
-                           std::chrono::hours(1));
+  const Finished lab =
+      run("lab run " + writeExperimentFile(folder.path(), ambient).string() +
+              " --virtual-time --no-report --out " + (folder.path() / "runs").string(),
+          std::chrono::hours(1));
   EXPECT_EQ(lab.exit_code, 0) << lab.output;
   EXPECT_THAT(lab.output, testing::Not(testing::HasSubstr("tracker saw no cap"))) << lab.output;
-  const Truth truth = compareWithTruth(onlyRun(folder.path() / "runs"));
+  const TruthComparison truth = compareWithTruth(onlyRun(folder.path() / "runs"));
   std::cout << truth.compared << " poses of known robots, " << truth.unidentified
             << " sightings of unknown ones; worst " << truth.worst * 1e3 << " mm, "
             << truth.worst_turn * 180 / std::numbers::pi << " degrees; " << truth.collisions
@@ -57,7 +57,7 @@ Truth runCrowd(double ambient) {
 }
 
 TEST(OpticalCrowd, KeepsEveryIdentityWhileTheProjectorIsBlack) {
-  const Truth truth = runCrowd(0.03);
+  const TruthComparison truth = runCrowd(0.03);
   EXPECT_EQ(truth.swapped, 0);
   EXPECT_EQ(truth.flipped, 0);
   EXPECT_GT(truth.collisions, 10);
@@ -66,7 +66,7 @@ TEST(OpticalCrowd, KeepsEveryIdentityWhileTheProjectorIsBlack) {
 }
 
 TEST(OpticalCrowd, NeverTellsAWrongIdentityAfterBlackPictures) {
-  const Truth truth = runCrowd(0);
+  const TruthComparison truth = runCrowd(0);
   EXPECT_EQ(truth.swapped, 0);
   EXPECT_EQ(truth.flipped, 0);
   EXPECT_GT(truth.tracker.dark, 30);

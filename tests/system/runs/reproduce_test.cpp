@@ -18,8 +18,8 @@ TEST(Reproduce, MakesPageAndPanelsOfAShortFilm) {
   const TemporaryFolder folder;
   const fs::path out = folder.path() / "out";
 
-  const Finished dut = run("lab reproduce --hours 0.1 --panels 2b,4d --no-bootstrap --out " +
-                           out.string());
+  const Finished dut =
+      run("lab reproduce --hours 0.1 --panels 2b,4d --no-bootstrap --out " + out.string());
 
   ASSERT_EQ(dut.exit_code, 0) << dut.output;
   const std::string page = readFile(out / "reproduction.html");

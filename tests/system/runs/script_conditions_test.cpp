@@ -63,8 +63,9 @@ safe_intensity = 0.05
 )";
 
 std::string step(const std::string& label, double light, const std::string& more) {
-  return "[[light.steps]]\nlabel = \"" + label + "\"\nlayers = [{kind = \"uniform\", intensity = " +
-         std::to_string(light) + "}]\n" + more + "\n";
+  return "[[light.steps]]\nlabel = \"" + label +
+         "\"\nlayers = [{kind = \"uniform\", intensity = " + std::to_string(light) + "}]\n" + more +
+         "\n";
 }
 
 class WaitingScript : public testing::Test {
@@ -115,11 +116,11 @@ double begin(const experiment_event_t& step, const std::vector<experiment_event_
 }
 
 TEST_F(WaitingScript, GoesOnWhenARobotIsInTheRegion) {
-  const Run dut = play(
-      step("go", 0.2,
-           "hold_s = 20\nuntil = {robot = 1, region = \"circle\", x_cm = 85, y_cm = 45, "
-           "radius_cm = 10}") +
-      step("there", 0, "hold_s = 1"));
+  const Run dut =
+      play(step("go", 0.2,
+                "hold_s = 20\nuntil = {robot = 1, region = \"circle\", x_cm = 85, y_cm = 45, "
+                "radius_cm = 10}") +
+           step("there", 0, "hold_s = 1"));
   EXPECT_EQ(dut.lab.exit_code, 0) << dut.lab.output;
   ASSERT_THAT(dut.steps, SizeIs(2));
   EXPECT_THAT(dut.steps[1].ended_by, StartsWith("robot 1 is in the circle of radius 10 cm around "
@@ -149,13 +150,12 @@ TEST_F(WaitingScript, CountsTumblesOfAllRobotsExactlyOnce) {
 }
 
 TEST_F(WaitingScript, EndsTheRunWhenTheLastStepsEstimateIsKnown) {
-  const Run dut = play(step(
-      "measure", 0.8,
-      "hold_s = 120\nuntil = {estimate = \"D_r\", program = \"abp\", relative_error = 0.2}"));
+  const Run dut = play(
+      step("measure", 0.8,
+           "hold_s = 120\nuntil = {estimate = \"D_r\", program = \"abp\", relative_error = 0.2}"));
   EXPECT_EQ(dut.lab.exit_code, 0) << dut.lab.output;
   EXPECT_THAT(dut.faults, IsEmpty());
-  EXPECT_THAT(dut.end.text,
-              StartsWith("the script is over: D_r of abp is known to 20 %; sample "));
+  EXPECT_THAT(dut.end.text, StartsWith("the script is over: D_r of abp is known to 20 %; sample "));
   EXPECT_LT(static_cast<double>(dut.end.utime - dut.steps.at(0).commanded_utime) * 1e-6, 119);
 }
 
@@ -200,9 +200,10 @@ TEST_F(WaitingScript, GoesOnPastAConditionNeverMetAndSaysHowFarItGot) {
   EXPECT_EQ(begin(dut.steps[1], dut.steps), 8);
   EXPECT_THAT(dut.steps[1].ended_by, StartsWith("its limit of 8 s; relative error 0."));
   ASSERT_THAT(dut.faults, SizeIs(1));
-  EXPECT_THAT(dut.faults[0],
-              StartsWith("step 0 \"measure\" waited 8 s in vain until D_r of abp is known to 0.1 %: "
-                         "relative error 0."));
+  EXPECT_THAT(
+      dut.faults[0],
+      StartsWith("step 0 \"measure\" waited 8 s in vain until D_r of abp is known to 0.1 %: "
+                 "relative error 0."));
   EXPECT_THAT(dut.lab.output, HasSubstr("marked   step 0 \"measure\""));
 }
 
@@ -246,9 +247,8 @@ TEST_F(WaitingScript, ShowsTheSafeLightToRobotsThatStandBeforeItEnds) {
 }
 
 TEST_F(WaitingScript, RepeatsAGroupAndIsTheSameToTheBitEachTime) {
-  const std::string script =
-      step("tumble", 0.5, "hold_s = 30\nuntil = {tumbles = 5}") +
-      step("rest", 0, "hold_s = 1\nback_to = \"tumble\"\ntimes = 3");
+  const std::string script = step("tumble", 0.5, "hold_s = 30\nuntil = {tumbles = 5}") +
+                             step("rest", 0, "hold_s = 1\nback_to = \"tumble\"\ntimes = 3");
   const Run a = play(script);
   const Run b = play(script);
   std::vector<std::string> labels;

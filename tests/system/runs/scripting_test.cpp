@@ -38,8 +38,7 @@ class Scripting : public testing::Test {
   /// A live lab, its script's light overruled by `program` with the bus's URL behind it.
   Finished overrule(const std::string& program) {
     Background lab("exec lab run " + experiment("light_switching").string() +
-                   " --no-report --set duration_s=12 --out " +
-                   (folder_.path() / "runs").string());
+                   " --no-report --set duration_s=12 --out " + (folder_.path() / "runs").string());
     if (!waitFor([&lab] { return lab.output().find("running") != std::string::npos; },
                  milliseconds(15'000))) {
       ADD_FAILURE() << lab.output();
@@ -62,7 +61,8 @@ class Scripting : public testing::Test {
 
 TEST(ScriptingPage, ShowsTheProgramsAsTheyAre) {
   const std::string page = readFile(kRoot / "docs" / "scripting.md");
-  for (const char* file : {"docs/examples/light_switching.sh", "docs/examples/light_switching.py"}) {
+  for (const char* file :
+       {"docs/examples/light_switching.sh", "docs/examples/light_switching.py"}) {
     EXPECT_TRUE(page.find(readFile(kRoot / file)) != std::string::npos)
         << file << " must stand in docs/scripting.md word by word";
   }
@@ -81,8 +81,8 @@ TEST_F(Scripting, ThePythonProgramShowsItsLightsAndHearsTheRobots) {
   }
   const fs::path types = folder() / "python";
   fs::create_directories(types);
-  const Finished generated = run("lcm-gen -p --ppath " + types.string() + " " +
-                                 (kRoot / "lcmtypes").string() + "/*.lcm");
+  const Finished generated =
+      run("lcm-gen -p --ppath " + types.string() + " " + (kRoot / "lcmtypes").string() + "/*.lcm");
   ASSERT_EQ(generated.exit_code, 0) << generated.output;
   const Finished python =
       overrule("PYTHONPATH=" + types.string() + " PYTHONDONTWRITEBYTECODE=1 python3 " +

@@ -15,21 +15,21 @@
 
 namespace lab::system_test {
 
-struct Truth {
+struct TruthComparison {
   double worst = 0;       ///< [m] largest distance of a pose from its own robot, but for swaps
   double worst_turn = 0;  ///< [rad] but for flips
   std::int64_t compared = 0;
-  std::int64_t swapped = 0;      ///< poses that are another robot's
-  std::int64_t flipped = 0;      ///< poses whose heading is off by more than a right angle
-  std::int64_t unidentified = 0; ///< caps that were seen and not known
+  std::int64_t swapped = 0;       ///< poses that are another robot's
+  std::int64_t flipped = 0;       ///< poses whose heading is off by more than a right angle
+  std::int64_t unidentified = 0;  ///< caps that were seen and not known
   std::int64_t collisions = 0;
   tracker_status_t tracker{};
 };
 
 /// Poses against SIM_TRUTH, where both are of the same instant: 10 Hz.
-inline Truth compareWithTruth(const std::filesystem::path& run_folder) {
+inline TruthComparison compareWithTruth(const std::filesystem::path& run_folder) {
   constexpr double kOtherRobot = 0.03;  // [m] two robots cannot be nearer than 7.5 cm
-  Truth result;
+  TruthComparison result;
   std::map<std::int64_t, std::map<std::int32_t, true_pose_t>> truth;
   std::map<std::int64_t, std::vector<tracked_pose_t>> seen;
   readLog({run_folder / "log.lcmlog"}, [&](const Packet& packet) {

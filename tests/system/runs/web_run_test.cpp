@@ -100,8 +100,8 @@ Record recordOf(const fs::path& log) {
 TEST_F(WebRun, AnswersObeysWishesAndComesAgainWhenItIsKilled) {
   const fs::path copy = folder.path() / "address";
   Background lab(labRun("--web --web-address-file " + copy.string()));
-  ASSERT_TRUE(waitFor([&] { return lab.output().find("running ") != std::string::npos; },
-                      seconds(20)))
+  ASSERT_TRUE(
+      waitFor([&] { return lab.output().find("running ") != std::string::npos; }, seconds(20)))
       << lab.output();
   const std::string address = addressOf(lab);
   ASSERT_THAT(address, HasSubstr("http://127.0.0.1:28480/#token=")) << lab.output();

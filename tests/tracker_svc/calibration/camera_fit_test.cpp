@@ -31,7 +31,7 @@ Score scoreOf(int cameras, int caps, int boards, double corners) {
     Random random(static_cast<std::uint64_t>(seed), 9);
     const optics::CameraParameters camera = someCamera(random, kColumns, kRows);
     const SightNoise noise{0.02, corners, 5e-4 * random.normal()};
-    CameraSights sights = sightsOf(camera, caps, noise, random);
+    CameraObservations sights = sightsOf(camera, caps, noise, random);
     for (int i = 0; i < boards; ++i) sights.boards.push_back(boardSeen(camera, 0.02, random));
     const CameraFit fit = fitCamera(sights);
     EXPECT_THAT(fit.refusal, IsEmpty()) << "camera " << seed;
@@ -52,7 +52,8 @@ Score scoreOf(int cameras, int caps, int boards, double corners) {
   return score;
 }
 
-// The mean of z^2 over n cameras with about 3 free numbers behind the error of each: 1 +- sqrt(2 / 3n).
+// The mean of z^2 over n cameras with about 3 free numbers behind the error of each: 1 +- sqrt(2 /
+// 3n).
 
 TEST(CameraFit, FindsCamerasFromCornersAndCaps) {
   const Score score = scoreOf(12, 400, 0, 0.2);
@@ -88,7 +89,7 @@ TEST(CameraFit, IsRightWithoutNoise) {
   camera.cy = (kRows - 1) / 2.0;
   camera.fy = camera.fx;
   camera.k2 = camera.p1 = camera.p2 = 0;
-  const CameraSights sights = sightsOf(camera, 300, {0, 0}, random);
+  const CameraObservations sights = sightsOf(camera, 300, {0, 0}, random);
   const CameraFit fit = fitCamera(sights);
   ASSERT_THAT(fit.refusal, IsEmpty());
   // The centre of the ellipse that a circle appears as is known to second order, to 1e-4 px.
@@ -108,7 +109,7 @@ TEST(CameraFit, EstimatesTheNoiseOfTheCircles) {
 TEST(CameraFit, LeavesMisdetectionsOut) {
   Random random(3);
   const optics::CameraParameters camera = someCamera(random, kColumns, kRows);
-  CameraSights sights = sightsOf(camera, 400, {0.02, 0.2}, random);
+  CameraObservations sights = sightsOf(camera, 400, {0.02, 0.2}, random);
   for (std::size_t i = 0; i < 40; ++i) sights.caps[10 * i].big.x += 3 * random.normal();
   const CameraFit fit = fitCamera(sights);
   ASSERT_THAT(fit.refusal, IsEmpty());
@@ -121,9 +122,9 @@ TEST(CameraFit, LeavesMisdetectionsOut) {
 TEST(CameraFit, GuessesFromTheCornersAlone) {
   Random random(4);
   const optics::CameraParameters camera = optics::simulatedCamera(kColumns, kRows, 1.2, 0.9);
-  const CameraSights sights = sightsOf(camera, 200, {0, 0.5}, random);
+  const CameraObservations sights = sightsOf(camera, 200, {0, 0.5}, random);
   const optics::CameraModel guess(guessFromCorners(sights, 1.72, -0.12));
-  for (const CapSight& sight : sights.caps) {
+  for (const CapObservation& sight : sights.caps) {
     const auto big = guess.toPlane(sight.big, sights.cap.height);
     const auto small = guess.toPlane(sight.small, sights.cap.height);
     ASSERT_TRUE(big && small);
@@ -135,7 +136,7 @@ class CameraFitRefusal : public testing::Test {
  protected:
   Random random_{5};
   optics::CameraParameters camera_ = someCamera(random_, kColumns, kRows);
-  CameraSights sights_ = sightsOf(camera_, 300, {}, random_);
+  CameraObservations sights_ = sightsOf(camera_, 300, {}, random_);
 
   std::string refusal() { return fitCamera(sights_).refusal; }
 };
@@ -148,7 +149,7 @@ TEST_F(CameraFitRefusal, TooFewCaps) {
 }
 
 TEST_F(CameraFitRefusal, OnePartOfTheArenaNotSeen) {
-  std::erase_if(sights_.caps, [this](const CapSight& sight) {
+  std::erase_if(sights_.caps, [this](const CapObservation& sight) {
     const auto place = optics::CameraModel(camera_).toPlane(sight.big, 0.05);
     return place->x > 0.75 && place->y < 0.35;
   });
@@ -198,7 +199,7 @@ TEST_F(CameraFitRefusal, CirclesThatAreFoundBadly) {
 }
 
 TEST_F(CameraFitRefusal, NoCapsAtAllButSomethingElse) {
-  for (CapSight& sight : sights_.caps) {
+  for (CapObservation& sight : sights_.caps) {
     sight.small = {sight.big.x + 60 * random_.uniform(), sight.big.y + 60 * random_.uniform()};
   }
   EXPECT_THAT(refusal(), testing::Not(IsEmpty()));

@@ -28,8 +28,7 @@ class Wanderers {
   Wanderers(int robots, double cap_error, std::uint64_t seed) : random_(seed, 1) {
     for (int i = 0; i < robots; ++i) {
       robots_.push_back({1.2 * random_.uniform(), 0.9 * random_.uniform(),
-                         2 * std::numbers::pi * random_.uniform(),
-                         cap_error * random_.normal()});
+                         2 * std::numbers::pi * random_.uniform(), cap_error * random_.normal()});
     }
   }
 
@@ -39,9 +38,8 @@ class Wanderers {
         robot.heading += 0.8 * std::sqrt(interval) * random_.normal();
         robot.x = bounce(robot.x + 0.05 * interval * std::cos(robot.heading), 1.2, robot);
         robot.y = bounce(robot.y + 0.05 * interval * std::sin(robot.heading), 0.9, robot);
-        const double measured =
-            kSpacing * (1 + error(time, robot.x - 0.6, robot.y - 0.45)) + robot.cap_error +
-            kSigma * random_.normal();
+        const double measured = kSpacing * (1 + error(time, robot.x - 0.6, robot.y - 0.45)) +
+                                robot.cap_error + kSigma * random_.normal();
         check.add(time, robot.x, robot.y, measured, kSigma);
       }
     }

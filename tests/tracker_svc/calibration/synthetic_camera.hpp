@@ -7,14 +7,14 @@
 #include <cmath>
 #include <numbers>
 
-#include "tracker_svc/calibration/camera_fit.hpp"
 #include "common/math/random.hpp"
 #include "light/optics/simulated_camera.hpp"
+#include "tracker_svc/calibration/camera_fit.hpp"
 
 namespace lab::calibration {
 
-/// Some camera over an arena of 120 x 90 cm: not quite in the middle, not quite level, its lens with
-/// distortion, its pixels not quite square.
+/// Some camera over an arena of 120 x 90 cm: not quite in the middle, not quite level, its lens
+/// with distortion, its pixels not quite square.
 inline optics::CameraParameters someCamera(Random& random, int columns, int rows) {
   optics::CameraParameters p = optics::simulatedCamera(columns, rows, 1.2, 0.9);
   const double height = 1.3 + random.uniform();
@@ -32,11 +32,11 @@ inline optics::CameraParameters someCamera(Random& random, int columns, int rows
   const auto turn = [&random](double sigma, const Eigen::Vector3d& axis) {
     return Eigen::AngleAxisd(sigma * random.normal(), axis);
   };
-  const Eigen::Matrix3d rotation = (turn(0.05, Eigen::Vector3d::UnitX()) *
-                                    turn(0.05, Eigen::Vector3d::UnitY()) *
-                                    turn(0.05, Eigen::Vector3d::UnitZ()))
-                                       .toRotationMatrix() *
-                                   down;
+  const Eigen::Matrix3d rotation =
+      (turn(0.05, Eigen::Vector3d::UnitX()) * turn(0.05, Eigen::Vector3d::UnitY()) *
+       turn(0.05, Eigen::Vector3d::UnitZ()))
+          .toRotationMatrix() *
+      down;
   const Eigen::Vector3d middle(0.6, 0.45, 0);
   const Eigen::Vector3d seen(((columns - 1) / 2.0 - p.cx) / focal * height,
                              ((rows - 1) / 2.0 - p.cy) / focal * height, height);
@@ -68,18 +68,18 @@ inline optics::Pixel ellipseCentre(const optics::CameraModel& model, double x, d
 }
 
 struct SightNoise {
-  double caps = 0.02;     ///< [px]
-  double corners = 0.5;   ///< [px]
-  double cap_make = 0;    ///< [1] by which all caps are made too wide
+  double caps = 0.02;    ///< [px]
+  double corners = 0.5;  ///< [px]
+  double cap_make = 0;   ///< [1] by which all caps are made too wide
 };
 
 /// Caps anywhere where robots can be, within [x0, x1] of the width.
-inline std::vector<CapSight> capsSeen(const optics::CameraParameters& camera, int count,
-                                      const SightNoise& noise, Random& random, double x0 = 0,
-                                      double x1 = 1) {
+inline std::vector<CapObservation> capsSeen(const optics::CameraParameters& camera, int count,
+                                            const SightNoise& noise, Random& random, double x0 = 0,
+                                            double x1 = 1) {
   const optics::CameraModel model(camera);
   const optics::CapGeometry cap;
-  std::vector<CapSight> caps;
+  std::vector<CapObservation> caps;
   const auto shake = [&](optics::Pixel at) {
     return optics::Pixel{at.x + noise.caps * random.normal(), at.y + noise.caps * random.normal()};
   };
@@ -90,8 +90,8 @@ inline std::vector<CapSight> capsSeen(const optics::CameraParameters& camera, in
     const double theta = 2 * std::numbers::pi * random.uniform();
     const auto at = [&](double offset, double radius) {
       const double made = offset * (1 + noise.cap_make);
-      return ellipseCentre(model, x + made * std::cos(theta), y + made * std::sin(theta), cap.height,
-                           radius);
+      return ellipseCentre(model, x + made * std::cos(theta), y + made * std::sin(theta),
+                           cap.height, radius);
     };
     const optics::Pixel big = shake(at(cap.big_offset, cap.big_radius));
     const optics::Pixel small = shake(at(cap.small_offset, cap.small_radius));
@@ -101,9 +101,9 @@ inline std::vector<CapSight> capsSeen(const optics::CameraParameters& camera, in
 }
 
 /// What the camera sees of an arena of 120 x 90 cm.
-inline CameraSights sightsOf(const optics::CameraParameters& camera, int caps,
-                             const SightNoise& noise, Random& random) {
-  CameraSights sights;
+inline CameraObservations sightsOf(const optics::CameraParameters& camera, int caps,
+                                   const SightNoise& noise, Random& random) {
+  CameraObservations sights;
   sights.width = camera.width;
   sights.height = camera.height;
   sights.corner_sigma = std::max(noise.corners, 0.05);
@@ -157,20 +157,20 @@ inline BoardView boardSeen(const optics::CameraParameters& camera, double noise,
 struct TrueError {
   double rms = 0;
   double largest = 0;
-  double shape = 0;  ///< rms when the whole is shifted and turned as fits best
+  double shape = 0;         ///< rms when the whole is shifted and turned as fits best
   double largest_pull = 0;  ///< of each place of the map, along the error, in claimed sigmas
 };
 
 inline TrueError trueError(const CameraFit& fit, const optics::CameraParameters& truth,
-                           const CameraSights& sights) {
+                           const CameraObservations& sights) {
   const optics::CameraModel real(truth);
   const optics::CameraModel fitted(fit.camera);
   TrueError error;
   std::array<optics::Place, 25> misses;
   for (std::size_t i = 0; i < fit.map.places.size(); ++i) {
     const PlaceError& place = fit.map.places[i];
-    const auto seen = fitted.toPlane(real.project(place.x, place.y, sights.cap.height),
-                                     sights.cap.height);
+    const auto seen =
+        fitted.toPlane(real.project(place.x, place.y, sights.cap.height), sights.cap.height);
     if (!seen) return {1, 1, 1, 1e9};
     misses[i] = {seen->x - place.x, seen->y - place.y};
     const double miss = std::hypot(misses[i].x, misses[i].y);

@@ -8,10 +8,10 @@
 #include <thread>
 #include <vector>
 
-#include "tracker_svc/camera_devices.hpp"
 #include "tests/support/film_samples.hpp"
 #include "tests/support/loop_until.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "tracker_svc/camera_devices.hpp"
 
 namespace lab {
 namespace {

@@ -6,9 +6,9 @@
 #include <fstream>
 #include <vector>
 
-#include "tracker_svc/camera_devices.hpp"
 #include "tests/support/loop_until.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "tracker_svc/camera_devices.hpp"
 
 namespace lab {
 namespace {

@@ -47,10 +47,10 @@ optics::GreyImage paint(double white, const std::vector<optics::Pixel>& discs, d
   return image;
 }
 
-TEST(FirstGlance, LeavesTheWordsOfEveryCircleOver) {
+TEST(ContrastPrefilter, LeavesTheWordsOfEveryCircleOver) {
   std::mt19937_64 random(2);
   const Levels levels = levelsOf(static_cast<int>(kBlack), 4);
-  FirstGlance glance(kWidth, kHeight, wordStarts(), 1, kStep, kAround);
+  ContrastPrefilter glance(kWidth, kHeight, wordStarts(), 1, kStep, kAround);
   for (int round = 0; round < 400; ++round) {
     const double white = std::exp(std::uniform_real_distribution<double>(2.0, 5.4)(random));
     const double radius = std::uniform_real_distribution<double>(2.6, 7.0)(random);
@@ -67,11 +67,11 @@ TEST(FirstGlance, LeavesTheWordsOfEveryCircleOver) {
   }
 }
 
-TEST(FirstGlance, LeavesThemOverInNoiseToo) {
+TEST(ContrastPrefilter, LeavesThemOverInNoiseToo) {
   std::mt19937_64 random(4);
   const double read_noise = 10;
   const Levels levels = levelsOf(static_cast<int>(kBlack), 33);
-  FirstGlance glance(kWidth, kHeight, wordStarts(), 1, kStep, kAround);
+  ContrastPrefilter glance(kWidth, kHeight, wordStarts(), 1, kStep, kAround);
   int left = 0;
   for (int round = 0; round < 200; ++round) {
     std::uniform_real_distribution<double> x(20, kWidth - 20);
@@ -88,10 +88,10 @@ TEST(FirstGlance, LeavesThemOverInNoiseToo) {
   EXPECT_EQ(left, 200);
 }
 
-TEST(FirstGlance, TakesNoNoiseForAContrast) {
+TEST(ContrastPrefilter, TakesNoNoiseForAContrast) {
   std::mt19937_64 random(3);
   const Levels levels = levelsOf(static_cast<int>(kBlack), 4);
-  FirstGlance glance(kWidth, kHeight, wordStarts(), 0, kStep, kAround);
+  ContrastPrefilter glance(kWidth, kHeight, wordStarts(), 0, kStep, kAround);
   int left = 0;
   int all = 0;
   for (const double white : {0.5, 1.0, 2.0, 3.0, 6.0, 20.0, 100.0, 230.0}) {
@@ -109,10 +109,10 @@ TEST(FirstGlance, TakesNoNoiseForAContrast) {
   EXPECT_LT(left * 100, all);
 }
 
-TEST(FirstGlance, SeesTheBrightSideInTheCellBeside) {
+TEST(ContrastPrefilter, SeesTheBrightSideInTheCellBeside) {
   // Half of a picture is dark; only what is near the other half may hold a circle.
   const Levels levels = levelsOf(static_cast<int>(kBlack), 4);
-  FirstGlance glance(kWidth, kHeight, wordStarts(), 0, kStep, kAround);
+  ContrastPrefilter glance(kWidth, kHeight, wordStarts(), 0, kStep, kAround);
   optics::GreyImage image(kWidth, kHeight, 20);
   for (int y = 0; y < kHeight; ++y) std::fill(image.row(y) + 5 * kWord, image.row(y) + kWidth, 200);
   glance.look(image.view(), levels, 0, kHeight - 1);

@@ -9,8 +9,8 @@
 #include <random>
 #include <vector>
 
-#include "tracker_svc/circle_search/padded_picture.hpp"
 #include "light/optics/grey_image.hpp"
+#include "tracker_svc/circle_search/padded_picture.hpp"
 
 namespace lab::detector {
 namespace {
@@ -26,8 +26,8 @@ Pixel lookAt(const optics::GreyView& picture, int x, int y, const Neighbours& to
              const Levels& levels) {
   const auto at = [&](int dx, int dy) { return static_cast<int>(picture.row(y + dy)[x + dx]); };
   const int here = std::max<int>(at(0, 0), levels.black);
-  const int ends[4][2] = {{to.across, 0}, {0, to.across}, {to.diagonal, to.diagonal},
-                          {-to.diagonal, to.diagonal}};
+  const int ends[4][2] = {
+      {to.across, 0}, {0, to.across}, {to.diagonal, to.diagonal}, {-to.diagonal, to.diagonal}};
   int best = 0;
   int least = 255;
   int worst = 255;
@@ -38,8 +38,8 @@ Pixel lookAt(const optics::GreyView& picture, int x, int y, const Neighbours& to
     least = std::min(least, std::min(one, other));
     worst = std::min(worst, std::max(one, other));
   }
-  const int beside = std::max({at(to.near, 0), at(-to.near, 0),
-                               std::min(at(0, to.near), at(0, -to.near))});
+  const int beside =
+      std::max({at(to.near, 0), at(-to.near, 0), std::min(at(0, to.near), at(0, -to.near))});
   if (here > levels.most || least < here + here / 8 + levels.barely) return {};
   if (best < 2 * here + levels.clear || beside > best - best / 4 + levels.black / 4) return {};
   const int contrast = best - here;
@@ -81,13 +81,13 @@ TEST(DarkWords, AreThoseWithPixelsThatPassEveryTest) {
              static_cast<std::int16_t>(1 + random() % 3)};
     }
     const std::uint64_t wanted = random() % (1U << kWords);
-    DarkWord found[kWords];
-    const int count = darkWords(picture.row(kMargin), picture.stride, starts.data(), to.data(),
-                                wanted, 0, levels, found);
+    DarkPixelWord found[kWords];
+    const int count = findDarkPixels(picture.row(kMargin), picture.stride, starts.data(), to.data(),
+                                     wanted, 0, levels, found);
     int next = 0;
     for (int word = 0; word < kWords; ++word) {
       const auto number = static_cast<std::size_t>(word);
-      DarkWord expected;
+      DarkPixelWord expected;
       for (int i = 0; i < kWord; ++i) {
         if ((wanted >> word & 1U) == 0 || to[number].across == 0) continue;
         const Pixel pixel = lookAt(picture, starts[number] + i, kMargin, to[number], levels);
@@ -116,16 +116,16 @@ TEST(PaddedPicture, RepeatsTheOutermostPixels) {
   for (std::uint8_t& pixel : image.pixels) pixel = static_cast<std::uint8_t>(random());
   const optics::GreyView picture = image.view();
   PaddedPicture padded;
-  for (const Region& part : {Region{-5, -5, 100, 100}, {0, 0, 3, 3}, {30, 2, 33, 20}, {4, 5, 9, 11},
-                             {12, 12, 11, 15}}) {
+  for (const Region& part :
+       {Region{-5, -5, 100, 100}, {0, 0, 3, 3}, {30, 2, 33, 20}, {4, 5, 9, 11}, {12, 12, 11, 15}}) {
     const optics::GreyView all = padded.begin(picture, kPadding);
     ASSERT_EQ(all.width, 34);
     ASSERT_EQ(all.height, 23);
     padded.need(part);
     for (int y = std::max(part.top, 0); y <= std::min(part.bottom, all.height - 1); ++y) {
       for (int x = std::max(part.left, 0); x <= std::min(part.right, all.width - 1); ++x) {
-        EXPECT_EQ(all.row(y)[x], picture.row(std::clamp(y - kPadding, 0, 8))
-                                     [std::clamp(x - kPadding, 0, 19)]);
+        EXPECT_EQ(all.row(y)[x],
+                  picture.row(std::clamp(y - kPadding, 0, 8))[std::clamp(x - kPadding, 0, 19)]);
       }
     }
   }

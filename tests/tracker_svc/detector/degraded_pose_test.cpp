@@ -6,11 +6,11 @@
 #include <random>
 #include <vector>
 
-#include "tracker_svc/detector/cap_pose.hpp"
-#include "tracker_svc/detector.hpp"
-#include "tracker_svc/detector/rim_fit.hpp"
 #include "light/optics/simulated_camera.hpp"
 #include "tests/tracker_svc/covered_cap.hpp"
+#include "tracker_svc/detector.hpp"
+#include "tracker_svc/detector/cap_pose.hpp"
+#include "tracker_svc/detector/rim_fit.hpp"
 
 namespace lab::detector::degraded_pose_test {
 namespace {
@@ -166,8 +166,9 @@ TEST(DegradedPose, OfACapThatIsHalfOutsideOfThePicture) {
   const Detection seen = dut.follow(view, expected).front();
   ASSERT_EQ(seen.used & ~kUsedEdge, kUsedRim | kUsedBig);
   const sim::PaintedRobot& robot = scene.robots.front();
-  EXPECT_LT(surprise(seen.covariance, {seen.x - robot.x, seen.y - robot.y,
-                                       wrapped(seen.theta - robot.theta)}), 16);
+  EXPECT_LT(surprise(seen.covariance,
+                     {seen.x - robot.x, seen.y - robot.y, wrapped(seen.theta - robot.theta)}),
+            16);
   EXPECT_LT(std::hypot(seen.x - robot.x, seen.y - robot.y), 0.0004);
 }
 
@@ -180,8 +181,7 @@ TEST(DegradedPose, IsNotMadeOfADiscOnTheBareFloor) {
     const double y = 0.15 + 0.2 * (i / 10);
     const bool big = i % 2 == 0;
     const double scale = i % 3 == 0 ? 1.0 : 1.03;  // as built, and so that it looks right
-    scene.settings.discs.push_back(
-        {x, y, scale * (big ? cap.big_radius : cap.small_radius), 0.07});
+    scene.settings.discs.push_back({x, y, scale * (big ? cap.big_radius : cap.small_radius), 0.07});
     // Expected where a cap around it would be, at any heading; the disc appears beside its place.
     const std::optional<optics::Place> seen =
         scene.camera().toPlane(scene.camera().project(x, y, 0), cap.height);
@@ -211,14 +211,16 @@ struct Lost : testing::Test {
 };
 
 TEST_F(Lost, IsSeenDegradedWithOneCircleCovered) {
-  EXPECT_TRUE(isDegraded(follow({overCircle(scene.robots[0], true)},
-                                {0.503, 0.398, 0.8, kReach, kTurn})));
+  EXPECT_TRUE(
+      isDegraded(follow({overCircle(scene.robots[0], true)}, {0.503, 0.398, 0.8, kReach, kTurn})));
 }
 
 TEST_F(Lost, WithBothCirclesCovered) {
   const sim::PaintedRobot& robot = scene.robots[0];
   EXPECT_EQ(follow({overCircle(robot, true), overCircle(robot, false)},
-                   {0.503, 0.398, 0.8, kReach, kTurn}).quality, 0);
+                   {0.503, 0.398, 0.8, kReach, kTurn})
+                .quality,
+            0);
 }
 
 TEST_F(Lost, WithHalfOfTheCapCovered) {
@@ -236,7 +238,9 @@ TEST_F(Lost, ThatIsTurnedRound) {
   const sim::PaintedRobot& robot = scene.robots[0];
   for (const bool big : {false, true}) {
     EXPECT_EQ(follow({overCircle(robot, big)},
-                     {robot.x, robot.y, robot.theta + std::numbers::pi, kReach, kTurn}).quality, 0);
+                     {robot.x, robot.y, robot.theta + std::numbers::pi, kReach, kTurn})
+                  .quality,
+              0);
   }
 }
 
@@ -269,8 +273,8 @@ TEST(RimFit, FindsTheMiddleFromAMillimetreOff) {
     EXPECT_NEAR(fit.centre.y, robot.y, 4 * std::sqrt(fit.covariance[2]));
     EXPECT_LT(fit.covariance[0] + fit.covariance[2], 2 * 0.0003 * 0.0003);
   }
-  const RimFit floor = fitRim(view, scene.camera(), scene.settings.cap, scene.settings.imaging,
-                              {0.6, 0.45});
+  const RimFit floor =
+      fitRim(view, scene.camera(), scene.settings.cap, scene.settings.imaging, {0.6, 0.45});
   EXPECT_LT(floor.support, kRimDirections / 4);
 }
 
@@ -296,8 +300,7 @@ TEST(CapPose, OfOneCircleAndTheMiddleHasTheRightCovariance) {
     const CapPose pose = poseFromRim(
         {noisy(0.4 + offset * std::cos(theta), 0.3 + offset * std::sin(theta), circle), circle},
         offset, {noisy(0.4, 0.3, middle), middle});
-    sum += surprise(pose.covariance,
-                    {pose.x - 0.4, pose.y - 0.3, wrapped(pose.theta - theta)});
+    sum += surprise(pose.covariance, {pose.x - 0.4, pose.y - 0.3, wrapped(pose.theta - theta)});
     distance += pose.surprise;
   }
   EXPECT_NEAR(sum / kCount, 3, 4 * std::sqrt(6.0 / kCount));

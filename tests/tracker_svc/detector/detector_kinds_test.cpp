@@ -12,7 +12,7 @@
 namespace lab::cases {
 namespace {
 
-std::string textOf(const Bars& bars, const Tally& tally) {
+std::string textOf(const AcceptanceLimits& bars, const Tally& tally) {
   std::string text;
   for (const Shortfall& one : shortOf(bars, tally)) text += one.what + "; ";
   return text;
@@ -26,7 +26,7 @@ struct Few {
 class FewPictures : public testing::TestWithParam<Few> {};
 
 TEST_P(FewPictures, ReachTheBarsOfTheirKind) {
-  const Kind& kind = kindOf(GetParam().kind);
+  const SceneKind& kind = kindOf(GetParam().kind);
   Score score;
   for (std::uint64_t seed = 1; seed <= GetParam().seeds; ++seed) look(kind, seed, false, score);
   EXPECT_EQ(textOf(kind.bars, score.tally()), "") << Score::header() << '\n' << score.text();
@@ -38,8 +38,8 @@ INSTANTIATE_TEST_SUITE_P(Kinds, FewPictures,
                                          Few{"dis_nobody_checker", 1}, Few{"opt_noise", 1},
                                          Few{"opt_jpeg_05", 1}, Few{"dis_nobody_jpeg", 1},
                                          Few{"opt_gamma_05", 1}, Few{"opt_webcam", 1},
-                                         Few{"dis_nobody_webcam", 1},
-                                         Few{"opt_defocus25", 1}, Few{"worst_720", 1}),
+                                         Few{"dis_nobody_webcam", 1}, Few{"opt_defocus25", 1},
+                                         Few{"worst_720", 1}),
                          [](const auto& each) { return std::string(each.param.kind); });
 
 // Kinds whose light no simple model has: no bar, but what is claimed is what is reached there too.
@@ -50,28 +50,28 @@ TEST_P(OddLight, IsInTheClaim) {
   look(kindOf(GetParam()), 1, false, score);
   const Tally tally = score.tally();
   EXPECT_GT(tally.surprises, 30) << score.text();
-  EXPECT_NEAR(tally.surprise, 1, mostSurprise(tally)) << score.text();
+  EXPECT_NEAR(tally.surprise, 1, allowedNees(tally)) << score.text();
 }
 
 INSTANTIATE_TEST_SUITE_P(Kinds, OddLight,
                          testing::Values("light_wave", "light_noise", "light_stripes_fine"),
                          [](const auto& each) { return std::string(each.param); });
 
-TEST(Bars, LeaveRoomForChanceWhereTheyAreNoAbsolutes) {
+TEST(AcceptanceLimits, LeaveRoomForChanceWhereTheyAreNoAbsolutes) {
   // 4 of 800 are expected at 99.5 %: 9 happen in one of 47 runs, 10 in one of 123 (Poisson).
   EXPECT_NEAR(chanceOf(9, 4), 0.0214, 1e-4);
   EXPECT_NEAR(chanceOf(10, 4), 0.0081, 1e-4);
-  const Bars most{.recall = 0.995, .wrong = 0.1};
+  const AcceptanceLimits most{.recall = 0.995, .wrong = 0.1};
   EXPECT_EQ(textOf(most, {.frames = 20, .robots = 800, .found = 791, .wrong = 6}), "");
   EXPECT_EQ(shortOf(most, {.frames = 20, .robots = 800, .found = 790, .wrong = 7}).size(), 2U);
-  const Bars all{.recall = 1, .wrong = 0};
+  const AcceptanceLimits all{.recall = 1, .wrong = 0};
   EXPECT_EQ(textOf(all, {.frames = 20, .robots = 800, .found = 800}), "");
   EXPECT_EQ(shortOf(all, {.frames = 20, .robots = 800, .found = 799, .wrong = 1}).size(), 2U);
   EXPECT_EQ(shortOf(all, {.frames = 20, .robots = 800, .found = 800, .flipped = 1}).size(), 1U);
 }
 
-TEST(Bars, HoldAgainstErrorsAndWhatIsClaimed) {
-  const Bars bars{.position = 0.012, .heading = 0.03, .honest = true};
+TEST(AcceptanceLimits, HoldAgainstErrorsAndWhatIsClaimed) {
+  const AcceptanceLimits bars{.position = 0.012, .heading = 0.03, .honest = true};
   Tally tally{.position = 0.012, .heading = 0.03, .surprise = 1.18, .surprises = 800};
   EXPECT_EQ(textOf(bars, tally), "");
   tally.surprise = 0.8;  // 1 +- (0.1 + 3 sqrt(2 / 2400)) is 0.813 to 1.187
@@ -81,10 +81,9 @@ TEST(Bars, HoldAgainstErrorsAndWhatIsClaimed) {
   EXPECT_EQ(textOf({}, tally), "");
 }
 
-TEST(Bars, MayBeKnownNotToBeReached) {
-  const std::vector<Shortfall> left =
-      shortOf({.recall = 1, .wrong = 0, .recall_known = 0.9},
-              {.frames = 1, .robots = 10, .found = 9, .wrong = 1});
+TEST(AcceptanceLimits, MayBeKnownNotToBeReached) {
+  const std::vector<Shortfall> left = shortOf({.recall = 1, .wrong = 0, .recall_known = 0.9},
+                                              {.frames = 1, .robots = 10, .found = 9, .wrong = 1});
   ASSERT_EQ(left.size(), 2U);
   EXPECT_TRUE(left[0].known);
   EXPECT_FALSE(left[1].known);

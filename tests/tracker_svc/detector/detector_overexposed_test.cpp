@@ -7,22 +7,22 @@
 #include <string>
 #include <vector>
 
-#include "tracker_svc/detector.hpp"
 #include "light/optics/simulated_camera.hpp"
 #include "sim_svc/camera_painter.hpp"
 #include "tests/tracker_svc/detector/scattered_robots.hpp"
+#include "tracker_svc/detector.hpp"
 
 namespace lab::detector {
 namespace {
 
-struct Look {
-  int width;       // [px]
-  int height;      // [px]
-  double gain;     // [1] of white paint: 1.15 is as much as the camera can say
-  double blur;     // [px]
+struct DetectedScene {
+  int width;    // [px]
+  int height;   // [px]
+  double gain;  // [1] of white paint: 1.15 is as much as the camera can say
+  double blur;  // [px]
 };
 
-sim::PainterSettings settingsOf(const Look& look) {
+sim::PainterSettings settingsOf(const DetectedScene& look) {
   sim::PainterSettings settings;
   settings.camera = optics::simulatedCamera(look.width, look.height, 1.20, 0.90);
   settings.gain = look.gain;
@@ -42,7 +42,7 @@ std::vector<Detection> detect(const sim::PainterSettings& settings,
   return detector.search(image.view());
 }
 
-std::string nameOf(const Look& look) {
+std::string nameOf(const DetectedScene& look) {
   return std::to_string(look.width) + " x " + std::to_string(look.height) + ", gain " +
          std::to_string(look.gain) + ", blur " + std::to_string(look.blur);
 }
@@ -50,8 +50,10 @@ std::string nameOf(const Look& look) {
 TEST(Overexposed, EveryCapIsFoundWhereItIs) {
   constexpr double kSame = 0.0005;  // [m]
   constexpr double kTurned = 0.02;  // [rad]
-  for (const Look& look : {Look{640, 480, 1.5, 1.5}, Look{640, 480, 2, 0.75},
-                           Look{640, 480, 2, 1.5}, Look{960, 540, 2, 1}, Look{1280, 720, 2, 2}}) {
+  for (const DetectedScene& look :
+       {DetectedScene{640, 480, 1.5, 1.5}, DetectedScene{640, 480, 2, 0.75},
+        DetectedScene{640, 480, 2, 1.5}, DetectedScene{960, 540, 2, 1},
+        DetectedScene{1280, 720, 2, 2}}) {
     const std::vector<sim::PaintedRobot> robots = scatteredRobots(40, 5);
     const std::vector<Detection> seen = detect(settingsOf(look), robots);
     for (const sim::PaintedRobot& robot : robots) {
@@ -69,7 +71,8 @@ TEST(Overexposed, EveryCapIsFoundWhereItIs) {
 // The floor is as full as a cap would be, and nothing says that no rim is there.
 TEST(Overexposed, DiscsOnTheFloorAreNoCaps) {
   constexpr double kLooksSmaller = 1.03;  // than on a cap, which is nearer to the camera
-  for (const Look& look : {Look{640, 480, 1.5, 0.75}, Look{1280, 720, 2, 1.5}}) {
+  for (const DetectedScene& look :
+       {DetectedScene{640, 480, 1.5, 0.75}, DetectedScene{1280, 720, 2, 1.5}}) {
     sim::PainterSettings settings = settingsOf(look);
     for (const sim::PaintedRobot& place : scatteredRobots(12, 9)) {
       for (const bool big : {true, false}) {

@@ -7,12 +7,12 @@
 #include <optional>
 #include <vector>
 
-#include "tracker_svc/detector/cap_check.hpp"
+#include "light/optics/simulated_camera.hpp"
 #include "tracker_svc/circle_search/circle_search.hpp"
 #include "tracker_svc/circle_search/occupancy_map.hpp"
+#include "tracker_svc/detector/cap_check.hpp"
 #include "tracker_svc/detector/pairing.hpp"
 #include "tracker_svc/detector/scale_map.hpp"
-#include "light/optics/simulated_camera.hpp"
 
 namespace lab::detector::detector_parts_test {
 namespace {
@@ -44,8 +44,8 @@ void paintDisc(optics::GreyImage& image, double x, double y, double radius, doub
   }
 }
 
-TEST(ClaimMap, CoversACircleToThePixelAndNothingBeyond) {
-  ClaimMap map(320, 240);
+TEST(OccupancyMap, CoversACircleToThePixelAndNothingBeyond) {
+  OccupancyMap map(320, 240);
   map.cover(100.3F, 90.7F, 37);
   int covered = 0;
   int within = 0;
@@ -172,8 +172,8 @@ TEST(CircleSearch, FindsACircleAroundAPlaceInIt) {
     for (int i = 0; i < 8; ++i) {  // up to nearly two radii beside its centre
       const double away = (0.2 + 0.2 * i) * radius;
       const double angle = 0.9 * i;
-      const optics::Pixel place = camera().project(x + away * std::cos(angle),
-                                                   0.2 + away * std::sin(angle), cap.height);
+      const optics::Pixel place =
+          camera().project(x + away * std::cos(angle), 0.2 + away * std::sin(angle), cap.height);
       const std::optional<Spot> spot = search.circleAt(place, big);
       ASSERT_TRUE(spot.has_value()) << big << " " << i;
       EXPECT_NEAR(static_cast<double>(spot->x), centre.x, 0.5);
@@ -253,16 +253,16 @@ TEST(CapCheck, TellsACapFromTheFloor) {
 }
 
 TEST(Pairing, TakesTheCheapestCouplesAndEachCircleOnce) {
-  std::vector<Couple> couples = {
+  std::vector<CirclePair> couples = {
       {0, 1, 0.5F, 0}, {0, 2, 0.1F, 0}, {3, 1, 0.7F, 0}, {3, 2, 0.2F, 0}};
-  const std::size_t count = chooseCouples(couples, 4);
+  const std::size_t count = choosePairs(couples, 4);
   ASSERT_EQ(count, 2U);
   EXPECT_EQ(couples[0].big, 0);
   EXPECT_EQ(couples[0].small, 2);
   EXPECT_EQ(couples[1].big, 3);
   EXPECT_EQ(couples[1].small, 1);
-  std::vector<Couple> none;
-  EXPECT_EQ(chooseCouples(none, 0), 0U);
+  std::vector<CirclePair> none;
+  EXPECT_EQ(choosePairs(none, 0), 0U);
 }
 
 }  // namespace

@@ -8,11 +8,11 @@
 #include <random>
 #include <vector>
 
-#include "tracker_svc/detector/cap_check.hpp"
-#include "tracker_svc/detector.hpp"
 #include "light/optics/simulated_camera.hpp"
 #include "sim_svc/camera_painter.hpp"
 #include "tests/tracker_svc/detector/scattered_robots.hpp"
+#include "tracker_svc/detector.hpp"
+#include "tracker_svc/detector/cap_check.hpp"
 
 namespace lab::detector::detector_lone_test {
 namespace {
@@ -48,9 +48,9 @@ struct Scene {
     for (const Detection& seen : detector.search(image.view())) {
       bool right = false;
       for (const sim::PaintedRobot& robot : robots) {
-        right = right || (std::hypot(seen.x - robot.x, seen.y - robot.y) < 0.001 &&
-                          std::abs(std::remainder(seen.theta - robot.theta,
-                                                  2 * std::numbers::pi)) < 0.05);
+        right = right ||
+                (std::hypot(seen.x - robot.x, seen.y - robot.y) < 0.001 &&
+                 std::abs(std::remainder(seen.theta - robot.theta, 2 * std::numbers::pi)) < 0.05);
       }
       EXPECT_TRUE(right) << seen.x << " " << seen.y;
       found += right ? 1 : 0;
@@ -69,9 +69,12 @@ TEST(LoneCircle, LeadsToTheOneAcrossALightEdge) {
     for (const sim::PaintedRobot& robot : scene.robots) {
       const double r = away(random);
       const double to = angle(random);
-      scene.field.layers.push_back({.kind = LayerKind::kDisk, .x = robot.x + r * std::cos(to),
-                                    .y = robot.y + r * std::sin(to), .size = 0.03,
-                                    .softness = 0.001, .intensity = 1});
+      scene.field.layers.push_back({.kind = LayerKind::kDisk,
+                                    .x = robot.x + r * std::cos(to),
+                                    .y = robot.y + r * std::sin(to),
+                                    .size = 0.03,
+                                    .softness = 0.001,
+                                    .intensity = 1});
     }
     found += scene.found();
   }
@@ -86,8 +89,12 @@ TEST(LoneCircle, LeadsToTheOneThatTheDarkHides) {
     std::uniform_real_distribution<double> x(0, 1.2);
     std::uniform_real_distribution<double> y(0, 0.9);
     for (int i = 0; i < 20; ++i) {
-      scene.field.layers.push_back({.kind = LayerKind::kDisk, .x = x(random), .y = y(random),
-                                    .size = 0.1, .softness = 0.001, .intensity = 1});
+      scene.field.layers.push_back({.kind = LayerKind::kDisk,
+                                    .x = x(random),
+                                    .y = y(random),
+                                    .size = 0.1,
+                                    .softness = 0.001,
+                                    .intensity = 1});
     }
     found += scene.found();
   }
@@ -119,8 +126,8 @@ TEST(LoneCircle, LeadsToTheOneUnderLightThatComesOnTop) {
     Scene scene(8, 720, 7, 0.35);
     for (std::size_t i = 0; i < scene.robots.size(); ++i) {
       const sim::PaintedRobot& robot = scene.robots[i];
-      const double offset = i % 2 == 0 ? scene.settings.cap.big_offset
-                                       : scene.settings.cap.small_offset;
+      const double offset =
+          i % 2 == 0 ? scene.settings.cap.big_offset : scene.settings.cap.small_offset;
       scene.settings.glares.push_back({robot.x + offset * std::cos(robot.theta),
                                        robot.y + offset * std::sin(robot.theta), 0.012, strength});
     }
@@ -143,9 +150,15 @@ TEST(LightEdges, AreJudgedByTheFitThatWasTaken) {
         Case{{0.704226, 0.778817, 2.164024, 0, 0, 0}, 0.772630, 0.379888, -3.067165}}) {
     Scene scene(0, 720, 1, 0.35);
     scene.robots.push_back(one.robot);
-    scene.field.layers.push_back({.kind = LayerKind::kStripes, .x = one.x, .y = one.y,
-                                  .angle = one.angle, .size = 0.03, .inner = 0.5,
-                                  .softness = 0.001, .intensity = 1, .intensity2 = 0.35});
+    scene.field.layers.push_back({.kind = LayerKind::kStripes,
+                                  .x = one.x,
+                                  .y = one.y,
+                                  .angle = one.angle,
+                                  .size = 0.03,
+                                  .inner = 0.5,
+                                  .softness = 0.001,
+                                  .intensity = 1,
+                                  .intensity2 = 0.35});
     EXPECT_EQ(scene.found(), 1) << one.robot.x;
   }
 }

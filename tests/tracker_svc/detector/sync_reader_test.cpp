@@ -11,9 +11,9 @@
 namespace lab::tracker {
 namespace {
 
-constexpr double kPatch = 0.015;     // [m]
-constexpr double kTurnEvery = 0.5;   // [s]
-constexpr double kFrame = 0.0331;    // [s] out of step with the turns
+constexpr double kPatch = 0.015;    // [m]
+constexpr double kTurnEvery = 0.5;  // [s]
+constexpr double kFrame = 0.0331;   // [s] out of step with the turns
 
 /// A lab in front of the painted camera: the patch turns every half second.
 class SyncReaderTest : public testing::Test {
@@ -24,9 +24,7 @@ class SyncReaderTest : public testing::Test {
     return settings;
   }
 
-  static int syncAt(double when) {
-    return static_cast<int>(std::floor(when / kTurnEvery)) % 2;
-  }
+  static int syncAt(double when) { return static_cast<int>(std::floor(when / kTurnEvery)) % 2; }
 
   std::vector<light::Layer> layers(double when) const {
     std::vector<light::Layer> all = field(when);
@@ -56,7 +54,8 @@ class SyncReaderTest : public testing::Test {
       const int sync = syncAt(time);
       if (sync != told) {
         told = sync;
-        reader.shown(std::floor(time / kTurnEvery) * kTurnEvery, sync, time >= change_at ? 2 : 1, still);
+        reader.shown(std::floor(time / kTurnEvery) * kTurnEvery, sync, time >= change_at ? 2 : 1,
+                     still);
       }
       const int light = syncAt(time) + (time >= change_at ? 2 : 0);
       if (light != shown) painter.setLight({layers(time), {}, 1});

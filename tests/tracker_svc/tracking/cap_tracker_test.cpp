@@ -90,10 +90,10 @@ TEST(CapTracker, DegradedPosesTellNothingOfMotion) {
 }
 
 /// The number of a cap that drives along x, is hidden in pictures, and is then seen at `back`.
-std::int64_t numberAfter(bool strangers, double speed, double hidden, double back,
+std::int64_t numberAfter(bool caps_may_be_replaced, double speed, double hidden, double back,
                          double fps = 30) {
   TrackerSettings settings;
-  settings.strangers = strangers;
+  settings.caps_may_be_replaced = caps_may_be_replaced;
   CapTracker dut(settings, {});
   const int begin = static_cast<int>(std::max(2.0, 2 * fps));
   double time = 0;
@@ -130,7 +130,8 @@ TEST(CapTracker, KnowsALostCapAgainWhereItsOwnSpeedCanHaveTakenIt) {
 }
 
 /// Numbers that 20 robots without reports have after two seconds of black pictures.
-std::set<std::int64_t> numbersAfterBlack(bool strangers, std::size_t program, std::uint64_t seed) {
+std::set<std::int64_t> numbersAfterBlack(bool caps_may_be_replaced, std::size_t program,
+                                         std::uint64_t seed) {
   CrowdSettings settings;
   settings.seed = seed;
   settings.reports = false;
@@ -138,7 +139,7 @@ std::set<std::int64_t> numbersAfterBlack(bool strangers, std::size_t program, st
   settings.dropout = 0.02;
   Crowd crowd(settings, programs()[program]);
   TrackerSettings tracker;
-  tracker.strangers = strangers;
+  tracker.caps_may_be_replaced = caps_may_be_replaced;
   CapTracker dut(tracker, {});
   std::set<std::int64_t> after;
   while (crowd.time() < 20) {

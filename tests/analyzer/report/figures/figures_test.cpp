@@ -11,8 +11,8 @@
 
 #include "analyzer/report/figures/figure_files.hpp"
 #include "analyzer/report/figures/gnuplot.hpp"
-#include "analyzer/report_error.hpp"
 #include "analyzer/report/figures/thinning.hpp"
+#include "analyzer/report_error.hpp"
 #include "tests/analyzer/report/synthetic_lab.hpp"
 
 namespace lab::report::figures_test {
@@ -96,8 +96,9 @@ TEST(Figures, HaveTheirDataWithUnits) {
     std::istringstream csv(figure.csv);
     std::string line;
     std::getline(csv, line);
-    EXPECT_EQ(line, "lag_s,value_cm2,standard_error_cm2,noise_cm2,exact_cm2,paper_cm2,z,windows,"
-                    "judged");
+    EXPECT_EQ(line,
+              "lag_s,value_cm2,standard_error_cm2,noise_cm2,exact_cm2,paper_cm2,z,windows,"
+              "judged");
     std::getline(csv, line);
     EXPECT_THAT(line, testing::StartsWith(fmt::format("{:.7g},{:.7g},", points.at(0).tau,
                                                       points.at(0).value * 1e4)));

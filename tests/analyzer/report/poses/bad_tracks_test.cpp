@@ -13,14 +13,14 @@
 
 #include "analyzer/report/poses/pose_run.hpp"
 #include "analyzer/report_error.hpp"
-#include "tests/analyzer/recording_ensemble.hpp"
 #include "tests/analyzer/paper_programs.hpp"
+#include "tests/analyzer/recording_ensemble.hpp"
 
 namespace lab::report {
 namespace {
 
-using analysis::Film;
 using analysis::TrackPoint;
+using analysis::WalkerRecording;
 using testing::HasSubstr;
 
 /// Changes a film's points in place; may also erase some.
@@ -38,7 +38,7 @@ std::string csvOf(const std::vector<TrackPoint>& points) {
 }
 
 std::vector<TrackPoint> filmed(double duration, unsigned seed) {
-  Film film;
+  WalkerRecording film;
   film.law = analysis::abpLaw(3, 0.5);
   film.duration = duration;
   film.fps = 19.7;
@@ -117,8 +117,8 @@ void expectUnbiased(const Damage& damage) {
       if (lag.first.n < kFilms) continue;
       ++judged;
       EXPECT_LT(std::abs(lag.first.z(lag.second)), 4)
-          << (angular ? "angular MSD" : "MSD") << " at " << tau << " ms: "
-          << lag.first.mean() / lag.second;
+          << (angular ? "angular MSD" : "MSD") << " at " << tau
+          << " ms: " << lag.first.mean() / lag.second;
     }
     EXPECT_GT(judged, 10);
   }
@@ -239,8 +239,7 @@ TEST(BadTrack, ClockThatStandsIsRefused) {
 TEST(BadTrack, TwoMinutesOnly) {
   const RunRecord record = analysed(csvOf(filmed(120, 4)));
   for (const analysis::CurvePoint& point : record.results.front().result.curves.msd) {
-    EXPECT_TRUE(point.windows > 0 ? point.value > 0 && point.sigma > 0
-                                  : std::isnan(point.value));
+    EXPECT_TRUE(point.windows > 0 ? point.value > 0 && point.sigma > 0 : std::isnan(point.value));
   }
 }
 

@@ -122,15 +122,17 @@ TEST(PoseFile, RefusesTimesThatAreNoSeconds) {
   const std::string head = "frame,id,x_cm,y_cm,t_s\n";
 
   EXPECT_EQ(problemOf(head + "0,1,2,3,1.76e9\n1,1,2,3,1760000001\n"), "none");
-  EXPECT_EQ(problemOf(head + "0,1,2,3,1.76e18\n1,1,2,3,1.7600000001e18\n"),
-            "poses.csv:2: t_s: found 1.76e+18 s, expected less than 1e11 s; times in other units: leave "
-            "the column out and give --fps");
+  EXPECT_EQ(
+      problemOf(head + "0,1,2,3,1.76e18\n1,1,2,3,1.7600000001e18\n"),
+      "poses.csv:2: t_s: found 1.76e+18 s, expected less than 1e11 s; times in other units: leave "
+      "the column out and give --fps");
   EXPECT_EQ(
       problemOf("frame,id,x_cm,y_cm\n2,1,2,3\n3,1,2,3\n", {.scale = std::nullopt, .fps = 1e-12}),
       "poses.csv:2: --fps: found 2000000000000 s, expected less than 1e11 s");
-  EXPECT_EQ(problemOf(head + "0,1,2,3,0\n1,1,2,3,1e-9\n"),
-            "poses.csv:1: t_s: found 1e-09 s from frame to frame, expected 1e-6 s or more; times in "
-            "other units: leave the column out and give --fps");
+  EXPECT_EQ(
+      problemOf(head + "0,1,2,3,0\n1,1,2,3,1e-9\n"),
+      "poses.csv:1: t_s: found 1e-09 s from frame to frame, expected 1e-6 s or more; times in "
+      "other units: leave the column out and give --fps");
 }
 
 TEST(PoseFile, ReadsWhatTrexExports) {
@@ -184,8 +186,8 @@ TEST(PoseFile, LeavesOutFramesWhoseTimeDoesNotGoOn) {
 TEST(PoseFile, CountsARobotOnceAFrame) {
   std::string text = "frame,id,x_cm,y_cm,t\n";
   for (int i = 0; i < 100; ++i) {
-    const std::string row = std::to_string(i) + ",1," + std::to_string(i) + ",1," +
-                            std::to_string(0.1 * i) + "\n";
+    const std::string row =
+        std::to_string(i) + ",1," + std::to_string(i) + ",1," + std::to_string(0.1 * i) + "\n";
     text += row;
     if (i % 2 == 0) text += row;
     if (i == 50) text += std::to_string(i) + ",1,2,2,5\n";
@@ -205,7 +207,8 @@ TEST(PoseFile, RefusesRobotsThatAreInTwoPlaces) {
       text += std::to_string(i) + ",7," + place + "," + std::to_string(0.1 * i) + "\n";
     }
   }
-  EXPECT_THAT(problemOf(text), HasSubstr("poses.csv:3: id: found 7 twice, and not alike, in frame 0"));
+  EXPECT_THAT(problemOf(text),
+              HasSubstr("poses.csv:3: id: found 7 twice, and not alike, in frame 0"));
   EXPECT_THAT(problemOf(text), HasSubstr("20 of 20 poses"));
 }
 

@@ -8,9 +8,9 @@
 #include <numbers>
 #include <random>
 
-#include "common/experiment/experiment_file.hpp"
 #include "analyzer/analyze_run.hpp"
 #include "analyzer/report/summary/findings.hpp"
+#include "common/experiment/experiment_file.hpp"
 #include "tests/analyzer/report/synthetic_lab.hpp"
 
 namespace lab::report {
@@ -258,9 +258,9 @@ TEST(AnalyzePoses, ShowsRunsAndTumbles) {
       }
     }
   }
-  const AnalyzedRun dut = analyzePoses(folder.path() / "poses.csv", folder.path() / "out",
-                                       {.scale = 0.01, .fps = {}},
-                                       {"rtp", {"v_cm_s=3", "gamma_per_s=1", "tau_t_s=0.5"}});
+  const AnalyzedRun dut =
+      analyzePoses(folder.path() / "poses.csv", folder.path() / "out", {.scale = 0.01, .fps = {}},
+                   {"rtp", {"v_cm_s=3", "gamma_per_s=1", "tau_t_s=0.5"}});
 
   const std::string page = readFile(dut.report);
   EXPECT_THAT(page, HasSubstr("Runs and tumbles"));

@@ -10,8 +10,8 @@
 #include <random>
 #include <sstream>
 
-#include "analyzer/report/summary/findings.hpp"
 #include "analyzer/report/poses/pose_run.hpp"
+#include "analyzer/report/summary/findings.hpp"
 
 namespace lab::report::pose_units_test {
 namespace {
@@ -51,7 +51,7 @@ PoseFile film(const std::function<double()>& turn, double speed = kSpeed) {
 }
 
 /// Turns at random, as an active Brownian robot with D_r = 0.75 rad^2/s does.
-PoseFile activeFilm() {
+PoseFile activeRecording() {
   return film([random = std::mt19937_64(5), turn = std::normal_distribution<double>(
                                                 0, std::sqrt(2 * 0.75 * kPeriod))]() mutable {
     return turn(random);
@@ -59,7 +59,7 @@ PoseFile activeFilm() {
 }
 
 /// Turns so slowly that its degrees look like an unwrapped angle.
-PoseFile slowFilm() {
+PoseFile slowRecording() {
   return film([] { return 0.02; });
 }
 
@@ -78,7 +78,7 @@ PoseFile slowed(PoseFile poses, double factor) {
 
 TEST(PoseUnits, TellDegreesByTheirSteps) {
   const auto doubts =
-      unitDoubts(with(activeFilm(), [](double theta) { return wrapped(theta) * kDegrees; }));
+      unitWarnings(with(activeRecording(), [](double theta) { return wrapped(theta) * kDegrees; }));
 
   EXPECT_THAT(doubts, ElementsAre(AllOf(HasSubstr("headings cannot be radians"),
                                         HasSubstr("they are in degrees"))));
@@ -86,9 +86,9 @@ TEST(PoseUnits, TellDegreesByTheirSteps) {
 
 TEST(PoseUnits, TellDegreesThatTurnSlowlyByTheMotion) {
   const auto unwrapped =
-      unitDoubts(with(slowFilm(), [](double theta) { return theta * kDegrees; }));
-  const auto backwards =
-      unitDoubts(with(slowFilm(), [](double theta) { return wrapped(theta + pi) * kDegrees; }));
+      unitWarnings(with(slowRecording(), [](double theta) { return theta * kDegrees; }));
+  const auto backwards = unitWarnings(
+      with(slowRecording(), [](double theta) { return wrapped(theta + pi) * kDegrees; }));
 
   EXPECT_THAT(unwrapped, ElementsAre(HasSubstr("the motion is along theta pi / 180")));
   EXPECT_THAT(backwards, ElementsAre(HasSubstr("the motion is along theta pi / 180")));
@@ -100,34 +100,37 @@ TEST(PoseUnits, LeaveRadiansAlone) {
   for (const auto& written :
        {std::function<double(double)>(same), std::function<double(double)>(wrapped),
         std::function<double(double)>(positive)}) {
-    EXPECT_THAT(unitDoubts(with(activeFilm(), written)), IsEmpty());
-    EXPECT_THAT(unitDoubts(with(slowFilm(), written)), IsEmpty());
-    EXPECT_THAT(unitDoubts(with(film([] { return 1.0; }), written)), IsEmpty()) << "spins fast";
-    EXPECT_THAT(unitDoubts(with(film([] { return 0.3; }, 0), written)), IsEmpty()) << "on the spot";
+    EXPECT_THAT(unitWarnings(with(activeRecording(), written)), IsEmpty());
+    EXPECT_THAT(unitWarnings(with(slowRecording(), written)), IsEmpty());
+    EXPECT_THAT(unitWarnings(with(film([] { return 1.0; }), written)), IsEmpty()) << "spins fast";
+    EXPECT_THAT(unitWarnings(with(film([] { return 0.3; }, 0), written)), IsEmpty())
+        << "on the spot";
   }
 }
 
 TEST(PoseUnits, LeaveFilmsWithoutHeadingsAlone) {
-  PoseFile poses = with(activeFilm(), [](double theta) { return theta * kDegrees; });
+  PoseFile poses = with(activeRecording(), [](double theta) { return theta * kDegrees; });
   poses.headings = false;
 
-  EXPECT_THAT(unitDoubts(poses), IsEmpty());
+  EXPECT_THAT(unitWarnings(poses), IsEmpty());
 }
 
 TEST(PoseUnits, DoubtTimesThatNoCameraKeeps) {
-  EXPECT_THAT(unitDoubts(slowed(slowFilm(), 1000)),
+  EXPECT_THAT(unitWarnings(slowed(slowRecording(), 1000)),
               ElementsAre(AllOf(HasSubstr("0.02 frames a second"), HasSubstr("in ms?"))));
-  EXPECT_THAT(unitDoubts(slowed(slowFilm(), 1e6)), ElementsAre(HasSubstr("in us?")));
-  EXPECT_THAT(unitDoubts(slowed(slowFilm(), 1.0 / 60)), ElementsAre(HasSubstr("in minutes")));
-  EXPECT_THAT(unitDoubts(slowed(slowFilm(), 40)), IsEmpty()) << "a picture every two seconds";
-  PoseFile by_hand = slowed(slowFilm(), 1000);
+  EXPECT_THAT(unitWarnings(slowed(slowRecording(), 1e6)), ElementsAre(HasSubstr("in us?")));
+  EXPECT_THAT(unitWarnings(slowed(slowRecording(), 1.0 / 60)),
+              ElementsAre(HasSubstr("in minutes")));
+  EXPECT_THAT(unitWarnings(slowed(slowRecording(), 40)), IsEmpty())
+      << "a picture every two seconds";
+  PoseFile by_hand = slowed(slowRecording(), 1000);
   by_hand.times = false;  // --fps 0.02
-  EXPECT_THAT(unitDoubts(by_hand), IsEmpty());
+  EXPECT_THAT(unitWarnings(by_hand), IsEmpty());
 }
 
 TEST(PoseUnits, AreDoubtedInTheFirstLine) {
   std::string text = "frame,id,x_cm,y_cm,theta_rad,t_s\n";
-  for (const analysis::Frame& frame : slowFilm().frames) {
+  for (const analysis::Frame& frame : slowRecording().frames) {
     const analysis::FramePose& pose = frame.poses.front();
     text += fmt::format("{},1,{},{},{},{}\n", frame.frame, pose.x * 100, pose.y * 100,
                         pose.theta * kDegrees, frame.time * 1000);

@@ -13,17 +13,21 @@ constexpr std::int64_t kLogBegins = 1000 * kSecond;
 /// Speaks to a ledger as one start of one service.
 class Sender {
  public:
-  Sender(LossLedger& ledger, std::string name, std::int64_t instance, std::int64_t start_utime)
-      : ledger_(ledger), name_(std::move(name)), instance_(instance), start_utime_(start_utime) {}
+  Sender(MessageLossCounter& ledger, std::string name, std::int64_t instance,
+         std::int64_t start_utime)
+      : loss_counter_(ledger),
+        name_(std::move(name)),
+        instance_(instance),
+        start_utime_(start_utime) {}
 
   void say(std::string_view channel, std::int64_t seq, std::int64_t received_utime = kLogBegins,
            std::int64_t age_us = 0) {
-    Header header;
+    MessageHeader header;
     header.utime = received_utime - age_us;
     header.sender = name_;
     header.instance = instance_;
     header.seq = seq;
-    ledger_.count(channel, header, received_utime);
+    loss_counter_.count(channel, header, received_utime);
   }
 
   void status(std::int64_t seq, const std::vector<std::pair<std::string, std::int64_t>>& sent,
@@ -35,18 +39,18 @@ class Sender {
     status.start_utime = start_utime_;
     status.state = ended ? service_status_t::ENDED : service_status_t::READY;
     for (const auto& [channel, messages] : sent) status.sent.push_back({channel, messages});
-    ledger_.take(status);
+    loss_counter_.take(status);
   }
 
  private:
-  LossLedger& ledger_;
+  MessageLossCounter& loss_counter_;
   std::string name_;
   std::int64_t instance_;
   std::int64_t start_utime_;
 };
 
-StreamLoss find(const LossLedger& ledger, const std::string& sender, std::string_view channel,
-                int start = 1) {
+StreamLoss find(const MessageLossCounter& ledger, const std::string& sender,
+                std::string_view channel, int start = 1) {
   for (const StreamLoss& loss : ledger.streams()) {
     if (loss.sender == sender && loss.channel == channel && loss.start == start) return loss;
   }
@@ -54,8 +58,8 @@ StreamLoss find(const LossLedger& ledger, const std::string& sender, std::string
   return {};
 }
 
-TEST(LossLedger, CountsWhatASenderThatStartedInTheLogSaysItSent) {
-  LossLedger dut;
+TEST(MessageLossCounter, CountsWhatASenderThatStartedInTheLogSaysItSent) {
+  MessageLossCounter dut;
   Sender service(dut, "sim_svc", 7, kLogBegins);
 
   for (std::int64_t seq = 3; seq <= 98; ++seq) service.say("TRACKED_FRAME", seq);
@@ -67,8 +71,8 @@ TEST(LossLedger, CountsWhatASenderThatStartedInTheLogSaysItSent) {
   EXPECT_FALSE(find(dut, "sim_svc", "TRACKED_FRAME").at_least);
 }
 
-TEST(LossLedger, CountsAStreamOfWhichNothingArrived) {
-  LossLedger dut;
+TEST(MessageLossCounter, CountsAStreamOfWhichNothingArrived) {
+  MessageLossCounter dut;
   Sender service(dut, "sim_svc", 7, kLogBegins);
 
   service.status(1, {{"SIM_TRUTH", 40}, {"SERVICE_STATUS", 1}}, true);
@@ -76,8 +80,8 @@ TEST(LossLedger, CountsAStreamOfWhichNothingArrived) {
   EXPECT_EQ(find(dut, "sim_svc", "SIM_TRUTH").lost, 40);
 }
 
-TEST(LossLedger, CountsFromTheFirstMessageOfASenderThatWasThereBefore) {
-  LossLedger dut;
+TEST(MessageLossCounter, CountsFromTheFirstMessageOfASenderThatWasThereBefore) {
+  MessageLossCounter dut;
   Sender service(dut, "sim_svc", 7, kLogBegins - 60 * kSecond);
 
   service.say("TRACKED_FRAME", 501);
@@ -89,8 +93,8 @@ TEST(LossLedger, CountsFromTheFirstMessageOfASenderThatWasThereBefore) {
   EXPECT_EQ(find(dut, "sim_svc", "SERVICE_STATUS").lost, 0);
 }
 
-TEST(LossLedger, CountsAChannelThatBeganAfterTheLogFromItsFirstMessage) {
-  LossLedger dut;
+TEST(MessageLossCounter, CountsAChannelThatBeganAfterTheLogFromItsFirstMessage) {
+  MessageLossCounter dut;
   Sender service(dut, "lab", 7, kLogBegins - 2 * kSecond);
 
   service.status(3, {{"SERVICE_STATUS", 3}}, false);
@@ -100,8 +104,8 @@ TEST(LossLedger, CountsAChannelThatBeganAfterTheLogFromItsFirstMessage) {
   EXPECT_EQ(find(dut, "lab", "EXPERIMENT_EVENT").lost, 1);
 }
 
-TEST(LossLedger, GivesALowerBoundForAKilledSender) {
-  LossLedger dut;
+TEST(MessageLossCounter, GivesALowerBoundForAKilledSender) {
+  MessageLossCounter dut;
   Sender service(dut, "sim_svc", 7, kLogBegins);
 
   service.status(1, {{"TRACKED_FRAME", 0}, {"SERVICE_STATUS", 1}}, false);
@@ -111,8 +115,8 @@ TEST(LossLedger, GivesALowerBoundForAKilledSender) {
   EXPECT_TRUE(find(dut, "sim_svc", "TRACKED_FRAME").at_least);
 }
 
-TEST(LossLedger, CountsCommandsThoughTheirNumbersRepeat) {
-  LossLedger dut;
+TEST(MessageLossCounter, CountsCommandsThoughTheirNumbersRepeat) {
+  MessageLossCounter dut;
   Sender service(dut, "lab", 7, kLogBegins);
 
   for (int i = 0; i < 9; ++i) service.say(channels::kRobotCommand, 1);
@@ -122,8 +126,8 @@ TEST(LossLedger, CountsCommandsThoughTheirNumbersRepeat) {
   EXPECT_EQ(find(dut, "lab", "ROBOT_COMMAND").lost, 2);
 }
 
-TEST(LossLedger, CountsCommandsOfASenderThatWasThereBeforeFromItsFirstStatus) {
-  LossLedger dut;
+TEST(MessageLossCounter, CountsCommandsOfASenderThatWasThereBeforeFromItsFirstStatus) {
+  MessageLossCounter dut;
   Sender service(dut, "lab", 7, kLogBegins - 60 * kSecond);
 
   service.say(channels::kRobotCommand, 1);
@@ -134,8 +138,8 @@ TEST(LossLedger, CountsCommandsOfASenderThatWasThereBeforeFromItsFirstStatus) {
   EXPECT_EQ(find(dut, "lab", "ROBOT_COMMAND").lost, 2);
 }
 
-TEST(LossLedger, KeepsTheStartsOfOneServiceApart) {
-  LossLedger dut;
+TEST(MessageLossCounter, KeepsTheStartsOfOneServiceApart) {
+  MessageLossCounter dut;
   Sender first(dut, "sim_svc", 7, kLogBegins);
   Sender second(dut, "sim_svc", 9, kLogBegins + kSecond);
 
@@ -149,8 +153,8 @@ TEST(LossLedger, KeepsTheStartsOfOneServiceApart) {
   EXPECT_FALSE(find(dut, "sim_svc", "TRACKED_FRAME", 2).at_least);
 }
 
-TEST(LossLedger, DoesNotCallALateMessageLost) {
-  LossLedger dut;
+TEST(MessageLossCounter, DoesNotCallALateMessageLost) {
+  MessageLossCounter dut;
   Sender service(dut, "sim_svc", 7, kLogBegins);
 
   for (const std::int64_t seq : {2, 1, 4, 3}) service.say("TRACKED_FRAME", seq);
@@ -159,8 +163,8 @@ TEST(LossLedger, DoesNotCallALateMessageLost) {
   EXPECT_EQ(find(dut, "sim_svc", "TRACKED_FRAME").lost, 0);
 }
 
-TEST(LossLedger, RemembersTheLargestAge) {
-  LossLedger dut;
+TEST(MessageLossCounter, RemembersTheLargestAge) {
+  MessageLossCounter dut;
   Sender service(dut, "sim_svc", 7, kLogBegins);
 
   service.say("TRACKED_FRAME", 1, kLogBegins, 20'000);

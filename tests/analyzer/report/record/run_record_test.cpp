@@ -6,10 +6,10 @@
 #include <fstream>
 #include <utility>
 
+#include "analyzer/report_error.hpp"
 #include "common/bus/channels.hpp"
 #include "common/bus/codec.hpp"
 #include "common/bus/message_header.hpp"
-#include "analyzer/report_error.hpp"
 #include "tests/analyzer/report/synthetic_lab.hpp"
 
 namespace lab::report {

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <set>
 
-#include "common/experiment/experiment_file.hpp"
 #include "analyzer/report_error.hpp"
+#include "common/experiment/experiment_file.hpp"
 
 namespace lab::report {
 namespace {
@@ -61,7 +61,7 @@ TEST(ReproductionPlan, HasWhatThePaperPrints) {
   EXPECT_EQ(values(panel("3d").curves, &ProgramSpec::epsilon), (std::set<double>{0.2}));
 
   const PaperSet& b4 = paperSet(panel("4b").curves.at(0));
-  EXPECT_TRUE(b4.short_film);
+  EXPECT_TRUE(b4.short_recording);
   EXPECT_DOUBLE_EQ(b4.program.v, 0.05);
   EXPECT_DOUBLE_EQ(b4.program.gamma, 3);
   EXPECT_DOUBLE_EQ(b4.program.tau_t, 0.5);
@@ -98,13 +98,13 @@ TEST(ReproductionPlan, MakesValidExperimentsWithSeedsOfTheirOwn) {
   std::set<std::uint64_t> seeds;
   for (const PaperSet& set : paperSets()) {
     for (const bool firmware : {false, true}) {
-      const FilmOptions options{.hours = 0.5, .seed = 7, .through_firmware = firmware};
+      const RecordingOptions options{.hours = 0.5, .seed = 7, .through_firmware = firmware};
       const Experiment dut = parseExperiment(experimentText(set, options), set.id);
 
       const auto programs = dut.programs;
       ASSERT_EQ(programs.size(), 1U);
       EXPECT_EQ(programs.begin()->second, set.program) << set.id;
-      EXPECT_DOUBLE_EQ(dut.duration, set.short_film ? 180 : 1800);
+      EXPECT_DOUBLE_EQ(dut.duration, set.short_recording ? 180 : 1800);
       EXPECT_GE(dut.camera.fps, 50);
       EXPECT_GT(dut.camera.position_noise, 0);
       EXPECT_DOUBLE_EQ(dut.reversal.distance, 0.40);
@@ -113,7 +113,7 @@ TEST(ReproductionPlan, MakesValidExperimentsWithSeedsOfTheirOwn) {
         EXPECT_TRUE(seeds.insert(dut.seed).second);
       }
     }
-    const FilmOptions second{.seed = 7, .member = 1};
+    const RecordingOptions second{.seed = 7, .member = 1};
     EXPECT_TRUE(seeds.insert(parseExperiment(experimentText(set, second), set.id).seed).second);
   }
 }
