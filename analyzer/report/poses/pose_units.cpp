@@ -9,6 +9,7 @@
 #include <map>
 #include <numbers>
 
+#include "common/math/units.hpp"
 #include "common/text/format.hpp"
 
 namespace lab::report {
@@ -16,7 +17,7 @@ namespace {
 
 using std::numbers::pi;
 
-constexpr double kPercents = 100;
+using units::kPercents;
 constexpr double kBeyondATurn = 2 * pi * 1.001;  // rounded numbers may be a little above 2 pi
 constexpr std::int64_t kFewSteps = 20;
 constexpr std::int64_t kMuchOneIn = 10;  // of the steps: robots may be mistaken for each other
