@@ -1,4 +1,4 @@
-/// Encoding and decoding of the generated types: see bus.hpp.
+/// Encoding and decoding of the generated message types; bus.hpp documents the functions.
 #pragma once
 
 #include <cstddef>
@@ -18,7 +18,7 @@ std::vector<std::uint8_t> encode(const Message& message) {
   return bytes;
 }
 
-/// Eight bytes for each byte of a packet are still counted in an int.
+/// Longest packet [bytes]: the decoder counts in an int, with up to eight bytes per packet byte.
 inline constexpr std::size_t kMostBytes = (std::size_t{1} << 28) - 1;
 
 template <class Message>

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <vector>
 
+#include "common/calibration/lens_json.hpp"
+#include "common/files/file_text.hpp"
 #include "common/files/json_section.hpp"
 #include "common/math/units.hpp"
 

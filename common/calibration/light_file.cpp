@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "common/experiment/experiment_messages.hpp"
+#include "common/files/file_text.hpp"
 #include "common/files/json_section.hpp"
 #include "common/math/units.hpp"
 

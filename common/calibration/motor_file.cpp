@@ -6,7 +6,7 @@
 #include <cmath>
 #include <string>
 
-#include "common/experiment/experiment_file.hpp"
+#include "common/files/experiment_error.hpp"
 #include "common/math/units.hpp"
 
 namespace lab {

@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 
+#include "common/calibration/lens_json.hpp"
+#include "common/files/file_text.hpp"
 #include "common/files/json_section.hpp"
 #include "common/math/units.hpp"
 

@@ -9,7 +9,7 @@
 #include <span>
 
 #include "common/camera/cameras.hpp"
-#include "common/serial/serial_line.hpp"
+#include "common/process/file_descriptor.hpp"
 
 namespace lab::cameras {
 

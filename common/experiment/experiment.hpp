@@ -11,34 +11,12 @@
 #include <vector>
 
 #include "light/field/drive.hpp"
+#include "robot/dynamics/robot_program.hpp"
 
 namespace lab {
 
-/// The paper's models (numbers as in program_t).
-enum class Model : std::int8_t {
-  kNone = 0,      ///< stands still
-  kAbp = 1,       ///< active Brownian: v, epsilon, eta
-  kNoisyAbp = 2,  ///< active Brownian with translational noise: va, V, epsilon
-  kBp = 3,        ///< Brownian: V, epsilon
-  kRtp = 4,       ///< run and tumble: v, gamma, tau_t
-  kWheels = 5,    ///< constant wheel speeds
-};
-
-struct ProgramSpec {
-  std::string name;
-  Model model = Model::kNone;
-  double v = 0;            ///< [m/s]
-  double va = 0;           ///< [m/s]
-  double V = 0;            ///< [m/s]
-  double epsilon = 0;      ///< [s]
-  double eta = 0;          ///< [rad/s]
-  double gamma = 0;        ///< [1/s]
-  double tau_t = 0;        ///< [s]
-  double wheel_left = 0;   ///< [m/s]
-  double wheel_right = 0;  ///< [m/s]
-
-  bool operator==(const ProgramSpec&) const = default;
-};
+using dynamics::ProgramKind;
+using dynamics::RobotProgram;
 
 /// What a robot is (docs/bodies.md).
 enum class Body : std::int8_t {
@@ -92,6 +70,14 @@ struct LightBand {
   bool operator==(const LightBand&) const = default;
 };
 
+/// Whether a light level lies in the band. Bands are half open, except that full light belongs to a
+/// band up to 1.
+/// @param widened by this much on both sides, as the band of a running program is by the hysteresis
+[[nodiscard]] inline bool contains(const LightBand& band, double light, double widened = 0) {
+  const bool full = light >= 1 && band.high >= 1;
+  return light >= band.low - widened && (light < band.high + widened || full);
+}
+
 enum class LightSensor : std::int8_t { kMean = 0, kFront = 1, kBack = 2 };
 enum class ReverseOn : std::int8_t { kNever = 0, kWalls = 1, kAny = 2 };
 
@@ -134,6 +120,10 @@ struct RobotHardware {
 
   bool operator==(const RobotHardware&) const = default;
 };
+
+[[nodiscard]] inline dynamics::WheelLimits wheelLimits(const RobotHardware& hardware) {
+  return {hardware.max_wheel_speed, hardware.diameter};
+}
 
 /// The lines to real robots.
 struct SerialLines {
@@ -395,7 +385,7 @@ struct Experiment {
   RobotHardware hardware;
   SerialLines serial;
   std::vector<RobotSpec> robots;  ///< in order of id
-  std::map<std::string, ProgramSpec> programs;
+  std::map<std::string, RobotProgram> programs;
   LightTable light_table;
   Reversal reversal;
   LightScript light;

@@ -1,3 +1,5 @@
+#include "common/experiment/experiment_describe.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -6,9 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "common/experiment/experiment_conversions.hpp"
-#include "common/experiment/experiment_file.hpp"
 #include "common/experiment/experiment_log_size.hpp"
+#include "common/experiment/light_messages.hpp"
 #include "common/experiment/script_plan.hpp"
 #include "common/experiment/service_placement.hpp"
 #include "common/files/file_values.hpp"
@@ -34,8 +35,6 @@ std::string rounded(double value) {
   return text;
 }
 
-std::string cm(double metre) { return fileText(metre, unitOf("_cm")); }
-
 struct Quantity {
   const char* name = nullptr;
   std::string value;
@@ -49,25 +48,26 @@ std::string list(std::initializer_list<Quantity> quantities) {
   return text;
 }
 
-std::string parameters(const ProgramSpec& p) {
+std::string parameters(const RobotProgram& p) {
   const std::string epsilon = numberText(p.epsilon) + " s";
-  switch (p.model) {
-    case Model::kAbp:
-      return "active Brownian, " + list({{"v", cm(p.v) + " cm/s"},
+  switch (p.kind) {
+    case ProgramKind::kAbp:
+      return "active Brownian, " + list({{"v", centimetreText(p.v) + " cm/s"},
                                          {"epsilon", epsilon},
                                          {"eta", numberText(p.eta) + " rad/s"}});
-    case Model::kNoisyAbp:
-      return "noisy active Brownian, " +
-             list({{"va", cm(p.va) + " cm/s"}, {"V", cm(p.V) + " cm/s"}, {"epsilon", epsilon}});
-    case Model::kBp:
-      return "Brownian, " + list({{"V", cm(p.V) + " cm/s"}, {"epsilon", epsilon}});
-    case Model::kRtp:
-      return "run and tumble, " + list({{"v", cm(p.v) + " cm/s"},
+    case ProgramKind::kNoisyAbp:
+      return "noisy active Brownian, " + list({{"va", centimetreText(p.va) + " cm/s"},
+                                               {"V", centimetreText(p.V) + " cm/s"},
+                                               {"epsilon", epsilon}});
+    case ProgramKind::kBp:
+      return "Brownian, " + list({{"V", centimetreText(p.V) + " cm/s"}, {"epsilon", epsilon}});
+    case ProgramKind::kRtp:
+      return "run and tumble, " + list({{"v", centimetreText(p.v) + " cm/s"},
                                         {"gamma", numberText(p.gamma) + " /s"},
                                         {"tau_t", numberText(p.tau_t) + " s"}});
-    case Model::kWheels:
-      return "constant wheel speeds, " +
-             list({{"left", cm(p.wheel_left) + " cm/s"}, {"right", cm(p.wheel_right) + " cm/s"}});
+    case ProgramKind::kWheels:
+      return "constant wheel speeds, " + list({{"left", centimetreText(p.wheel_left) + " cm/s"},
+                                               {"right", centimetreText(p.wheel_right) + " cm/s"}});
     default:
       return "stands still";
   }
@@ -75,25 +75,25 @@ std::string parameters(const ProgramSpec& p) {
 
 /// The paper's long-time numbers (below eqs. 4, 5 and 6), and L_s of the exact law: the paper's v /
 /// D_r is its limit of small epsilon.
-std::string derived(const ProgramSpec& p, double d, const PersistenceLength& length) {
+std::string derived(const RobotProgram& p, double d, const PersistenceLength& length) {
   const std::string diffusion = " cm^2/s";
   const std::string rotation = " rad^2/s";
   const double wheel_rotation = p.epsilon * p.V * p.V / (3 * d * d);
   const double wheel_diffusion = p.epsilon * p.V * p.V / 24;
-  switch (p.model) {
-    case Model::kAbp: {
+  switch (p.kind) {
+    case ProgramKind::kAbp: {
       const double dr = p.epsilon * p.eta * p.eta / 6;
       if (dr == 0) return "drives straight";
       return list({{"D_r", rounded(dr) + rotation}}) +
              (length ? ", " + list({{"L_s", rounded(length(p) * 100) + " cm"}}) : "");
     }
-    case Model::kNoisyAbp:
+    case ProgramKind::kNoisyAbp:
       return list({{"D_r", rounded(wheel_rotation) + rotation},
                    {"D_t", rounded(wheel_diffusion * 1e4) + diffusion}});
-    case Model::kBp:
+    case ProgramKind::kBp:
       return list({{"D_r", rounded(wheel_rotation) + rotation},
                    {"D", rounded(wheel_diffusion * 1e4) + diffusion}});
-    case Model::kRtp:
+    case ProgramKind::kRtp:
       return list(
           {{"mean run", rounded(p.v / p.gamma * 100) + " cm"},
            {"D", rounded(p.v * p.v / (2 * p.gamma * (1 + p.gamma * p.tau_t)) * 1e4) + diffusion}});
@@ -103,8 +103,8 @@ std::string derived(const ProgramSpec& p, double d, const PersistenceLength& len
 }
 
 /// The fastest that a wheel ever has to turn [m/s].
-double fastestWheel(const ProgramSpec& program, const RobotHardware& hardware) {
-  const auto result = dynamics::toProgramParams(toPhysics(program), wheelLimits(hardware));
+double fastestWheel(const RobotProgram& program, const RobotHardware& hardware) {
+  const auto result = dynamics::toProgramParams(program, wheelLimits(hardware));
   const dynamics::ProgramParams& params = result.params;
   const auto size = [](std::int32_t speed) { return std::abs(static_cast<double>(speed)); };
   return 1e-6 * std::max({size(params.speed_um_s) + params.amplitude_um_s,
@@ -114,7 +114,7 @@ double fastestWheel(const ProgramSpec& program, const RobotHardware& hardware) {
 
 /// The longest of the times in which a program draws anew, where a run has hardly three of them:
 /// then it was probably meant in ms.
-std::string slowness(const ProgramSpec& p, double duration) {
+std::string slowness(const RobotProgram& p, double duration) {
   Quantity longest{};
   double time = duration / 3;
   const auto consider = [&](const char* name, double seconds) {
@@ -122,10 +122,10 @@ std::string slowness(const ProgramSpec& p, double duration) {
     time = seconds;
     longest = {name, rounded(seconds) + " s"};
   };
-  const bool turns = p.model == Model::kAbp && p.eta > 0;
-  if (turns || p.model == Model::kNoisyAbp || p.model == Model::kBp) {
+  const bool turns = p.kind == ProgramKind::kAbp && p.eta > 0;
+  if (turns || p.kind == ProgramKind::kNoisyAbp || p.kind == ProgramKind::kBp) {
     consider("epsilon", p.epsilon);
-  } else if (p.model == Model::kRtp) {
+  } else if (p.kind == ProgramKind::kRtp) {
     if (p.gamma > 0) consider("1/gamma", 1 / p.gamma);
     consider("tau_t", p.tau_t);
   }
@@ -141,7 +141,7 @@ std::string describePrograms(const Experiment& e, const PersistenceLength& lengt
     std::string more = derived(program, e.hardware.diameter, length);
     more += (more.empty() ? "" : "; ") + std::string("fastest wheel ") +
             rounded(fastestWheel(program, e.hardware) * 100) + " of " +
-            cm(e.hardware.max_wheel_speed) + " cm/s";
+            centimetreText(e.hardware.max_wheel_speed) + " cm/s";
     text += line("", "  " + more);
     if (const std::string slow = slowness(program, e.duration); !slow.empty()) {
       text += line("", "  " + slow);
@@ -292,9 +292,10 @@ std::string describeLight(const Experiment& e) {
 
 std::string describeReversal(const Reversal& reversal) {
   if (reversal.on == ReverseOn::kNever) return line("reversal", "never");
-  return line("reversal",
-              std::string("from walls") + (reversal.on == ReverseOn::kAny ? " and robots" : "") +
-                  ", " + cm(reversal.distance) + " cm back at " + cm(reversal.speed) + " cm/s");
+  return line("reversal", std::string("from walls") +
+                              (reversal.on == ReverseOn::kAny ? " and robots" : "") + ", " +
+                              centimetreText(reversal.distance) + " cm back at " +
+                              centimetreText(reversal.speed) + " cm/s");
 }
 
 std::string describeSize(double bytes) {
@@ -311,7 +312,7 @@ std::string describeCamera(const Experiment& e) {
                               std::to_string(camera.height) + " pixels, " + name +
                               (camera.calibration.empty() ? "" : ", " + camera.calibration));
   }
-  return line("camera", frames + "noise " + cm(camera.position_noise) + " cm and " +
+  return line("camera", frames + "noise " + centimetreText(camera.position_noise) + " cm and " +
                             fileText(camera.heading_noise, unitOf("_deg")) + " degrees");
 }
 
@@ -383,7 +384,8 @@ std::string describeExperiment(const Experiment& e, const PersistenceLength& len
   const std::string at_most = mayEndEarly(e) ? "at most " : "";
   text += line("run", at_most + numberText(e.duration) + " s, seed " + std::to_string(e.seed));
   text += describeStop(e);
-  text += line("arena", cm(e.arena_width) + " cm x " + cm(e.arena_height) + " cm");
+  text += line("arena",
+               centimetreText(e.arena_width) + " cm x " + centimetreText(e.arena_height) + " cm");
   text += describeRobots(e);
   text += describePrograms(e, length);
   text += describeTable(e.light_table);

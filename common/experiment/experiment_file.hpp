@@ -2,28 +2,15 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
 #include <optional>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "common/experiment/experiment.hpp"
+#include "common/files/experiment_error.hpp"
 
 namespace lab {
-
-/// An experiment file that cannot be used. what() has a line for each problem, e.g.
-/// "experiments/x.toml:12: robots[2].x_cm: found 130, allowed 3.75 to 116.25 (inside the arena)".
-class ExperimentError : public std::runtime_error {
- public:
-  explicit ExperimentError(std::vector<std::string> problems);
-
-  [[nodiscard]] const std::vector<std::string>& problems() const { return problems_; }
-
- private:
-  std::vector<std::string> problems_;
-};
 
 /// Reads and checks an experiment file. Every default is filled in, robots are in order of id, and
 /// times in the light script count from its start.
@@ -46,14 +33,5 @@ class ExperimentError : public std::runtime_error {
 /// in the program about half have no decimal in cm or degrees that gives them exactly; those come
 /// back as a neighbour, and from then on unchanged.)
 [[nodiscard]] std::string writeExperiment(const Experiment& experiment);
-
-/// The persistence length of a program [m], which only the exact laws know (analyzer/laws.hpp).
-using PersistenceLength = std::function<double(const ProgramSpec&)>;
-
-/// What would start: run, robots, programs with the numbers that follow from them, the light script
-/// with the programs that it selects, and the expected size of the log. Some twenty lines for
-/// people. @param length none: it is not said
-[[nodiscard]] std::string describeExperiment(const Experiment& experiment,
-                                             const PersistenceLength& length = {});
 
 }  // namespace lab

@@ -3,8 +3,6 @@
 #include <memory>
 #include <stdexcept>
 
-#include "common/experiment/experiment_conversions.hpp"
-
 namespace lab {
 namespace {
 
@@ -92,6 +90,23 @@ light::Drive toDrive(const light_drive_t& message) {
 }
 
 }  // namespace
+
+light::Layer toLightLayer(const LayerSpec& layer) {
+  light::Layer result;
+  result.kind = static_cast<light::LayerKind>(layer.kind);
+  result.blend = static_cast<light::Blend>(layer.blend);
+  result.x = layer.x;
+  result.y = layer.y;
+  result.angle = layer.angle;
+  result.size = layer.size;
+  result.inner = layer.inner;
+  result.softness = layer.softness;
+  result.intensity = layer.intensity;
+  result.intensity2 = layer.intensity2;
+  result.seed = layer.seed;
+  result.phase = layer.phase;
+  return result;
+}
 
 light_layer_t toMessage(const light::Layer& layer) {
   light_layer_t message{};

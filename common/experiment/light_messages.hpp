@@ -18,6 +18,10 @@
 
 namespace lab {
 
+/// A layer as written in an experiment file. An image layer comes without its pixels and its
+/// SHA-256: loadImages() adds them.
+[[nodiscard]] light::Layer toLightLayer(const LayerSpec& layer);
+
 [[nodiscard]] light_layer_t toMessage(const light::Layer& layer);
 [[nodiscard]] light_drive_t toMessage(const light::Drive& drive, std::int32_t layer);
 

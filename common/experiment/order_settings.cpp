@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/experiment/program_messages.hpp"
+
 namespace lab {
 namespace {
 
@@ -13,21 +15,6 @@ std::uint16_t counts(double light) {
   if (light >= 1) return dynamics::kLightCounts;
   return static_cast<std::uint16_t>(
       std::lround(std::clamp(light, 0.0, 1.0) * (dynamics::kLightCounts - 1)));
-}
-
-dynamics::RobotProgram physics(const program_t& program) {
-  dynamics::RobotProgram result;
-  result.kind = static_cast<dynamics::ProgramKind>(program.kind);
-  result.v = program.v;
-  result.va = program.va;
-  result.V = program.V;
-  result.epsilon = program.epsilon;
-  result.eta = program.eta;
-  result.gamma = program.gamma;
-  result.tau_t = program.tau_t;
-  result.wheel_left = program.wheel_left;
-  result.wheel_right = program.wheel_right;
-  return result;
 }
 
 /// Why the numbers outside the programs make no order, or nothing.
@@ -74,7 +61,8 @@ OrderSettings settingsFrom(const robot_order_t& order, const dynamics::WheelLimi
       return result;
     }
     light.bands[slot] = {counts(band.low), counts(band.high), slot};
-    const dynamics::ParamsResult params = dynamics::toProgramParams(physics(band.program), limits);
+    const dynamics::ParamsResult params =
+        dynamics::toProgramParams(toProgram(band.program), limits);
     if (!params.ok) {
       result.refusal = params.reason;
       return result;

@@ -13,8 +13,6 @@ using keys::unitOf;
 
 constexpr double kTicks = 1e6;  // a second, to which sums of hold times are rounded
 
-std::string inCm(double metre) { return fileText(metre, unitOf("_cm")); }
-
 }  // namespace
 
 std::vector<StepGroup> groupsOf(const LightScript& script) {
@@ -68,10 +66,12 @@ std::string untilText(const Until& until) {
   }
   std::string who = until.who == Who::kAll ? "all robots are" : "a robot is";
   if (!robot.empty()) who = robot + " is";
-  const std::string shape = until.region == Region::kCircle
-                                ? "circle of radius " + inCm(until.radius)
-                                : "rectangle of " + inCm(until.width) + " x " + inCm(until.height);
-  return who + " in the " + shape + " cm around " + inCm(until.x) + ", " + inCm(until.y) + " cm";
+  const std::string shape =
+      until.region == Region::kCircle
+          ? "circle of radius " + centimetreText(until.radius)
+          : "rectangle of " + centimetreText(until.width) + " x " + centimetreText(until.height);
+  return who + " in the " + shape + " cm around " + centimetreText(until.x) + ", " +
+         centimetreText(until.y) + " cm";
 }
 
 ScriptCursor::ScriptCursor(const LightScript& script)

@@ -89,6 +89,10 @@ std::string fileText(double si, const FileUnit& unit) {
   return numberText(numberFor(toSi(near, unit), unit).value_or(near));
 }
 
+std::string centimetreText(double metre) {
+  return fileText(std::round(metre * 1e9) / 1e9, unitOf("_cm"));
+}
+
 std::string tomlString(std::string_view text) {
   std::string result = "\"";
   for (const char letter : text) {

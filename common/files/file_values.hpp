@@ -30,6 +30,10 @@ struct FileUnit {
 /// file can reach (none that came from a file is one) gives the nearest that can be.
 [[nodiscard]] std::string fileText(double si, const FileUnit& unit);
 
+/// A length in centimetres, "116.25". Rounded to the nanometre, so that sums and differences of
+/// numbers of the file print as one computes them by hand (1.2 - 0.0375 is 116.25 cm).
+[[nodiscard]] std::string centimetreText(double metre);
+
 /// A TOML string.
 [[nodiscard]] std::string tomlString(std::string_view text);
 

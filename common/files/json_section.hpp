@@ -11,8 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "common/experiment/experiment_file.hpp"
-#include "light/optics/camera_model.hpp"
+#include "common/files/experiment_error.hpp"
 
 namespace lab {
 
@@ -119,9 +118,6 @@ class JsonSection {
   const nlohmann::json& value_;
 };
 
-/// The bytes of a file. @throws ExperimentError when it cannot be read.
-[[nodiscard]] std::string readFileText(const std::string& name);
-
 /// @param expected what kind of file it should have been, for the message
 /// @throws ExperimentError that names the file and the line.
 [[nodiscard]] nlohmann::json parseJson(const std::string& name, const std::string& text,
@@ -129,15 +125,5 @@ class JsonSection {
 
 /// First 12 digits of the SHA-256 of a file's text.
 [[nodiscard]] std::string fileId(const std::string& text);
-
-/// A rotation has orthonormal rows and keeps right hands right. @throws ExperimentError
-void checkRotation(const JsonSection& file, const char* key, const std::array<double, 9>& rotation);
-
-/// Lens and pose, as writeLens() writes them. @param mirrored whether fx may be negative
-[[nodiscard]] optics::CameraParameters readLens(const JsonSection& file, bool mirrored);
-
-/// width_px, height_px, fx_px, fy_px, cx_px, cy_px, k1, k2, p1, p2, k3, rotation (row by row),
-/// translation_m.
-void writeLens(nlohmann::ordered_json& file, const optics::CameraParameters& lens);
 
 }  // namespace lab

@@ -6,7 +6,7 @@
 #include <utility>
 #include <variant>
 
-#include "common/experiment/experiment_file.hpp"
+#include "common/files/experiment_error.hpp"
 #include "common/files/file_values.hpp"
 
 namespace lab::keys {

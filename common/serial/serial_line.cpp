@@ -124,17 +124,6 @@ std::string lockHolder(const struct stat& file) {
 
 }  // namespace
 
-FileDescriptor& FileDescriptor::operator=(FileDescriptor&& other) noexcept {
-  std::swap(number_, other.number_);
-  return *this;
-}
-
-FileDescriptor::~FileDescriptor() {
-  if (number_ >= 0) close(number_);
-}
-
-int FileDescriptor::release() { return std::exchange(number_, -1); }
-
 int makeRaw(int descriptor, int baud) {
   termios settings{};
   if (tcgetattr(descriptor, &settings) != 0) return ENOTTY;

@@ -3,22 +3,9 @@
 
 #include <string>
 
+#include "common/process/file_descriptor.hpp"
+
 namespace lab {
-
-/// A file descriptor that closes itself.
-class FileDescriptor {
- public:
-  explicit FileDescriptor(int number = -1) : number_(number) {}
-  FileDescriptor(FileDescriptor&& other) noexcept : number_(other.release()) {}
-  FileDescriptor& operator=(FileDescriptor&& other) noexcept;
-  ~FileDescriptor();
-
-  [[nodiscard]] int get() const { return number_; }
-  int release();
-
- private:
-  int number_;
-};
 
 /// Opens a serial device or pseudo terminal: without waiting, raw, 8N1, without modem lines, for
 /// this process alone, with nothing waiting in it.

@@ -14,7 +14,6 @@
 #include "common/loop/asio_loop.hpp"
 #include "common/process/version.hpp"
 #include "common/serial/serial_devices.hpp"
-#include "tracker_svc/camera_devices.hpp"
 
 namespace lab {
 namespace {
@@ -46,7 +45,9 @@ void run(const ServiceDescription& description, const Options& options) {
   AsioLoop loop;
   LcmBus bus(options.lcm_url);
   SerialDevices ports(loop, options.ports);
-  CameraDevices cameras(loop, options.ports);
+  const std::unique_ptr<Cameras> own_cameras =
+      description.make_cameras ? description.make_cameras(loop, options.ports) : nullptr;
+  Cameras& cameras = own_cameras ? *own_cameras : noCameras();
   Node node(bus, loop, {description.name, description.origin, loop.now()});
   const std::unique_ptr<Service> service =
       description.make({node, loop, experiment, fs::path(options.experiment).parent_path(), ports,

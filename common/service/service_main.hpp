@@ -45,6 +45,12 @@ struct ServiceContext {
   DescriptorWatcher& descriptors = noDescriptorWatcher();
 };
 
+class AsioLoop;
+
+/// Makes a service's cameras.
+/// @param folder identifies the lab, see SharedCameras
+using CamerasFactory =
+    std::function<std::unique_ptr<Cameras>(AsioLoop& loop, const std::filesystem::path& folder)>;
 using ServiceFactory = std::function<std::unique_ptr<Service>(const ServiceContext&)>;
 
 struct ServiceDescription {
@@ -56,8 +62,9 @@ struct ServiceDescription {
   std::function<void(CLI::App&)> add_options{};  ///< what its command line has beyond the others'
   bool uses_ports = false;                       ///< its command line has --ports
   /// Whether an experiment has work for it.
-  std::function<bool(const Experiment&)> wanted = [](const Experiment&) { return true; };
-  bool real_time_only = false;  ///< it has no place in a lab in virtual time
+  std::function<bool(const Experiment&)> isNeededFor = [](const Experiment&) { return true; };
+  CamerasFactory make_cameras{};  ///< set by main(); empty: the service uses no cameras
+  bool real_time_only = false;    ///< it has no place in a lab in virtual time
 };
 
 /// Parses --experiment and --lcm-url, joins the bus, runs the service until SIGINT or SIGTERM, and

@@ -1,5 +1,5 @@
-// The layers of a light script: the light library says what it can paint, here it is said in the
-// words and units of the file.
+#include "common/experiment/checks/layer_checks.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,9 +13,9 @@
 #include <utility>
 #include <vector>
 
-#include "common/experiment/checks/experiment_checks.hpp"
-#include "common/experiment/experiment_conversions.hpp"
+#include "common/experiment/checks/program_checks.hpp"
 #include "common/experiment/keys/experiment_keys.hpp"
+#include "common/experiment/light_messages.hpp"
 #include "common/files/file_values.hpp"
 #include "light/field/image.hpp"
 

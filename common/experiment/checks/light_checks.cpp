@@ -1,9 +1,13 @@
+#include "common/experiment/checks/light_checks.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
 
-#include "common/experiment/checks/experiment_checks.hpp"
+#include "common/experiment/checks/layer_checks.hpp"
+#include "common/experiment/checks/program_checks.hpp"
+#include "common/experiment/checks/script_checks.hpp"
 #include "common/experiment/keys/experiment_keys.hpp"
 #include "common/files/file_values.hpp"
 
@@ -19,14 +23,6 @@ std::string bandPath(std::size_t index) {
 
 std::string bandText(const LightBand& band) {
   return '[' + numberText(band.low) + ", " + numberText(band.high) + "]";
-}
-
-std::string programList(const ExperimentForm& form) {
-  std::string list;
-  for (const auto& [name, program] : form.common.programs) {
-    list += (list.empty() ? "" : ", ") + tomlString(name);
-  }
-  return list;
 }
 
 /// The largest hysteresis that leaves of every band a part which only this band can hold, so that
@@ -101,13 +97,6 @@ void checkSteps(const ExperimentForm& form, const std::optional<std::filesystem:
 }
 
 }  // namespace
-
-void checkProgramName(const ExperimentForm& form, const std::string& path, const std::string& name,
-                      Problems& problems) {
-  if (problems.concern("programs") || form.common.programs.contains(name)) return;
-  problems.add(
-      path, "found " + tomlString(name) + ", allowed the name of a program: " + programList(form));
-}
 
 void checkShorthand(const ExperimentForm& form, Problems& problems) {
   if (form.program.empty()) return;

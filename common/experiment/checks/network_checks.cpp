@@ -1,10 +1,11 @@
+#include "common/experiment/checks/network_checks.hpp"
+
 #include <arpa/inet.h>
 
 #include <algorithm>
 #include <array>
 #include <string>
 
-#include "common/experiment/checks/experiment_checks.hpp"
 #include "common/experiment/service_placement.hpp"
 #include "common/files/file_values.hpp"
 

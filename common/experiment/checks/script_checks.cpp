@@ -1,3 +1,5 @@
+#include "common/experiment/checks/script_checks.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -6,7 +8,6 @@
 #include <string_view>
 #include <vector>
 
-#include "common/experiment/checks/experiment_checks.hpp"
 #include "common/experiment/keys/experiment_keys.hpp"
 #include "common/experiment/script_plan.hpp"
 #include "common/files/file_values.hpp"
@@ -15,10 +16,6 @@ namespace lab::keys {
 namespace {
 
 std::string stepPath(std::size_t index) { return "light.steps[" + std::to_string(index) + "]"; }
-
-std::string place(double metre) {
-  return fileText(std::round(metre * 1e9) / 1e9, unitOf("_cm"));  // 1.2 - 0.0375 is 116.25 cm
-}
 
 bool checkStepForms(const ExperimentForm& form, Problems& problems) {
   const bool holds = form.light_steps.front().hold.has_value();
@@ -55,17 +52,17 @@ bool checkOpenSteps(const ExperimentForm& form, Problems& problems) {
 }
 
 /// What the analyzer measures of robots that run such a program (analyzer/curves/estimates.cpp).
-std::vector<std::string_view> estimatesOf(Model model) {
+std::vector<std::string_view> estimatesOf(ProgramKind model) {
   switch (model) {
-    case Model::kAbp:
+    case ProgramKind::kAbp:
       return {"D_r", "v", "D", "L_s", "D_slope"};
-    case Model::kNoisyAbp:
+    case ProgramKind::kNoisyAbp:
       return {"D_r", "v_a", "V", "D_t", "D", "D_slope"};
-    case Model::kBp:
+    case ProgramKind::kBp:
       return {"D_r", "v", "V", "D_t", "D", "D_slope"};
-    case Model::kRtp:
+    case ProgramKind::kRtp:
       return {"v", "gamma", "tau_r", "D", "L_s", "D_slope"};
-    case Model::kWheels:
+    case ProgramKind::kWheels:
       return {"v"};
     default:
       return {};
@@ -80,11 +77,11 @@ std::string listed(const Names& names) {
 }
 
 /// Programs that some light selects.
-std::map<std::string, Model> selectedPrograms(const ExperimentForm& form) {
-  std::map<std::string, Model> selected;
+std::map<std::string, ProgramKind> selectedPrograms(const ExperimentForm& form) {
+  std::map<std::string, ProgramKind> selected;
   for (const LightBand& band : form.common.light_table.bands) {
     const auto program = form.common.programs.find(band.program);
-    if (program != form.common.programs.end()) selected[band.program] = program->second.model;
+    if (program != form.common.programs.end()) selected[band.program] = program->second.kind;
   }
   return selected;
 }
@@ -117,7 +114,7 @@ void checkTumbles(const ExperimentForm& form, const std::string& path, const Unt
   if (problems.concern("programs") || problems.concern("light_table")) return;
   const auto selected = selectedPrograms(form);
   const bool tumbling = std::ranges::any_of(
-      selected, [](const auto& program) { return program.second == Model::kRtp; });
+      selected, [](const auto& program) { return program.second == ProgramKind::kRtp; });
   if (tumbling) return;
   problems.add(path + ".tumbles", "found " + std::to_string(until.tumbles) +
                                       ", allowed only where the light table selects a program "
@@ -144,10 +141,11 @@ void checkRegion(const ExperimentForm& form, const std::string& path, const Unti
                               : reaches(until.x, until.width / 2, width, rim) &&
                                     reaches(until.y, until.height / 2, height, rim);
   if (entered) return;
-  problems.add(path + ".x_cm", "found a region around " + place(until.x) + ", " + place(until.y) +
-                                   " that no robot can enter, allowed one that reaches into " +
-                                   place(rim) + " to " + place(width - rim) + ", " + place(rim) +
-                                   " to " + place(height - rim));
+  problems.add(path + ".x_cm",
+               "found a region around " + centimetreText(until.x) + ", " + centimetreText(until.y) +
+                   " that no robot can enter, allowed one that reaches into " +
+                   centimetreText(rim) + " to " + centimetreText(width - rim) + ", " +
+                   centimetreText(rim) + " to " + centimetreText(height - rim));
 }
 
 void checkOneRobot(const ExperimentForm& form, const std::string& path, std::int32_t robot,

@@ -86,12 +86,4 @@ class Selector {
   int current_;
 };
 
-// Parts of visitKeys() with files of their own.
-void visitLayer(KeyVisitor& v, LayerEntry& entry);
-void visitLight(KeyVisitor& v, ExperimentForm& form);
-void visitStopOn(KeyVisitor& v, StopOn& on);
-void visitStopRule(KeyVisitor& v, StopRule& rule);
-void visitProjector(KeyVisitor& v, Projector& projector);
-void visitNetworks(KeyVisitor& v, Experiment& e);
-
 }  // namespace lab::keys

@@ -1,4 +1,5 @@
-// The keys of a layer: what it paints and how that changes.
+#include "common/experiment/keys/layer_keys.hpp"
+
 #include <array>
 #include <limits>
 

@@ -1,6 +1,9 @@
+#include "common/experiment/keys/light_keys.hpp"
+
 #include <array>
 
 #include "common/experiment/keys/key_helpers.hpp"
+#include "common/experiment/keys/layer_keys.hpp"
 #include "light/field/layer.hpp"
 
 namespace lab::keys {

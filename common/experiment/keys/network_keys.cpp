@@ -1,3 +1,5 @@
+#include "common/experiment/keys/network_keys.hpp"
+
 #include <array>
 
 #include "common/experiment/keys/key_helpers.hpp"

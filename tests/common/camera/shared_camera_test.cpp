@@ -14,9 +14,9 @@
 #include <vector>
 
 #include "common/camera/frame_ring.hpp"
+#include "common/camera/shared_cameras.hpp"
 #include "tests/support/loop_until.hpp"
 #include "tests/support/temporary_folder.hpp"
-#include "tracker_svc/camera_devices.hpp"
 
 namespace lab {
 namespace {
@@ -57,7 +57,7 @@ class PainterProcess {
     pid_ = fork();
     if (pid_ != 0) return;
     AsioLoop loop;
-    CameraDevices cameras(loop, folder);
+    SharedCameras cameras(loop, folder);
     const auto sink = cameras.offer(format);
     std::int64_t number = 0;
     loop.every(1000, loop.now(), [&] {
@@ -103,7 +103,7 @@ class SharedCamera : public testing::Test {
 
   TemporaryFolder folder;
   AsioLoop loop;
-  CameraDevices dut{loop, folder / "lab"};
+  SharedCameras dut{loop, folder / "lab"};
   std::vector<std::int64_t> numbers;
   std::vector<std::int64_t> times;
   std::vector<std::string> troubles;
@@ -174,7 +174,7 @@ TEST_F(SharedCamera, ASlowReaderLosesFramesAndSeesNoneTorn) {
   std::atomic<bool> go_on = true;
   std::thread painter([&] {
     AsioLoop painters;
-    CameraDevices cameras(painters, folder / "lab");
+    SharedCameras cameras(painters, folder / "lab");
     const auto sink = cameras.offer(sized(320, 200));
     std::int64_t number = 0;
     painters.every(1000, painters.now(), [&] {
@@ -223,8 +223,8 @@ TEST_F(SharedCamera, HasRoomForSixReaders) {
 
 TEST_F(SharedCamera, OneLabHasOneCamera) {
   const auto sink = dut.offer(sized(8, 8));
-  CameraDevices same(loop, folder / "lab");
-  CameraDevices other(loop, folder / "other");
+  SharedCameras same(loop, folder / "lab");
+  SharedCameras other(loop, folder / "other");
 
   EXPECT_NO_THROW(static_cast<void>(other.offer(sized(8, 8))));
   try {

@@ -1,3 +1,5 @@
+#include "common/experiment/experiment_describe.hpp"
+
 #include <gmock/gmock.h>
 
 #include "common/experiment/experiment_log_size.hpp"
@@ -26,7 +28,7 @@ TEST(Description, DerivesTheNumbersOfThePaper) {
   // D_r = epsilon eta^2 / 6, |v| + eta d / 2
   EXPECT_THAT(describeExperiment(shipped("abp")),
               HasSubstr("D_r = 0.75 rad^2/s; fastest wheel 14.25 of 27 cm/s"));
-  EXPECT_THAT(describeExperiment(shipped("abp"), [](const ProgramSpec& p) { return p.v * 2; }),
+  EXPECT_THAT(describeExperiment(shipped("abp"), [](const RobotProgram& p) { return p.v * 2; }),
               HasSubstr("D_r = 0.75 rad^2/s, L_s = 6 cm; fastest wheel"));
   // D_r = epsilon V^2 / (3 d^2), D_t = epsilon V^2 / 24, V + va
   EXPECT_THAT(describeExperiment(shipped("noisy_abp")),
@@ -43,8 +45,8 @@ TEST(Description, SaysThatARunIsTooShortForItsProgram) {
   EXPECT_THAT(with("programs.abp.epsilon_s=20.001"),
               HasSubstr("epsilon = 20 s is more than a third of the run"));
   Experiment tumbling = small();
-  ProgramSpec& program = tumbling.programs.begin()->second;
-  program.model = Model::kRtp;
+  RobotProgram& program = tumbling.programs.begin()->second;
+  program.kind = ProgramKind::kRtp;
   program.gamma = 0.01;
   program.tau_t = 0.5;
   EXPECT_THAT(describeExperiment(tumbling), HasSubstr("1/gamma = 100 s is more than a third"));

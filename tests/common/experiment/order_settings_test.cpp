@@ -4,10 +4,12 @@
 
 #include <limits>
 
+#include "common/math/units.hpp"
+
 namespace lab {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+using units::kNan;
 
 /// ABP below half light, RTP from there to full light.
 robot_order_t table() {

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include "common/experiment/experiment_describe.hpp"
 #include "tests/support/experiment_samples.hpp"
 
 namespace lab {

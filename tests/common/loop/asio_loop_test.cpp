@@ -13,18 +13,14 @@
 #include <string>
 #include <vector>
 
+#include "common/loop/wall_clock.hpp"
+
 namespace lab {
 namespace {
 
 using testing::ElementsAre;
 
 constexpr std::int64_t kMillisecond = 1'000;
-
-std::int64_t wallClock() {
-  return std::chrono::duration_cast<std::chrono::microseconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
 
 TEST(AsioLoop, StampsWithTheWallClock) {
   const std::int64_t before = wallClock();

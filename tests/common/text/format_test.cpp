@@ -4,10 +4,12 @@
 
 #include <limits>
 
+#include "common/math/units.hpp"
+
 namespace lab::report {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+using units::kNan;
 
 TEST(People, GivesAsManyDigitsAsTheErrorAllows) {
   EXPECT_EQ(valueText(0.748123, 0.0123), "0.748");
