@@ -16,7 +16,7 @@ namespace {
 
 constexpr const char* kCameraForm = "active-lab camera 1";
 
-/// The camera must be above the caps, and not so far up that the unit is wrong.
+/// Checks the camera's height: above the caps, and not so large that the unit must be wrong.
 void checkHeight(const JsonSection& file, const char* key, const CameraCalibration& calibration) {
   const double height = optics::CameraModel(calibration.camera).centre()[2];
   const double low = calibration.cap.height + 0.05;
@@ -28,7 +28,7 @@ void checkHeight(const JsonSection& file, const char* key, const CameraCalibrati
   }
 }
 
-/// A circle must be seen, and fit into the picture: what searches for it looks that far around.
+/// Checks that the caps' circles are visible, and small enough for the search in the picture.
 void checkScale(const JsonSection& file, const char* key, const CameraCalibration& calibration) {
   const optics::CameraParameters& camera = calibration.camera;
   const double away = optics::CameraModel(camera).centre()[2] - calibration.cap.height;

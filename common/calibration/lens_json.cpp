@@ -8,7 +8,7 @@
 namespace lab {
 namespace {
 
-constexpr double kRotationSlack = 1e-3;  // of R R^T: what three written digits leave
+constexpr double kRotationSlack = 1e-3;  // of R R^T: the error of numbers with three digits
 
 }  // namespace
 

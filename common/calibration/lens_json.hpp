@@ -9,14 +9,18 @@
 
 namespace lab {
 
-/// A rotation has orthonormal rows and keeps right hands right. @throws ExperimentError
+/// Checks that a rotation has orthonormal rows and determinant +1.
+/// @param rotation row by row
+/// @throws ExperimentError if not
 void checkRotation(const JsonSection& file, const char* key, const std::array<double, 9>& rotation);
 
-/// Lens and pose, as writeLens() writes them. @param mirrored whether fx may be negative
+/// Reads lens and pose, as writeLens() writes them.
+/// @param mirrored whether fx may be negative
+/// @throws ExperimentError
 [[nodiscard]] optics::CameraParameters readLens(const JsonSection& file, bool mirrored);
 
-/// width_px, height_px, fx_px, fy_px, cx_px, cy_px, k1, k2, p1, p2, k3, rotation (row by row),
-/// translation_m.
+/// Writes the keys width_px, height_px, fx_px, fy_px, cx_px, cy_px, k1, k2, p1, p2, k3, rotation
+/// (row by row) and translation_m.
 void writeLens(nlohmann::ordered_json& file, const optics::CameraParameters& lens);
 
 }  // namespace lab

@@ -57,7 +57,7 @@ class Reader {
     return *value;
   }
 
-  // The limits are those of the robots' own settings.
+  // The limits are those of the robots' firmware.
   motor_calibration_t readRobot(const toml::table& robot) const {
     motor_calibration_t motors{};
     motors.robot_id = static_cast<std::int32_t>(number(robot, "id", 1, 1e9));

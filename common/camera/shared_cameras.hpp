@@ -21,7 +21,7 @@ class SharedCameras final : public Cameras {
 
   /// @throws CameraError for any source but "sim"
   [[nodiscard]] std::unique_ptr<FrameSource> open(const std::string& source,
-                                                  const CameraFormat& wanted,
+                                                  const CameraFormat& requested,
                                                   CameraHandlers handlers) override;
   [[nodiscard]] std::unique_ptr<FrameSink> offer(const CameraFormat& format) override;
 

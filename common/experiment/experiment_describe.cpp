@@ -73,8 +73,8 @@ std::string parameters(const RobotProgram& p) {
   }
 }
 
-/// The paper's long-time numbers (below eqs. 4, 5 and 6), and L_s of the exact law: the paper's v /
-/// D_r is its limit of small epsilon.
+/// The paper's long-time coefficients (below eqs. 4, 5 and 6), and L_s of the exact law, whose
+/// limit for small epsilon is the paper's v / D_r.
 std::string derived(const RobotProgram& p, double d, const PersistenceLength& length) {
   const std::string diffusion = " cm^2/s";
   const std::string rotation = " rad^2/s";
@@ -102,7 +102,7 @@ std::string derived(const RobotProgram& p, double d, const PersistenceLength& le
   }
 }
 
-/// The fastest that a wheel ever has to turn [m/s].
+/// The highest wheel speed of a program [m/s].
 double fastestWheel(const RobotProgram& program, const RobotHardware& hardware) {
   const auto result = dynamics::toProgramParams(program, wheelLimits(hardware));
   const dynamics::ProgramParams& params = result.params;
@@ -112,8 +112,8 @@ double fastestWheel(const RobotProgram& program, const RobotHardware& hardware) 
                           size(params.right_um_s)});
 }
 
-/// The longest of the times in which a program draws anew, where a run has hardly three of them:
-/// then it was probably meant in ms.
+/// A warning if the longest time between draws is more than a third of the run. Its value was
+/// probably meant in ms.
 std::string slowness(const RobotProgram& p, double duration) {
   Quantity longest{};
   double time = duration / 3;
@@ -200,7 +200,7 @@ std::string describeTable(const LightTable& table) {
   return text;
 }
 
-/// The program for this light, seen for the first time.
+/// The program that this light selects, without hysteresis.
 std::string programIn(const LightTable& table, double light) {
   for (const LightBand& band : table.bands) {
     if (contains(band, light)) return band.program;
@@ -208,7 +208,7 @@ std::string programIn(const LightTable& table, double light) {
   return "no band (robots stand)";
 }
 
-/// How much of the arena each program gets.
+/// The range of light, and the fraction of the arena where each program is selected.
 std::string shares(const Experiment& e, const LightStep& step) {
   constexpr int kColumns = 48;
   constexpr int kRows = 36;
@@ -255,7 +255,7 @@ bool hasCondition(const std::vector<LightStep>& steps) {
   return std::ranges::any_of(steps, [](const LightStep& step) { return step.until.given(); });
 }
 
-/// What ends a step and where the script goes from there, where that is not just its time.
+/// The condition that ends a step, and where the script continues.
 std::string describeEnd(const LightStep& step) {
   std::string text;
   if (step.until.given()) {
@@ -277,7 +277,7 @@ std::string describeLight(const Experiment& e) {
   const std::string at_most = hasCondition(e.light.steps) ? "at most " : "";
   if (e.light.repeat) head += ", again every " + at_most + numberText(e.light.length) + " s";
   std::string text = line("light", head);
-  bool open = false;  // what comes before a step may be shorter
+  bool open = false;  // whether an earlier step may end early
   for (const LightStep& step : e.light.steps) {
     std::string what =
         (open ? "  by " : "  ") + numberText(step.at) + " s " + step.label + ": " + shares(e, step);
@@ -328,7 +328,7 @@ std::string describeStop(const Experiment& e) {
   return text;
 }
 
-/// Who sees the lab, and who may drive it.
+/// How far the ROS 2 gateway reaches, and what it may command.
 std::string describeRos(const Experiment& e) {
   const Gateway& gateway = e.gateway;
   if (!gateway.ros) return {};
@@ -344,7 +344,7 @@ std::string describeRos(const Experiment& e) {
                                    : std::string("may look, not drive"));
 }
 
-/// Who else sees the page, and may use its buttons.
+/// Who else can open the page, and use its buttons.
 std::string describeDashboard(const Dashboard& dashboard) {
   if (isLocalOnly(dashboard)) return {};
   return line("dashboard", "listens on " + dashboard.address +

@@ -1,4 +1,4 @@
-/// What an experiment file asks for, as messages.
+/// Commands and layers of an experiment as messages.
 #pragma once
 
 #include <cstdint>
@@ -12,17 +12,17 @@
 
 namespace lab {
 
-/// One command that puts every robot of the experiment under its light table (header left empty).
+/// A command with the light table for every robot of the experiment; the header is empty.
 [[nodiscard]] robot_command_t lightTableCommand(const Experiment& experiment);
 
-/// One command that makes every robot of the experiment stand (header left empty).
+/// A command that makes every robot of the experiment stand; the header is empty.
 [[nodiscard]] robot_command_t standCommand(const Experiment& experiment);
 
-/// The robots that take orders: all but those replayed.
+/// The ids of the robots that take commands: all except replayed ones.
 [[nodiscard]] std::vector<std::int32_t> commandedRobots(const Experiment& experiment);
 
-/// The image of a layer is its path as written in the file; on the bus it travels as its SHA-256
-/// (ExperimentImages::digests).
+/// `image` of the result is the path as written in the file; before sending it must be replaced by
+/// the SHA-256 (ExperimentImages::digests).
 [[nodiscard]] light_layer_t toMessage(const LayerSpec& layer);
 [[nodiscard]] std::vector<light_layer_t> toMessages(const std::vector<LayerSpec>& layers);
 

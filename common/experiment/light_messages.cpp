@@ -9,7 +9,7 @@ namespace {
 using light::Blend;
 using light::LayerKind;
 
-// The contract and the core number kinds and blends alike.
+// light_layer_t and light::Layer use the same numbers for kinds and blends.
 static_assert(light_layer_t::UNIFORM == static_cast<int>(LayerKind::kUniform));
 static_assert(light_layer_t::HALF_PLANE == static_cast<int>(LayerKind::kHalfPlane));
 static_assert(light_layer_t::DISK == static_cast<int>(LayerKind::kDisk));

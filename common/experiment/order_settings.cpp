@@ -8,16 +8,16 @@
 namespace lab {
 namespace {
 
-/// A light of 0..1 as counts of the robot's 10-bit converter, rounded as the converter does, so
-/// that light on an edge belongs to the band above it; 1 reads 1023, and a band up to 1 contains
-/// it.
+/// Light of 0..1 in counts of the robot's 10-bit converter, rounded as the converter does, so that
+/// light on an edge belongs to the band above it. The upper edge 1 becomes 1024, because full light
+/// reads 1023 and belongs to a band up to 1.
 std::uint16_t counts(double light) {
   if (light >= 1) return dynamics::kLightCounts;
   return static_cast<std::uint16_t>(
       std::lround(std::clamp(light, 0.0, 1.0) * (dynamics::kLightCounts - 1)));
 }
 
-/// Why the numbers outside the programs make no order, or nothing.
+/// Why the order's numbers other than its programs are wrong; empty if they are valid.
 std::string numbersRefusal(const robot_order_t& order, const dynamics::WheelLimits& limits) {
   if (order.mode == robot_order_t::DRIVE) {
     const bool drivable = std::abs(order.wheel_left) <= limits.v_max &&

@@ -8,7 +8,7 @@ namespace lab {
 
 nlohmann::json parseJson(const std::string& name, const std::string& text,
                          const std::string& expected) {
-  constexpr int kDeepest = 64;  // what reads it calls itself
+  constexpr int kDeepest = 64;  // limits the recursion of the parser
   const auto shallow = [&](int depth, nlohmann::json::parse_event_t, const nlohmann::json&) {
     if (depth > kDeepest) {
       throw ExperimentError(

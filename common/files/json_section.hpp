@@ -1,4 +1,4 @@
-/// Calibration files in JSON: reading them, with one clear error for each problem.
+/// Reading JSON calibration files, with an error that names the file and the key.
 #pragma once
 
 #include <fmt/format.h>
@@ -15,11 +15,12 @@
 
 namespace lab {
 
-/// An object of the file and the path that leads to it, for messages.
+/// An object of the file, with its path for messages. All getters throw ExperimentError if the key
+/// is missing or its value is wrong.
 class JsonSection {
  public:
   /// @param file its name, for messages
-  /// @param help what a message about a missing key ends with: where the keys are listed
+  /// @param help the end of messages about missing keys: where the keys are listed
   JsonSection(std::string file, std::string help, const nlohmann::json& value)
       : JsonSection(std::move(file), std::move(help), "", value) {}
 
@@ -35,7 +36,7 @@ class JsonSection {
     return value.get<std::string>();
   }
 
-  /// A number within limits, times `unit`.
+  /// A number from low to high, multiplied by `unit`.
   [[nodiscard]] double number(const char* key, double low, double high, double unit = 1) const {
     const nlohmann::json& value = at(key);
     if (!value.is_number()) fail(key, "found " + shortened(value) + ", expected a number");
@@ -46,7 +47,7 @@ class JsonSection {
     return found * unit;
   }
 
-  /// number(), or `otherwise` when the key is not there.
+  /// As number(); `otherwise` if the key is missing.
   [[nodiscard]] double number(const char* key, double low, double high, double unit,
                               double otherwise) const {
     return has(key) ? number(key, low, high, unit) : otherwise;
@@ -66,7 +67,7 @@ class JsonSection {
     return found;
   }
 
-  /// numbers(), exactly N of them.
+  /// As numbers(), with exactly N elements.
   template <std::size_t N>
   [[nodiscard]] std::array<double, N> numbers(const char* key) const {
     const std::vector<double> found = numbers(key);
@@ -118,12 +119,14 @@ class JsonSection {
   const nlohmann::json& value_;
 };
 
-/// @param expected what kind of file it should have been, for the message
-/// @throws ExperimentError that names the file and the line.
+/// Parses JSON.
+/// @param name of the file, for messages
+/// @param expected the expected kind of file, for messages
+/// @throws ExperimentError that names the file and the line
 [[nodiscard]] nlohmann::json parseJson(const std::string& name, const std::string& text,
                                        const std::string& expected);
 
-/// First 12 digits of the SHA-256 of a file's text.
+/// The id of a calibration: the first 12 digits of the SHA-256 of its file's text.
 [[nodiscard]] std::string fileId(const std::string& text);
 
 }  // namespace lab

@@ -26,16 +26,17 @@ struct Options {
   std::string ports = defaultPortsFolder();
 };
 
-constexpr std::int64_t kMostPassingOn = 500'000;  // [us]
-constexpr auto kPassingOnStep = std::chrono::milliseconds(2);
+constexpr std::int64_t kForwardTimeout_us = 500'000;
+constexpr auto kForwardPoll = std::chrono::milliseconds(2);
 
-/// What the node says last comes back from the bus to who passes it on.
+/// Closes the node. A service that forwards messages then receives the closing messages from the
+/// bus, and gets time to forward them.
 void end(Node& node, AsioLoop& loop, Service& service) {
   node.close();
-  const std::int64_t deadline = loop.now() + kMostPassingOn;
+  const std::int64_t deadline = loop.now() + kForwardTimeout_us;
   while (service.isForwarding() && loop.now() < deadline) {
     loop.poll();
-    std::this_thread::sleep_for(kPassingOnStep);
+    std::this_thread::sleep_for(kForwardPoll);
   }
 }
 

@@ -22,7 +22,7 @@
 namespace lab::keys {
 namespace {
 
-/// The key of a light::Layer's field: the last one of the kind in the file's order.
+/// The key that holds a field of light::Layer, for this kind of layer.
 std::string keyOf(const std::string& field, light::LayerKind kind) {
   using enum light::LayerKind;
   if (field == "size") {
@@ -41,7 +41,7 @@ std::string keyOf(const std::string& field, light::LayerKind kind) {
   return field;
 }
 
-/// The key of a light::Drive's field.
+/// The key that holds a field of light::Drive.
 std::string keyOfDrive(const std::string& field) {
   constexpr std::array<std::pair<const char*, const char*>, 13> kKeys = {
       {{"vx", "vx_cm_s"},
@@ -62,7 +62,7 @@ std::string keyOfDrive(const std::string& field) {
   return key == kKeys.end() ? field : key->second;
 }
 
-/// "above 0 and below size = 0.1 m" in the words and the unit of the file.
+/// Converts a message such as "above 0 and below size = 0.1 m" to the keys and units of the file.
 std::string inCentimetres(std::string text, light::LayerKind kind) {
   if (const std::size_t size = text.find("size"); size != std::string::npos) {
     text.replace(size, 4, keyOf("size", kind));
@@ -80,7 +80,7 @@ std::string inCentimetres(std::string text, light::LayerKind kind) {
   return sentence;
 }
 
-/// Image files, each of them read once.
+/// Image files, each of which is read once.
 class Images {
  public:
   explicit Images(std::filesystem::path directory) : directory_(std::move(directory)) {}

@@ -14,7 +14,7 @@
 namespace lab::keys {
 namespace {
 
-/// Some ten steps of the robot's converter.
+/// About ten steps of the robot's converter.
 constexpr double kNarrowestBand = 0.01;  // [1]
 
 std::string bandPath(std::size_t index) {
@@ -25,8 +25,8 @@ std::string bandText(const LightBand& band) {
   return '[' + numberText(band.low) + ", " + numberText(band.high) + "]";
 }
 
-/// The largest hysteresis that leaves of every band a part which only this band can hold, so that
-/// light there selects its program whatever ran before.
+/// The largest hysteresis with which every band keeps an interval of light that selects its program
+/// whatever program ran before.
 double widestHysteresis(std::vector<LightBand> bands) {
   std::ranges::sort(bands, {}, &LightBand::low);
   double widest = 1;

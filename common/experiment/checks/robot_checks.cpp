@@ -17,18 +17,19 @@ namespace {
 
 constexpr double kRoundingSlack = 1e-9;  // [m] so that a robot may touch the wall
 
-/// The densest packing covers 0.907; this leaves room to find random places and to move.
+/// Largest covered fraction of the arena. The densest packing of discs covers 0.907; this leaves
+/// room for random placement and for motion.
 constexpr double kLargestCover = 0.6;
 
-constexpr double kFastestScan = 0.01;  // [s] of the robot's eight channels
+constexpr double kFastestScan = 0.01;  // [s] duration of a scan of the robot's eight channels
 
-/// Speeds that an 8 MHz robot meets within 0.2 % and that every serial line knows.
+/// Baud rates that the robot's 8 MHz clock meets within 0.2 % and that every serial line supports.
 constexpr std::array kBauds = {9600, 38400, 500000};
-constexpr int kChipBaud = 38400;  // of the line between sim_svc and its chips
+constexpr int kChipBaud = 38400;  // of the line between sim_svc and the simulated chips
 
 std::string entryPath(std::size_t index) { return "robots[" + std::to_string(index) + "]"; }
 
-/// Whether the sizes of arena and robots are known, as nothing about places can be said without.
+/// Whether the sizes of arena and robots have no problem; checks of places need them.
 bool sizesAreKnown(const Problems& problems) {
   return !problems.concern("arena.width_cm") && !problems.concern("arena.height_cm") &&
          !problems.concern("robot.diameter_cm");
@@ -63,7 +64,7 @@ void checkIds(const ExperimentForm& form, Problems& problems) {
   }
 }
 
-/// What only robots on the wire ask of the file.
+/// Checks of robots on serial lines.
 void checkLines(const ExperimentForm& form, Problems& problems) {
   const RobotHardware& hardware = form.common.hardware;
   std::map<std::int64_t, std::size_t> uids;
@@ -144,7 +145,7 @@ void checkPose(const ExperimentForm& form, std::size_t index, Problems& problems
 
 void checkOverlaps(const ExperimentForm& form, Problems& problems) {
   const double diameter = form.common.hardware.diameter;
-  // Of these alone: whatever else is wrong with a robot, its place may be a good one.
+  // A robot with another problem may still have a valid place.
   std::vector<bool> has_place;
   for (std::size_t i = 0; i < form.robots.size(); ++i) {
     has_place.push_back(form.robots[i].x && form.robots[i].y &&

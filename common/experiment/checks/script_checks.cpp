@@ -36,7 +36,7 @@ bool checkStepForms(const ExperimentForm& form, Problems& problems) {
   return fine;
 }
 
-/// A condition and a way back need steps whose times are open.
+/// Checks that until and back_to are used only with hold_s.
 bool checkOpenSteps(const ExperimentForm& form, Problems& problems) {
   if (form.light_steps.front().hold) return true;
   bool fine = true;
@@ -51,7 +51,8 @@ bool checkOpenSteps(const ExperimentForm& form, Problems& problems) {
   return fine;
 }
 
-/// What the analyzer measures of robots that run such a program (analyzer/curves/estimates.cpp).
+/// The names of the estimates that the analyzer computes for a kind of program
+/// (analyzer/curves/estimates.cpp).
 std::vector<std::string_view> estimatesOf(ProgramKind model) {
   switch (model) {
     case ProgramKind::kAbp:
@@ -76,7 +77,7 @@ std::string listed(const Names& names) {
   return list;
 }
 
-/// Programs that some light selects.
+/// The programs that the light table selects.
 std::map<std::string, ProgramKind> selectedPrograms(const ExperimentForm& form) {
   std::map<std::string, ProgramKind> selected;
   for (const LightBand& band : form.common.light_table.bands) {
@@ -121,7 +122,7 @@ void checkTumbles(const ExperimentForm& form, const std::string& path, const Unt
                                       "that tumbles (model = \"rtp\")");
 }
 
-/// Whether [middle - half, middle + half] has a part where a robot's axis can be.
+/// Whether a robot's axis can be in a part of [middle - half, middle + half].
 bool reaches(double middle, double half, double size, double radius) {
   return middle + half >= radius && middle - half <= size - radius;
 }
@@ -133,8 +134,8 @@ void checkRegion(const ExperimentForm& form, const std::string& path, const Unti
   const double width = form.common.arena_width;
   const double height = form.common.arena_height;
   const double rim = form.common.hardware.diameter / 2;
-  // A circle may reach the corner of this frame with neither of its extreme points: the nearest
-  // place of the frame decides.
+  // A circle in a corner of this rectangle may reach it with none of its extreme points, so the
+  // nearest point of the rectangle decides.
   const double to_x = until.x - std::clamp(until.x, rim, std::max(rim, width - rim));
   const double to_y = until.y - std::clamp(until.y, rim, std::max(rim, height - rim));
   const bool entered = circle ? std::hypot(to_x, to_y) <= until.radius
@@ -179,7 +180,7 @@ void checkUntil(const ExperimentForm& form, const std::string& path, const Until
   if (until.region != Region::kNone) checkRegion(form, path, until, problems);
 }
 
-/// Where the label stands; complains where that is not clear.
+/// Checks that back_to names exactly one step up to this one.
 bool checkLabel(const LightScript& script, std::size_t index, Problems& problems) {
   const std::string& label = script.steps[index].back_to;
   const std::string path = stepPath(index) + ".back_to";
@@ -213,8 +214,8 @@ bool checkGroups(const LightScript& script, Problems& problems) {
   const std::vector<StepGroup> groups = groupsOf(script);
   for (std::size_t i = 0; i < groups.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
-      // In the order of their last steps: the later one either begins behind the earlier or holds
-      // it.
+      // Groups are sorted by their last steps: the later one must begin after the earlier one or
+      // contain it.
       if (groups[i].first > groups[j].last || groups[i].first <= groups[j].first) continue;
       problems.add(stepPath(groups[i].last) + ".back_to",
                    "found " + tomlString(script.steps[groups[i].last].back_to) +
@@ -274,8 +275,7 @@ void checkStepTimes(const ExperimentForm& form, const LightScript& script, Probl
   }
 }
 
-/// The run's end must not come before a condition's limit: what is declared for then would not
-/// happen.
+/// Checks that no limit of a condition is after the run's end, where if_not would have no effect.
 void checkLimits(const ExperimentForm& form, const LightScript& script, Problems& problems) {
   if (script.repeat || problems.concern("duration_s") || problems.concern("light.steps")) return;
   const auto begins = stepTimes(form);

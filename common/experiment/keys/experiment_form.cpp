@@ -16,8 +16,8 @@ using light::LayerKind;
 
 double phaseRate(double speed, double period) { return 2 * std::numbers::pi * speed / period; }
 
-/// The speed, of those that a file can say, with the fewest digits that gives exactly this rate, so
-/// that a file that is written and read again says the same.
+/// The speed that a file can express with the fewest digits and that gives exactly this rate, so
+/// that a written file reads back as the same experiment.
 double speedOf(double rate, double period) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const FileUnit& unit = unitOf("_cm_s");
@@ -38,7 +38,7 @@ std::string labelOf(const ExperimentForm& form, std::size_t index) {
   return label.empty() ? "step " + std::to_string(index + 1) : label;
 }
 
-/// A robot that touches a wall is not to be outside by a rounding error.
+/// Corrects rounding errors: a robot that touches a wall must not be outside.
 double clampInside(double place, double size, double radius) {
   return std::max(radius, std::min(place, size - radius));
 }
@@ -75,7 +75,7 @@ bool sharesEntry(const RobotEntry& entry, const RobotSpec& robot) {
   return plain && entry.body == robot.body && entry.id + entry.count == robot.id;
 }
 
-/// Robots that differ by nothing but consecutive ids share an entry.
+/// Robots with consecutive ids and otherwise equal share an entry.
 std::vector<RobotEntry> toEntries(const std::vector<RobotSpec>& robots) {
   std::vector<RobotEntry> entries;
   for (const RobotSpec& robot : robots) {

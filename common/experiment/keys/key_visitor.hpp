@@ -12,21 +12,21 @@
 namespace lab::keys {
 
 enum class Need {
-  kOptional,   ///< keeps its default
-  kRequired,   ///< missing is a problem
-  kShorthand,  ///< read and expanded, never written
+  kOptional,   ///< has a default
+  kRequired,   ///< must be given
+  kShorthand,  ///< is read and expanded, but not written
 };
 
-/// Whether a key has a meaning here, which may depend on a key before it ("model").
+/// Whether a key is allowed here, which may depend on an earlier key ("model").
 enum class Applies { kYes, kNo, kUndecided };
 
 struct Key {
   std::string name;
-  std::string meaning;  ///< one sentence without its full stop, for the docs
+  std::string meaning;  ///< one sentence without full stop, for the docs
   Need need = Need::kOptional;
-  std::string default_text = {};  ///< for the docs, where the default is not a plain value
+  std::string default_text = {};  ///< for the docs, if the default is not a plain value
   Applies applies = Applies::kYes;
-  std::string condition = {};  ///< when it applies, "model = \"abp\" or \"rtp\""
+  std::string condition = {};  ///< when it is allowed, "model = \"abp\" or \"rtp\""
 };
 
 /// Allowed numbers, in the file's unit.
@@ -54,21 +54,22 @@ struct TextRule {
 struct Choice {
   std::string name;
   int value = 0;
-  std::string refusal = {};  ///< why this version does not take it, empty: it does
+  std::string refusal = {};  ///< why this version does not accept it, empty: it does
 };
 
-/// No choice could be read.
+/// The value of a choice that could not be read.
 inline constexpr int kUndecided = -1;
 
-/// How a list stands in the file.
+/// How a list is written, and its length.
 struct ListRule {
   std::size_t fewest = 0;
   std::size_t most = 0;
   bool in_line = false;  ///< key = [{...}, ...], else [[key]]
 };
 
-/// What is done with the keys. Fields hold their defaults before and the file's values after a
-/// reading visit; other visits leave them alone.
+/// Interface of code that handles all keys: reading, writing, documenting. A visitor that reads
+/// replaces the defaults in the fields by the values of the file; others leave the fields
+/// unchanged.
 class KeyVisitor {
  public:
   KeyVisitor() = default;
@@ -82,7 +83,7 @@ class KeyVisitor {
                        std::int64_t& value) = 0;
   virtual void flag(const Key& key, bool& value) = 0;
   virtual void text(const Key& key, const TextRule& rule, std::string& value) = 0;
-  /// Sets kUndecided where the file's value is not one of the choices.
+  /// A visitor that reads sets kUndecided if the value is not one of the choices.
   virtual void choice(const Key& key, std::span<const Choice> choices, int& value) = 0;
   /// key = [low, high]
   virtual void interval(const Key& key, const Range& range, double& low, double& high) = 0;
@@ -95,7 +96,7 @@ class KeyVisitor {
                      std::vector<std::string>& values) = 0;
 
   virtual void table(const Key& key, const std::function<void()>& keys) = 0;
-  /// key = {...}, where it is given.
+  /// key = {...}, if given.
   virtual void inLineTable(const Key& key, bool& given, const std::function<void()>& keys) = 0;
   virtual void list(const Key& key, const ListRule& rule, std::size_t size,
                     const std::function<void(std::size_t size)>& resize,
@@ -106,7 +107,7 @@ class KeyVisitor {
                            const std::function<void(const std::string& name)>& keys) = 0;
 };
 
-/// "sim", "serial" or "replay", those that this version takes.
+/// The choices that this version accepts: "sim", "serial", "replay".
 [[nodiscard]] std::string choiceText(std::span<const Choice> choices);
 
 /// "1 to 250".

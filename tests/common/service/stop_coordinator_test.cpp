@@ -39,11 +39,11 @@ TEST(StopCoordinator, GoesOutAtOnceAndAtTenHertzUntilTheLastRobotEchoes) {
   dut.take(status({1}, 77, true), kNow + 120 * kMs);
   EXPECT_EQ(dut.state(), StopCoordinator::State::kStopping);
   EXPECT_EQ(dut.unconfirmed(), std::vector<std::int32_t>{2});
-  EXPECT_FALSE(dut.took());
+  EXPECT_FALSE(dut.responseTime());
   EXPECT_TRUE(dut.due(kNow + 60'000 * kMs)) << "a stop never tires while a robot is known";
   dut.take(status({2}, 77, true), kNow + 150 * kMs);
   EXPECT_EQ(dut.state(), StopCoordinator::State::kStopped);
-  EXPECT_EQ(dut.took(), 150 * kMs);
+  EXPECT_EQ(dut.responseTime(), 150 * kMs);
   EXPECT_FALSE(dut.due(kNow + 61'000 * kMs));
 }
 
@@ -66,7 +66,7 @@ TEST(StopCoordinator, ARobotThatLosesItsLatchIsToldAgain) {
   dut.take(status({1}, 0, false), kNow + 1000 * kMs);
   EXPECT_EQ(dut.state(), StopCoordinator::State::kStopping);
   EXPECT_TRUE(dut.due(kNow + 1000 * kMs));
-  EXPECT_EQ(dut.took(), 50 * kMs);
+  EXPECT_EQ(dut.responseTime(), 50 * kMs);
 }
 
 TEST(StopCoordinator, ForRobotsNotHeardYetItIsRepeatedForAWhile) {
@@ -167,7 +167,7 @@ TEST(StopCoordinator, RobotsThatStandWithoutAKnownRequestAreAStopOfAll) {
   EXPECT_EQ(dut.unconfirmed(), std::vector<std::int32_t>{3});
   dut.take(status({3}, 76, true), kNow + 20 * kMs);
   EXPECT_EQ(dut.state(), StopCoordinator::State::kStopped);
-  EXPECT_FALSE(dut.took()) << "nobody knows when it was asked for";
+  EXPECT_FALSE(dut.responseTime()) << "nobody knows when it was asked for";
   EXPECT_FALSE(dut.due(kNow + 30 * kMs)) << "it is not ours to repeat";
   robot_stop_t late{};
   late.sender = "lab";
