@@ -1,3 +1,6 @@
+#include <filesystem>
+#include <memory>
+
 #include "common/camera/shared_cameras.hpp"
 #include "sim_svc/sim_service.hpp"
 

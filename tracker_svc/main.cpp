@@ -1,3 +1,6 @@
+#include <filesystem>
+#include <memory>
+
 #include "tracker_svc/camera_devices.hpp"
 #include "tracker_svc/tracker_service.hpp"
 

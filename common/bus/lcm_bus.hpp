@@ -6,6 +6,7 @@
 #include <exception>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/bus/bus.hpp"
@@ -25,8 +26,8 @@ std::string defaultLcmUrl();
 
 /// Works around four limitations of LCM 1.3.1. The constructor detects a network without multicast,
 /// which LCM does not report. Queues are unlimited instead of 31 messages long. Channel names are
-/// matched literally instead of as regular expressions. Exceptions of handlers do not unwind through
-/// LCM's C code: they are stored, and drain() throws them.
+/// matched literally instead of as regular expressions. Exceptions of handlers do not unwind
+/// through LCM's C code: they are stored, and drain() throws them.
 class LcmBus final : public Bus {
  public:
   /// @throws BusError with the command that repairs the network

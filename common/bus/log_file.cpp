@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <optional>
 #include <stdexcept>
+#include <string_view>
 
 #include "common/bus/channels.hpp"
 #include "common/bus/contract_upgrade.hpp"

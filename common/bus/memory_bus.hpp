@@ -1,10 +1,12 @@
 /// A bus inside one process, for virtual time and for tests.
 #pragma once
 
+#include <cstdint>
 #include <deque>
 #include <exception>
 #include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/bus/bus.hpp"

@@ -1,5 +1,6 @@
 #include "common/experiment/experiment_file.hpp"
 
+#include <cstdint>
 #include <system_error>
 #include <utility>
 

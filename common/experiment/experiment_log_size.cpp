@@ -1,6 +1,7 @@
 #include "common/experiment/experiment_log_size.hpp"
 
 #include <algorithm>
+#include <cstdint>
 #include <lab/analysis_t.hpp>
 #include <lab/experiment_status_t.hpp>
 #include <lab/light_command_t.hpp>

@@ -2,6 +2,7 @@
 
 #include <asio.hpp>
 #include <chrono>
+#include <cstdint>
 #include <list>
 #include <utility>
 

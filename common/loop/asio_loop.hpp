@@ -1,6 +1,7 @@
 /// The live event loop, on standalone Asio.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 

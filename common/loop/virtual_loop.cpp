@@ -1,6 +1,7 @@
 #include "common/loop/virtual_loop.hpp"
 
 #include <algorithm>
+#include <cstdint>
 #include <utility>
 
 namespace lab {

@@ -1,6 +1,7 @@
 /// Virtual time: the clock jumps to the next event.
 #pragma once
 
+#include <cstdint>
 #include <queue>
 #include <vector>
 

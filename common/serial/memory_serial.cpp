@@ -3,8 +3,10 @@
 #include <fnmatch.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <deque>
 #include <iterator>
+#include <span>
 #include <sstream>
 #include <utility>
 

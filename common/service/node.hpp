@@ -1,6 +1,7 @@
 /// The messaging part that all services share: headers, counts, heartbeat.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <lab/service_status_t.hpp>
 #include <map>

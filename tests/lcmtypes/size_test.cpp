@@ -2,6 +2,11 @@
 // one UDP datagram. The numbers are those of lcmtypes/README.md.
 #include <gtest/gtest.h>
 
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
 #include "common/bus/bus.hpp"
 #include "tests/lcmtypes/contract.hpp"
 

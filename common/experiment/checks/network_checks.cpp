@@ -4,7 +4,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "common/experiment/service_placement.hpp"
 #include "common/files/file_values.hpp"

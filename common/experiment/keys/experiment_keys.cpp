@@ -4,7 +4,9 @@
 #include <array>
 #include <initializer_list>
 #include <limits>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "common/experiment/keys/key_helpers.hpp"
 #include "common/experiment/keys/light_keys.hpp"

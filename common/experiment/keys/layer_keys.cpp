@@ -1,7 +1,9 @@
 #include "common/experiment/keys/layer_keys.hpp"
 
 #include <array>
+#include <cstdint>
 #include <limits>
+#include <string>
 
 #include "common/experiment/keys/key_helpers.hpp"
 #include "light/field/layer.hpp"

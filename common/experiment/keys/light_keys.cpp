@@ -1,6 +1,7 @@
 #include "common/experiment/keys/light_keys.hpp"
 
 #include <array>
+#include <cstdint>
 
 #include "common/experiment/keys/key_helpers.hpp"
 #include "common/experiment/keys/layer_keys.hpp"

@@ -1,6 +1,10 @@
 #include "common/experiment/keys/network_keys.hpp"
 
 #include <array>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
 
 #include "common/experiment/keys/key_helpers.hpp"
 

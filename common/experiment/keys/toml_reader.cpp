@@ -1,6 +1,12 @@
 #include "common/experiment/keys/toml_reader.hpp"
 
 #include <algorithm>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
 
 #include "common/experiment/keys/experiment_key_table.hpp"
 #include "common/experiment/keys/experiment_keys.hpp"

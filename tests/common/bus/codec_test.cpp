@@ -2,12 +2,15 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <lab/light_status_t.hpp>
 #include <lab/robot_status_t.hpp>
 #include <lab/robot_stop_t.hpp>
 #include <lab/tracked_frame_t.hpp>
 #include <limits>
 #include <numeric>
+#include <optional>
+#include <vector>
 
 #include "common/bus/bus.hpp"
 #include "common/bus/message_header.hpp"

@@ -5,9 +5,11 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <csignal>
 #include <fstream>
 #include <iterator>
+#include <stdexcept>
 
 #include "common/bus/channels.hpp"
 #include "tests/support/temporary_folder.hpp"

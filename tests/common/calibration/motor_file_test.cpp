@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <string>
 
 #include "common/experiment/experiment_file.hpp"
 #include "tests/support/temporary_folder.hpp"

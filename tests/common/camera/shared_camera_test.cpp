@@ -10,6 +10,9 @@
 #include <algorithm>
 #include <atomic>
 #include <csignal>
+#include <cstdint>
+#include <functional>
+#include <string>
 #include <thread>
 #include <vector>
 

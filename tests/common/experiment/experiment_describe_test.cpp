@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include <filesystem>
+
 #include "common/experiment/experiment_log_size.hpp"
 #include "tests/support/experiment_samples.hpp"
 

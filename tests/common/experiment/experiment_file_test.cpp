@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include <cstdint>
+#include <fstream>
 #include <numbers>
 
 #include "common/math/random.hpp"

@@ -1,6 +1,8 @@
 #include <gmock/gmock.h>
 
 #include <array>
+#include <filesystem>
+#include <string>
 
 #include "tests/support/experiment_samples.hpp"
 

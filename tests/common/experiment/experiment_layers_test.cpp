@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <string>
 
 #include "common/math/random.hpp"
 #include "tests/support/experiment_samples.hpp"

@@ -1,5 +1,9 @@
 #include <gmock/gmock.h>
 
+#include <filesystem>
+#include <string>
+#include <vector>
+
 #include "tests/support/experiment_samples.hpp"
 
 namespace lab::experiment_shipped_test {

@@ -2,7 +2,11 @@
 // "# expect 12: key: found ..., allowed ...", and nothing else must be said.
 #include <gmock/gmock.h>
 
+#include <filesystem>
 #include <sstream>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "tests/support/experiment_samples.hpp"
 
@@ -35,9 +39,10 @@ TEST_P(WrongExperiment, IsRefusedWithFileLineKeyAndWayOut) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Files, WrongExperiment,
-                         ::testing::ValuesIn(tomlFiles("tests/common/experiment/wrong_experiments")),
-                         [](const auto& parameter) { return parameter.param.stem().string(); });
+INSTANTIATE_TEST_SUITE_P(
+    Files, WrongExperiment,
+    ::testing::ValuesIn(tomlFiles("tests/common/experiment/wrong_experiments")),
+    [](const auto& parameter) { return parameter.param.stem().string(); });
 
 TEST(WrongExperiments, AreMoreThanEighty) {
   EXPECT_GT(tomlFiles("tests/common/experiment/wrong_experiments").size(), 80U);

@@ -10,6 +10,8 @@
 #include <termios.h>
 #include <unistd.h>
 
+#include <array>
+#include <cstdint>
 #include <fstream>
 #include <functional>
 #include <string>

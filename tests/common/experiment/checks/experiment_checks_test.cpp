@@ -1,6 +1,9 @@
 // Rules at their edges: what is just allowed. What is not: wrong_experiments/.
 #include <gmock/gmock.h>
 
+#include <string>
+#include <vector>
+
 #include "tests/support/experiment_samples.hpp"
 
 namespace lab {

@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include <filesystem>
+
 #include "tests/support/experiment_samples.hpp"
 
 namespace lab::keys {
