@@ -74,7 +74,7 @@ TEST_F(MotorFile, IsRefusedWithRobotAndKey) {
   EXPECT_THAT(refusal("x = = 1"), HasSubstr("line 1"));
 }
 
-TEST_F(MotorFile, SaysThatItIsNotThere) {
+TEST_F(MotorFile, ReportsAMissingFile) {
   EXPECT_THROW(static_cast<void>(readMotorFile("nowhere/motors.toml")), ExperimentError);
 }
 

@@ -24,16 +24,16 @@ Experiment shipped(const std::string& name) {
   return loadExperiment(std::filesystem::path(LAB_ROOT) / "experiments" / (name + ".toml"));
 }
 
-TEST(ShippedExperiments, AreThere) {
+TEST(ShippedExperiments, AreFound) {
   EXPECT_THAT(names(), IsSupersetOf({"abp", "bp", "half_dark_arena", "light_switching", "noisy_abp",
                                      "rtp", "swarm"}));
 }
 
-TEST(ShippedExperiments, BearTheNamesOfTheirFiles) {
+TEST(ShippedExperiments, HaveTheNamesOfTheirFiles) {
   for (const std::string& name : names()) EXPECT_EQ(shipped(name).name, name);
 }
 
-TEST(ShippedExperiments, WrittenAndReadBackAreEqual) {
+TEST(ShippedExperiments, AreReadBackAsWritten) {
   for (const std::string& name : names()) {
     const Experiment dut = shipped(name);
     const std::string written = writeExperiment(dut);
@@ -43,7 +43,7 @@ TEST(ShippedExperiments, WrittenAndReadBackAreEqual) {
   }
 }
 
-TEST(ShippedExperiments, HaveThePaperParameters) {
+TEST(ShippedExperiments, HaveTheParametersOfThePaper) {
   EXPECT_EQ(shipped("abp").programs.at("abp"),
             (RobotProgram{.kind = ProgramKind::kAbp, .v = 0.03, .epsilon = 0.5, .eta = 3}));
   EXPECT_EQ(shipped("noisy_abp").programs.at("noisy_abp"),
