@@ -41,14 +41,15 @@ class Bus {
   virtual void subscribeAll(PacketHandler handler) = 0;
 };
 
-/// Encodes a message. LCM's encoder trusts the count fields (num_...): keep them equal to the sizes.
+/// Encodes a message. LCM's encoder trusts the count fields (num_...): keep them equal to the
+/// sizes.
 /// @throws std::logic_error if the message cannot be encoded
 template <class Message>
 std::vector<std::uint8_t> encode(const Message& message);
 
 /// Decodes into a new object, because LCM leaves old vector elements in a reused one. Accepts the
-/// message only if all bytes were used; LCM itself ignores surplus bytes. Never throws: if a corrupt
-/// array length makes LCM's generated decoder throw, that counts as a decoding error.
+/// message only if all bytes were used; LCM itself ignores surplus bytes. Never throws: if a
+/// corrupt array length makes LCM's generated decoder throw, that counts as a decoding error.
 /// @return whether `data` is a Message; if not, `message` is unchanged
 template <class Message>
 [[nodiscard]] bool decode(Bytes data, Message& message) noexcept;

@@ -15,7 +15,8 @@ namespace lab {
 /// Writes a log file as lcm-logger would.
 class LogWriter {
  public:
-  /// @throws std::runtime_error if the file exists (logs are never overwritten) or cannot be created
+  /// @throws std::runtime_error if the file exists (logs are never overwritten) or cannot be
+  /// created
   explicit LogWriter(const std::filesystem::path& path);
   ~LogWriter();
   LogWriter(const LogWriter&) = delete;

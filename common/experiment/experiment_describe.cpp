@@ -248,8 +248,8 @@ std::string shares(const Experiment& e, const LightStep& step) {
     if (pixels.size() > 1)
       text += ' ' + rounded(std::round(100.0 * count / (kColumns * kRows))) + " %";
   }
-  if (changes) text += " as it begins, then it changes";
-  if (for_robots) text += "; without what robots bring about";
+  if (changes) text += " at its start; it changes with time";
+  if (for_robots) text += "; without layers that depend on robots";
   return text;
 }
 
@@ -343,18 +343,19 @@ std::string describeRos(const Experiment& e) {
                            std::to_string(gateway.domain) + ", " + reach +
                            (gateway.security.empty() ? "" : ", secured")) +
          line("", gateway.commands ? "may set the light and drive robots:" + who
-                                   : std::string("may look, not drive"));
+                                   : std::string("may observe, but not drive"));
 }
 
 /// Who else can open the page, and use its buttons.
 std::string describeDashboard(const Dashboard& dashboard) {
   if (isLocalOnly(dashboard)) return {};
-  return line("dashboard", "listens on " + dashboard.address +
-                               ", unencrypted: who reaches it sees the lab and its runs") +
+  return line("dashboard",
+              "listens on " + dashboard.address +
+                  ", unencrypted: everyone who can reach it sees the lab and its runs") +
          line("", dashboard.control_from_elsewhere
-                      ? "warning: who has the printed address, or reads along on that network, "
-                        "drives robots and light"
-                      : "and may not drive it: buttons work on this machine only");
+                      ? "warning: everyone who has the printed address, or can read the traffic of "
+                        "that network, may drive robots and light"
+                      : "and cannot control it: buttons work on this machine only");
 }
 
 /// "bench: sim_svc, robot_bridge (ssh pi@robot-bench)"

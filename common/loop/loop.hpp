@@ -1,4 +1,5 @@
-/// Interface for time and timers. A service gets it from outside: a live event loop or virtual time.
+/// Interface for time and timers. A service gets it from outside: a live event loop or virtual
+/// time.
 #pragma once
 
 #include <cstdint>
@@ -26,8 +27,8 @@ class Loop {
   /// Calls `callback` once at `utime`, or as soon as possible if that has passed.
   virtual void at(std::int64_t utime, Callback callback) = 0;
 
-  /// Calls `callback` at first_utime + n period_us, n = 0, 1, 2, ..., for the loop's lifetime. A live
-  /// loop that falls behind skips the missed calls.
+  /// Calls `callback` at first_utime + n period_us, n = 0, 1, 2, ..., for the loop's lifetime. A
+  /// live loop that falls behind skips the missed calls.
   /// @throws std::invalid_argument if the period is not positive
   virtual void every(std::int64_t period_us, std::int64_t first_utime, Callback callback) = 0;
 

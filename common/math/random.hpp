@@ -29,8 +29,8 @@ constexpr std::uint64_t deriveSeed(std::uint64_t seed, std::int64_t owner,
   return hash;
 }
 
-/// A stream of random numbers (splitmix64). Unlike the standard library's distributions, it gives the
-/// same numbers on every machine.
+/// A stream of random numbers (splitmix64). Unlike the standard library's distributions, it gives
+/// the same numbers on every machine.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : state_(mix64(seed)) {}

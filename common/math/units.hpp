@@ -11,10 +11,10 @@ inline constexpr double kCentimetre = 0.01;                ///< [m]
 inline constexpr double kDegree = std::numbers::pi / 180;  ///< [rad]
 inline constexpr double kMillisecond = 1e-3;               ///< [s]
 inline constexpr double kPercent = 0.01;                   ///< [1]
-inline constexpr double kCm = 100;        ///< [cm/m] exact, unlike 1 / kCentimetre
-inline constexpr double kPercents = 100;  ///< [%] per unit
-inline constexpr std::int64_t kMillisecond_us = 1'000;  ///< [us]
-inline constexpr std::int64_t kSecond_us = 1'000'000;   ///< [us]
+inline constexpr double kCm = 100;                         ///< [cm/m] exact, unlike 1 / kCentimetre
+inline constexpr double kPercents = 100;                   ///< [%] per unit
+inline constexpr std::int64_t kMillisecond_us = 1'000;     ///< [us]
+inline constexpr std::int64_t kSecond_us = 1'000'000;      ///< [us]
 
 /// Seconds between two utimes.
 constexpr double seconds(std::int64_t utime_difference) {

@@ -1,5 +1,6 @@
-/// Whether the running program was installed from a package or built from a clone. This decides where
-/// the shipped experiments are, which command users type, and how missing parts are installed.
+/// Whether the running program was installed from a package or built from a clone. This decides
+/// where the shipped experiments are, which command users type, and how missing parts are
+/// installed.
 #pragma once
 
 #include <filesystem>
@@ -19,8 +20,8 @@ struct Installation {
   [[nodiscard]] std::string installHint(const std::string& name, const std::string& build) const;
 };
 
-/// Decides by the path of a program alone: a package installs it into PREFIX/lib/active-lab/bin, and
-/// any other path is taken as ROOT/build/PRESET/bin of a clone.
+/// Decides by the path of a program alone: a package installs it into PREFIX/lib/active-lab/bin,
+/// and any other path is taken as ROOT/build/PRESET/bin of a clone.
 [[nodiscard]] Installation installationOf(const std::filesystem::path& program);
 
 /// The installation of the running program.

@@ -70,10 +70,10 @@ TEST(Description, GivesThePartOfTheArenaOfEachProgram) {
 
 TEST(Description, TellsThatALightChanges) {
   EXPECT_THAT(describeExperiment(shipped("travelling_wave")),
-              HasSubstr("abp 50 %, bp 50 % as it begins, then it changes\n"));
+              HasSubstr("abp 50 %, bp 50 % at its start; it changes with time\n"));
   EXPECT_THAT(describeExperiment(small("[[light.steps]]\nat_s = 0\nlayers = [{kind = \"disk\", "
                                        "radius_cm = 4, intensity = 1, follow = \"robots\"}]\n")),
-              HasSubstr("light 0, abp; without what robots bring about\n"));
+              HasSubstr("light 0, abp; without layers that depend on robots\n"));
 }
 
 TEST(Description, WarnsOfLightThatSelectsNoProgram) {
@@ -96,7 +96,7 @@ TEST(Description, TellsWhatRos2MayDo) {
   EXPECT_THAT(describeExperiment(experiment), testing::Not(HasSubstr("ROS 2")));
   experiment.gateway.ros = true;
   EXPECT_THAT(describeExperiment(experiment), HasSubstr("on this machine only"));
-  EXPECT_THAT(describeExperiment(experiment), HasSubstr("may look, not drive"));
+  EXPECT_THAT(describeExperiment(experiment), HasSubstr("may observe, but not drive"));
   experiment.gateway.commands = true;
   experiment.gateway.command_robots = {1};
   EXPECT_THAT(describeExperiment(experiment), HasSubstr("drive robots: 1"));
@@ -111,7 +111,7 @@ TEST(Description, TellsWhoCanOpenThePage) {
   EXPECT_THAT(describeExperiment(experiment), HasSubstr("listens on 0.0.0.0, unencrypted"));
   EXPECT_THAT(describeExperiment(experiment), HasSubstr("buttons work on this machine only"));
   experiment.dashboard.control_from_elsewhere = true;
-  EXPECT_THAT(describeExperiment(experiment), HasSubstr("drives robots and light"));
+  EXPECT_THAT(describeExperiment(experiment), HasSubstr("may drive robots and light"));
 }
 
 TEST(Description, ListsRangesOfIds) {
