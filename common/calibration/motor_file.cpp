@@ -26,7 +26,7 @@ class Reader {
       if (robot == nullptr) fail("robots: found a value, expected [[robots]] tables");
       const auto calibration = readRobot(*robot);
       if (!motors.emplace(calibration.robot_id, calibration).second) {
-        fail(fmt::format("robot {} stands in it twice", calibration.robot_id));
+        fail(fmt::format("robot {} occurs twice", calibration.robot_id));
       }
     }
     return motors;

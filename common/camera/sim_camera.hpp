@@ -12,8 +12,8 @@ namespace lab::cameras {
 inline constexpr const char* kSimGone =
     "sim: the simulated camera is gone; waiting until sim_svc offers it again";
 inline constexpr const char* kSimAbsent =
-    "sim: nobody offers the simulated camera; it is painted by sim_svc of the same lab, when its "
-    "experiment says tracker = \"camera\" and camera = \"sim\"";
+    "sim: no process offers the simulated camera; sim_svc of the same lab does, if its "
+    "experiment has tracker = \"camera\" and camera = \"sim\"";
 inline constexpr const char* kSimTaken =
     "sim: the simulated camera of this lab is offered already; end the other sim_svc, or take "
     "another --ports folder";

@@ -8,7 +8,6 @@
 #include <csignal>
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
 #include <functional>
 #include <iterator>
 #include <memory>
@@ -20,6 +19,7 @@
 #include "common/bus/channels.hpp"
 #include "common/bus/lcm_bus.hpp"
 #include "common/bus/log_file.hpp"
+#include "common/files/file_text.hpp"
 #include "common/loop/asio_loop.hpp"
 #include "tests/support/temporary_folder.hpp"
 
@@ -63,11 +63,6 @@ class Process {
  private:
   pid_t pid_ = 0;
 };
-
-std::string contentsOf(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
 
 std::vector<std::uint8_t> number(int value) {
   return {static_cast<std::uint8_t>(value / 256), static_cast<std::uint8_t>(value % 256)};
@@ -147,7 +142,7 @@ TEST_F(StockTools, OurWriterWritesTheSameFileAsTheLogger) {
     readLog({log_}, [&writer](const Packet& packet) { writer.write(packet); });
   }
   EXPECT_GT(fs::file_size(log_), 50U * 28U);
-  EXPECT_EQ(contentsOf(ours), contentsOf(log_));
+  EXPECT_EQ(readWholeFile(ours).value_or(""), readWholeFile(log_).value_or(""));
 }
 
 TEST_F(StockTools, PlayerPlaysALogOfOurWriter) {

@@ -69,7 +69,7 @@ TEST_F(MotorFile, IsRefusedWithRobotAndKey) {
               HasSubstr("gain_right: found nan"));
   EXPECT_THAT(refusal(with(kRobot, "wheel_base_cm = 7.6", "")),
               HasSubstr("wheel_base_cm: found no number"));
-  EXPECT_THAT(refusal(std::string(kRobot) + kRobot), HasSubstr("robot 3 stands in it twice"));
+  EXPECT_THAT(refusal(std::string(kRobot) + kRobot), HasSubstr("robot 3 occurs twice"));
   EXPECT_THAT(refusal("x = 1"), HasSubstr("found no [[robots]]"));
   EXPECT_THAT(refusal("x = = 1"), HasSubstr("line 1"));
 }
