@@ -13,7 +13,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include "common/files/file_text.hpp"
 #include "dashboard/library/run_compare.hpp"
 #include "dashboard/web/http_response.hpp"
 
@@ -110,7 +109,8 @@ Decision LibraryRoutes::compare(const httplib::Request& request, httplib::Respon
                                name, kLargestSummary / 1'000'000));
       return {};
     }
-    const std::string text = readWholeFile(*summary).value_or("");
+    std::ifstream stream(*summary, std::ios::binary);
+    const std::string text{std::istreambuf_iterator<char>(stream), {}};
     try {
       for (auto& program : curvesOf(name, text)) all.push_back(std::move(program));
     } catch (const std::runtime_error& error) {
