@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "common/experiment/light_messages.hpp"
+#include "common/experiment/program_messages.hpp"
 #include "common/math/units.hpp"
 
 namespace lab::analysis {
@@ -44,18 +45,15 @@ program_t lawful(const robot_state_t& state) {
 
 }  // namespace
 
-ProgramLaw toLaw(const program_t& program, double wheel_base) {
-  ProgramLaw law;
-  law.kind = static_cast<ProgramKind>(program.kind);
-  law.v = program.v;
-  law.va = program.va;
-  law.V = program.V;
-  law.epsilon = program.epsilon;
-  law.eta = program.eta;
-  law.gamma = program.gamma;
-  law.tau_t = program.tau_t;
-  law.wheel_base = wheel_base;
+ProgramLaw toLaw(const RobotProgram& program, double wheel_base) {
+  ProgramLaw law{program, wheel_base};
+  law.wheel_left = 0;
+  law.wheel_right = 0;
   return law;
+}
+
+ProgramLaw toLaw(const program_t& program, double wheel_base) {
+  return toLaw(toProgram(program), wheel_base);
 }
 
 AnalysisConfig analysisConfig(const Experiment& experiment) {

@@ -23,7 +23,9 @@ struct FeedResult {
   ProgramResult result;
 };
 
-/// The law of a program; d is the robot's wheel base (m).
+/// The law of a program.
+/// @param wheel_base [m] distance between the robot's wheels
+[[nodiscard]] ProgramLaw toLaw(const RobotProgram& program, double wheel_base);
 [[nodiscard]] ProgramLaw toLaw(const program_t& program, double wheel_base);
 
 /// What an experiment file says about how to analyze it.

@@ -4,7 +4,7 @@
 
 #include "analyzer/service/analysis_message.hpp"
 #include "common/bus/channels.hpp"
-#include "common/experiment/experiment_messages.hpp"
+#include "common/experiment/program_messages.hpp"
 #include "common/math/units.hpp"
 
 namespace lab::analysis {

@@ -1,36 +1,21 @@
 #pragma once
 
-#include <cstdint>
 #include <memory>
 #include <numbers>
 
 #include "analyzer/laws/held_noise.hpp"
 #include "analyzer/laws/rtp_law.hpp"
+#include "robot/dynamics/robot_program.hpp"
 
 namespace lab::analysis {
 
-/// The paper's models. The numbers are those of the messages and of robot/dynamics/program.hpp;
-/// they are repeated here so that the analysis depends on nothing.
-enum class ProgramKind : std::uint8_t {
-  kNone = 0,      ///< Standing: no law.
-  kAbp = 1,       ///< Active Brownian particle.
-  kNoisyAbp = 2,  ///< Active Brownian particle with translational noise.
-  kBp = 3,        ///< Brownian particle.
-  kRtp = 4,       ///< Run and tumble particle.
-  kWheels = 5,    ///< Constant wheel speeds: no law.
-};
+using dynamics::ProgramKind;
 
-/// A program and its parameters in SI units. What a kind does not name it ignores.
-struct ProgramLaw {
-  ProgramKind kind = ProgramKind::kNone;
-  double v = 0;               ///< Speed (ABP), run speed (RTP), m/s.
-  double va = 0;              ///< Mean wheel speed (noisy ABP), m/s.
-  double V = 0;               ///< Half width of the wheel speeds' noise (noisy ABP, BP), m/s.
-  double epsilon = 0;         ///< Hold time (ABP, noisy ABP, BP), s.
-  double eta = 0;             ///< Half width of the turning rate (ABP), rad/s.
-  double gamma = 0;           ///< Tumble rate (RTP), 1/s.
-  double tau_t = 0;           ///< Tumble duration (RTP), s.
-  double wheel_base = 0.075;  ///< d, m.
+/// A program and the robot's wheel base, which decide its exact law. Only ABP, noisy ABP, BP and
+/// RTP have one. wheel_left and wheel_right are 0, so that programs of constant wheel speeds are
+/// one.
+struct ProgramLaw : dynamics::RobotProgram {
+  double wheel_base = 0.075;  ///< d [m]
 
   bool operator==(const ProgramLaw&) const = default;
 };

@@ -1,12 +1,12 @@
-# What is installed where, and the Debian packages made of it (docs/install.md). One component a
-# package: main, gateway, emulator. common/process/installation.cpp knows the same folders.
+# Installation and Debian packages (docs/install.md), with one component per package: main, gateway,
+# emulator. common/process/installation.cpp uses the same folders.
 set(programs lib/active-lab/bin)
 set(documents share/doc/active-lab)
 set(staged "${CMAKE_BINARY_DIR}/packaging")
-# Programs are built by who asks for packages; installing builds nothing.
+# Installing does not build; build the programs first.
 set(CMAKE_SKIP_INSTALL_ALL_DEPENDENCY ON)
 
-# Programs are not in PATH but for the one command; each finds the others beside itself.
+# Only the command active-lab is in PATH. Programs find each other in their common folder.
 install(TARGETS lab analyzer projector_ctl robot_bridge sim_svc tracker_svc
   RUNTIME DESTINATION ${programs} COMPONENT main)
 if(TARGET dashboard)
@@ -26,7 +26,7 @@ if(TARGET robot_emulator)
     DESTINATION ${programs} COMPONENT emulator)
 endif()
 
-# Texts say `./lab`, as a clone's user types it; a package's user types `active-lab NAME`.
+# Texts contain the command `./lab` of a clone; the installed ones have `active-lab NAME`.
 install(CODE "execute_process(COMMAND \"${PROJECT_SOURCE_DIR}/cmake/packaging/stage_texts.sh\"
   \"${PROJECT_SOURCE_DIR}\" \"${staged}/texts\" COMMAND_ERROR_IS_FATAL ANY)" COMPONENT main)
 install(DIRECTORY "${staged}/texts/experiments" DESTINATION share/active-lab COMPONENT main)
@@ -35,7 +35,7 @@ install(DIRECTORY "${staged}/texts/docs"
 install(FILES "${staged}/texts/CHANGELOG.md"
   DESTINATION ${documents} COMPONENT main)
 
-# Beside the programs.
+# Other files.
 install(FILES cmake/packaging/70-active-lab.rules DESTINATION lib/udev/rules.d COMPONENT main)
 install(FILES cmake/packaging/active-lab.bash DESTINATION share/bash-completion/completions
   RENAME active-lab COMPONENT main)
@@ -50,8 +50,8 @@ configure_file(cmake/packaging/copyright.in "${staged}/copyright" @ONLY)
 install(FILES "${staged}/copyright" DESTINATION ${documents} COMPONENT main)
 install(FILES "${staged}/copyright" DESTINATION share/doc/active-lab-gateway COMPONENT gateway)
 
-# lab_man_page(component page program): out of --help of the installed program, which is how it says
-# what its users type.
+# lab_man_page(component page program): made from --help of the installed program, which then prints the
+# installed command.
 function(lab_man_page component page program)
   install(CODE "execute_process(COMMAND \"${PROJECT_SOURCE_DIR}/cmake/packaging/man_page.sh\" ${page}
     ${PROJECT_VERSION} \"${PROJECT_SOURCE_DIR}\"
@@ -94,7 +94,7 @@ set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 
 set(CPACK_DEBIAN_MAIN_PACKAGE_NAME active-lab)
-# `run` refuses to start without a logger, or without what draws its report.
+# `run` does not start without lcm-logger and gnuplot.
 set(CPACK_DEBIAN_MAIN_PACKAGE_DEPENDS "liblcm-bin, gnuplot-nox | gnuplot")
 set(CPACK_DEBIAN_MAIN_PACKAGE_RECOMMENDS "iproute2, avrdude")
 set(CPACK_DEBIAN_MAIN_PACKAGE_SUGGESTS

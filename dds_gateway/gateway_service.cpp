@@ -82,7 +82,7 @@ ServiceDescription serviceDescription() {
   description.make = [arguments](const ServiceContext& context) -> std::unique_ptr<Service> {
     return std::make_unique<GatewayService>(context, arguments->options(context));
   };
-  description.wanted = [](const Experiment& experiment) {
+  description.isNeededFor = [](const Experiment& experiment) {
     return experiment.gateway.ros || joinsHosts(experiment);
   };
   description.real_time_only = true;

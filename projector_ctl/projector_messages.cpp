@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "common/experiment/experiment_messages.hpp"
 #include "common/experiment/light_messages.hpp"
+#include "common/experiment/program_messages.hpp"
 
 namespace lab::projector {
 

@@ -14,6 +14,7 @@
 #include "common/calibration/projector_file.hpp"
 #include "common/experiment/experiment_messages.hpp"
 #include "common/experiment/light_messages.hpp"
+#include "common/experiment/program_messages.hpp"
 #include "common/math/units.hpp"
 #include "light/field/raster.hpp"
 #include "projector_ctl/display/overlay.hpp"

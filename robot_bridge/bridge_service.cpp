@@ -229,7 +229,7 @@ ServiceDescription serviceDescription() {
     return std::make_unique<BridgeService>(context);
   };
   description.uses_ports = true;
-  description.wanted = [](const Experiment& experiment) {
+  description.isNeededFor = [](const Experiment& experiment) {
     return std::any_of(experiment.robots.begin(), experiment.robots.end(), isServed);
   };
   return description;

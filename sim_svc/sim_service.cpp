@@ -330,7 +330,7 @@ ServiceDescription serviceDescription() {
             return std::make_unique<SimService>(context);
           },
           .uses_ports = true,
-          .wanted =
+          .isNeededFor =
               [](const Experiment& experiment) {
                 return std::ranges::any_of(experiment.robots, [](const RobotSpec& robot) {
                   return robot.body != Body::kSerial;

@@ -365,7 +365,7 @@ ServiceDescription serviceDescription() {
             return std::make_unique<TrackerService>(context);
           },
           .uses_ports = true,
-          .wanted =
+          .isNeededFor =
               [](const Experiment& experiment) {
                 return experiment.camera.tracker == Tracker::kCamera;
               }};

@@ -4,7 +4,7 @@
 #include <lab/program_t.hpp>
 #include <vector>
 
-#include "common/experiment/experiment_messages.hpp"
+#include "common/experiment/program_messages.hpp"
 
 namespace lab::analysis {
 

@@ -1,6 +1,6 @@
 #!/bin/sh
-# The texts of a package: as in the source, with the command as a package's user types it (but for the
-# two that are of a clone alone).
+# Copies the texts of a package and replaces `./lab` by `active-lab`, except in the two commands that only
+# a clone has.
 #   stage_texts.sh SOURCE FOLDER
 set -eu
 source=$1 folder=$2

@@ -1,4 +1,4 @@
-/// Which service of an experiment runs on which host, and who else reaches it.
+/// The hosts of an experiment's services.
 #pragma once
 
 #include <array>
@@ -10,23 +10,23 @@
 
 namespace lab {
 
-/// Every service that may be placed.
+/// The services that may be placed on other hosts.
 inline constexpr std::array<std::string_view, 6> kServiceNames{
     "analyzer", "projector_ctl", "robot_bridge", "tracker_svc", "sim_svc", "dds_gateway"};
 
-/// Who looks on: a lab runs as well without it.
+/// The service that only observes; a run does not depend on it.
 inline constexpr std::string_view kObserverService = "dashboard";
 
-/// The host that the service is placed on, as the file says it; "": this machine.
+/// The host of a service as written in the file; empty: this machine.
 [[nodiscard]] std::string hostOf(const Experiment& experiment, std::string_view service);
 
-/// The other hosts that services are placed on, each once, in order of name.
+/// The other hosts that run services, each once, sorted by name.
 [[nodiscard]] std::vector<std::string> otherHosts(const Experiment& experiment);
 
-/// The host's entry, where the file has none one that ssh alone knows. Its `ssh` is never empty.
+/// The entry of a host. If the file has none, one that uses the name for ssh. `ssh` is never empty.
 [[nodiscard]] HostSpec hostSpec(const Experiment& experiment, const std::string& host);
 
-/// Whether no other machine reaches the page.
+/// Whether the page can be reached only from this machine.
 [[nodiscard]] bool isLocalOnly(const Dashboard& dashboard);
 
 }  // namespace lab

@@ -189,7 +189,7 @@ void Controls::note(const std::string& wish, const std::string& text, std::int64
 std::string Controls::stopJson() const {
   const std::vector<std::int32_t> missing = stop_.unconfirmed();
   Json took;
-  if (const auto took_us = stop_.took()) took = number(units::seconds(*took_us) * 1e3);
+  if (const auto took_us = stop_.responseTime()) took = number(units::seconds(*took_us) * 1e3);
   return toText({{"state", stateName(stop_.state())},
                  {"by", stop_.by()},
                  {"reason", stop_.reason()},

@@ -5,7 +5,6 @@
 #include <limits>
 #include <utility>
 
-#include "common/experiment/experiment_messages.hpp"
 #include "common/math/units.hpp"
 
 namespace lab::dashboard {
@@ -128,7 +127,7 @@ analysis::AnalysisFeed* CorrelationView::feed() {
   const double wheel_base = experiment.hardware.diameter;
   std::vector<std::pair<analysis::ProgramLaw, std::string>> laws;
   for (const auto& [name, program] : experiment.programs) {
-    const analysis::ProgramLaw law = analysis::toLaw(toMessage(program), wheel_base);
+    const analysis::ProgramLaw law = analysis::toLaw(program, wheel_base);
     if (isPersistent(law)) laws.emplace_back(law, name);
   }
   wanted_ = !laws.empty();

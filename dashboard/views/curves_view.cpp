@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "common/experiment/experiment_messages.hpp"
+#include "common/experiment/program_messages.hpp"
 #include "common/math/units.hpp"
 #include "common/text/format.hpp"
 

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <iterator>
 
-#include "common/experiment/experiment_messages.hpp"
+#include "common/experiment/program_messages.hpp"
 #include "common/math/units.hpp"
 #include "dashboard/views/json.hpp"
 #include "dashboard/views/plausible_pose.hpp"

@@ -20,7 +20,7 @@ enum ProgramKind : uint8_t {
 constexpr uint8_t kProgramKinds = 6;
 
 /// A program in the robot's own integers: micrometre/s and milliseconds. What a kind does not name
-/// it ignores. params_from_physics.hpp converts from SI and checks what the wheels can do.
+/// it ignores. robot_program.hpp converts from SI and checks what the wheels can do.
 struct ProgramParams {
   ProgramKind kind = kNone;
   int32_t speed_um_s = 0;             ///< v (ABP, RTP) or va (noisy ABP, BP).

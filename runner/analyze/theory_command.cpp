@@ -15,7 +15,6 @@
 #include "analyzer/observation.hpp"
 #include "analyzer/phased_noise.hpp"
 #include "common/experiment/experiment_file.hpp"
-#include "common/experiment/experiment_messages.hpp"
 #include "common/math/units.hpp"
 #include "runner/commands/commands.hpp"
 
@@ -221,7 +220,7 @@ void noteSaturation(const ProgramLaw& law, double largest_turn) {
 ExitCode theory(const TheoryOptions& options) {
   const Experiment experiment = experimentOf(options);
   const ProgramLaw law =
-      analysis::toLaw(toMessage(experiment.programs.begin()->second), experiment.hardware.diameter);
+      analysis::toLaw(experiment.programs.begin()->second, experiment.hardware.diameter);
   checkFlags(options, law);
   const std::vector<double> lags = lagsOf(options.lags);
   const auto [low, high] = turningOf(options);

@@ -9,8 +9,8 @@
 #include "analyzer/laws.hpp"
 #include "common/calibration/light_file.hpp"
 #include "common/calibration/projector_file.hpp"
+#include "common/experiment/experiment_describe.hpp"
 #include "common/experiment/experiment_file.hpp"
-#include "common/experiment/experiment_messages.hpp"
 #include "common/math/units.hpp"
 #include "runner/commands/commands.hpp"
 #include "runner/live/dashboard_process.hpp"
@@ -95,9 +95,8 @@ ExitCode check(const fs::path& file, const std::vector<std::string>& set) {
   checkProjectorFile(experiment, file.parent_path());
   static_cast<void>(activeLightCalibration(experiment, file.parent_path()));
   checkScenes(experiment, file.parent_path());
-  const auto length = [&](const ProgramSpec& program) {
-    const analysis::ProgramLaw law =
-        analysis::toLaw(toMessage(program), experiment.hardware.diameter);
+  const auto length = [&](const RobotProgram& program) {
+    const analysis::ProgramLaw law = analysis::toLaw(program, experiment.hardware.diameter);
     return analysis::ExactLaw(law).persistenceLength();
   };
   fmt::print("{}", describeExperiment(experiment, length));

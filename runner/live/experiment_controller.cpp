@@ -7,9 +7,10 @@
 #include "common/bus/fingerprints.hpp"
 #include "common/calibration/light_file.hpp"
 #include "common/experiment/experiment_messages.hpp"
+#include "common/experiment/program_messages.hpp"
 #include "common/experiment/script_plan.hpp"
 #include "common/experiment/service_placement.hpp"
-#include "common/files/json_section.hpp"
+#include "common/files/file_text.hpp"
 #include "common/math/units.hpp"
 #include "common/process/version.hpp"
 

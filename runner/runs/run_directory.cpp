@@ -12,6 +12,7 @@
 #include "common/calibration/projector_file.hpp"
 #include "common/experiment/experiment_file.hpp"
 #include "common/experiment/light_messages.hpp"
+#include "common/files/file_text.hpp"
 #include "light/field/image.hpp"
 #include "light/optics/simulated_camera.hpp"
 #include "projector_ctl/projector_messages.hpp"
@@ -131,8 +132,7 @@ std::string cameraInForce(const Experiment& experiment, const fs::path& source) 
         "change them, or calibrate at that size",
         file.string(), calibrated.width, calibrated.height, camera.width, camera.height));
   }
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
+  return readWholeFile(file).value_or("");
 }
 
 std::string utcText(std::int64_t utime) {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "common/experiment/experiment_messages.hpp"
+#include "common/experiment/program_messages.hpp"
 
 namespace lab::runner {
 

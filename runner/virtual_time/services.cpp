@@ -17,7 +17,7 @@ std::vector<ServiceDescription> labServices(const Experiment& experiment) {
       analysis::serviceDescription(), projector::serviceDescription(),
       bridge::serviceDescription(),   tracker::serviceDescription(),
       sim::serviceDescription(),      gateway::serviceDescription()};
-  std::erase_if(services, [&](const auto& service) { return !service.wanted(experiment); });
+  std::erase_if(services, [&](const auto& service) { return !service.isNeededFor(experiment); });
   return services;
 }
 

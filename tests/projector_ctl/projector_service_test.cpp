@@ -365,7 +365,7 @@ TEST_F(ProjectorServiceTest, RefusesAFloodOfLayersAndNumbersThatAreNoneWithOneMe
 
 TEST_F(ProjectorServiceTest, GatesByTheNamesThatTheExperimentGivesItsPrograms) {
   experiment.robots.emplace_back().id = 3;
-  ProgramSpec spec;
+  RobotProgram spec;
   spec.v = 0.05;
   experiment.programs["a_name"] = spec;
   experiment.programs["same"] = spec;

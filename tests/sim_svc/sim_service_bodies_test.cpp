@@ -259,9 +259,9 @@ TEST_F(BodiesTest, WhatIsNotThereStopsTheStart) {
 
 TEST(Bodies, OnlyWhatItMovesMakesWorkForTheService) {
   Experiment experiment = parseExperiment(kExperiment, "bodies");
-  EXPECT_TRUE(serviceDescription().wanted(experiment));
+  EXPECT_TRUE(serviceDescription().isNeededFor(experiment));
   for (RobotSpec& robot : experiment.robots) robot.body = Body::kSerial;
-  EXPECT_FALSE(serviceDescription().wanted(experiment));
+  EXPECT_FALSE(serviceDescription().isNeededFor(experiment));
 }
 
 }  // namespace

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "common/serial/serial_line.hpp"
+#include "common/process/file_descriptor.hpp"
 
 namespace lab::cameras {
 

@@ -8,7 +8,7 @@
 #include <optional>
 #include <string>
 
-#include "common/serial/serial_line.hpp"
+#include "common/process/file_descriptor.hpp"
 #include "light/optics/grey_image.hpp"
 
 namespace lab::cameras {

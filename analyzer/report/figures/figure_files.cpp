@@ -6,6 +6,7 @@
 
 #include "analyzer/report/figures/gnuplot.hpp"
 #include "analyzer/report_error.hpp"
+#include "common/files/file_text.hpp"
 
 namespace lab::report {
 namespace fs = std::filesystem;
@@ -25,8 +26,7 @@ constexpr const char* kForPaper =
 
 /// The contents of a file that gnuplot wrote, which is gone afterwards.
 std::string takeFile(const fs::path& file, const std::string& title) {
-  std::ifstream stream(file, std::ios::binary);
-  std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+  std::string text = readWholeFile(file).value_or("");
   if (text.empty()) {
     constexpr std::uintmax_t kFull = 1'000'000;  // [bytes]
     std::error_code error;

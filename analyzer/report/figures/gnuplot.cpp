@@ -14,6 +14,7 @@
 #include <iterator>
 
 #include "analyzer/report_error.hpp"
+#include "common/files/file_text.hpp"
 #include "common/text/format.hpp"
 
 namespace lab::report {
@@ -61,11 +62,6 @@ bool succeeded(pid_t child) {
   return WIFEXITED(status) && WEXITSTATUS(status) == 0;
 }
 
-std::string contents(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-}
-
 void replaceAll(std::string& text, std::string_view from, std::string_view to) {
   for (std::size_t at = text.find(from); at != std::string::npos;
        at = text.find(from, at + to.size())) {
@@ -80,7 +76,7 @@ void runGnuplot(const fs::path& folder, const std::string& script) {
   const fs::path messages = fs::absolute(folder / kMessages);
   std::ofstream(file, std::ios::binary) << script;
   const bool done = succeeded(start(file, messages));
-  const std::string said = contents(messages);
+  const std::string said = readWholeFile(messages).value_or("");
   fs::remove(file);
   fs::remove(messages);
   if (!done) {

@@ -17,7 +17,7 @@
 #include "analyzer/report_error.hpp"
 #include "analyzer/tracks/reversal_finder.hpp"
 #include "common/experiment/experiment_file.hpp"
-#include "common/experiment/experiment_messages.hpp"
+#include "common/experiment/program_messages.hpp"
 #include "common/math/units.hpp"
 
 namespace lab::report {
@@ -310,8 +310,8 @@ RunRecord poseRun(const PoseFile& poses, const std::string& name, const PoseProg
   const Experiment& experiment = *record.experiment;
   RunProgram robots_run{{}, "motion"};
   if (!experiment.programs.empty()) {
-    const ProgramSpec& spec = experiment.programs.begin()->second;
-    robots_run = {toMessage(spec), spec.name};
+    const auto& [name_in_file, first] = *experiment.programs.begin();
+    robots_run = {toMessage(first), name_in_file};
   }
   record.programs.push_back(robots_run);
   if (!poses.in_arena) adoptExtent(poses, *record.experiment);

@@ -6,7 +6,7 @@
 #include "analyzer/report/record/event_record.hpp"
 #include "analyzer/service/program_keys.hpp"
 #include "common/experiment/experiment_file.hpp"
-#include "common/experiment/experiment_messages.hpp"
+#include "common/experiment/program_messages.hpp"
 #include "common/math/units.hpp"
 
 namespace lab::report {

@@ -14,7 +14,8 @@ namespace lab::report {
 struct PaperSet {
   int number = 0;                ///< place in the list of all sets, from which its seeds derive
   std::string id;                ///< "abp_eps0.5_eta3": of its runs and in tables
-  ProgramSpec program;           ///< SI units
+  std::string program_name;      ///< its key in the experiment file
+  RobotProgram program;          ///< SI units
   bool short_recording = false;  ///< the three minutes of figure 4b,c instead of the hour
 };
 

@@ -367,14 +367,14 @@ double lineThroughOrigin(const SetData& set, bool angular) {
 }
 
 std::string curveLabel(const PaperPanel& panel, const PaperSet& set) {
-  const ProgramSpec& p = set.program;
+  const RobotProgram& p = set.program;
   if (panel.curves.size() < 2) return "measured";
-  switch (p.model) {
-    case Model::kAbp:
+  switch (p.kind) {
+    case ProgramKind::kAbp:
       return panel.inset == Inset::kDrOverEpsilon ? fmt::format("ε = {:g} s", p.epsilon)
                                                   : fmt::format("η = {:g} rad/s", p.eta);
-    case Model::kBp:
-    case Model::kNoisyAbp:
+    case ProgramKind::kBp:
+    case ProgramKind::kNoisyAbp:
       return fmt::format("V = {:g} cm/s", p.V * kCm);
     default:
       return panel.id == "4e" ? fmt::format("τ_t = {:g} s", p.tau_t)

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/experiment/experiment_messages.hpp"
+#include "common/experiment/program_messages.hpp"
 #include "common/math/units.hpp"
 #include "common/text/format.hpp"
 

@@ -17,14 +17,21 @@
 
 namespace lab::report {
 
+/// A program with its key in the experiment file.
+struct NamedProgram {
+  std::string name;
+  RobotProgram program;
+};
+
 /// An experiment whose light changes every `step` s from one program to the next.
 [[nodiscard]] Experiment syntheticExperiment(int robots, double duration, double fps,
-                                             const std::vector<ProgramSpec>& programs, double step);
+                                             const std::vector<NamedProgram>& programs,
+                                             double step);
 
 /// The paper's figure 2: ABP with v = 3 cm/s, epsilon = 0.5 s, eta = 3 rad/s.
-[[nodiscard]] ProgramSpec paperAbp();
-[[nodiscard]] ProgramSpec paperBp();   ///< V = 7 cm/s, epsilon = 0.2 s
-[[nodiscard]] ProgramSpec paperRtp();  ///< v = 5 cm/s, gamma = 1 /s, tau_t = 0.5 s
+[[nodiscard]] NamedProgram paperAbp();
+[[nodiscard]] NamedProgram paperBp();   ///< V = 7 cm/s, epsilon = 0.2 s
+[[nodiscard]] NamedProgram paperRtp();  ///< v = 5 cm/s, gamma = 1 /s, tau_t = 0.5 s
 
 class SyntheticRobot;
 

@@ -13,7 +13,7 @@ class SyntheticRobot {
  public:
   SyntheticRobot(std::int32_t id, const Experiment& experiment, std::int64_t boot);
 
-  void setProgram(const ProgramSpec& program, std::int64_t utime);
+  void setProgram(const RobotProgram& program, std::int64_t utime);
   void advance(double dt, std::int64_t utime);  ///< to utime
   [[nodiscard]] robot_state_t state(std::int64_t utime);
   [[nodiscard]] tracked_pose_t pose() const;
@@ -25,7 +25,7 @@ class SyntheticRobot {
 
   const Experiment& experiment_;
   Random random_;
-  ProgramSpec program_;
+  RobotProgram program_;
   robot_state_t state_{};
   double x_ = 0;
   double y_ = 0;

@@ -102,7 +102,7 @@ TEST(ContractUpgrade, ReadsOldCommandsAndEvents) {
   EXPECT_EQ(new_event.seen_utime, 0);
 }
 
-TEST(ContractUpgrade, LeavesTodaysMessagesAndRubbishAlone) {
+TEST(ContractUpgrade, IgnoresPresentMessagesAndArbitraryBytes) {
   EXPECT_FALSE(upgraded(encode(light_status_t{})));
   EXPECT_FALSE(upgraded({}));
   std::vector<std::uint8_t> cut = encode(lab_v3::light_status_t{});
@@ -110,7 +110,7 @@ TEST(ContractUpgrade, LeavesTodaysMessagesAndRubbishAlone) {
   EXPECT_FALSE(upgraded(cut));
 }
 
-TEST(ContractUpgrade, OldLogsAreReadAsTodays) {
+TEST(ContractUpgrade, ConvertsMessagesOfOldLogs) {
   const std::filesystem::path path = std::filesystem::path(testing::TempDir()) / "old.lcmlog";
   std::filesystem::remove(path);
   {

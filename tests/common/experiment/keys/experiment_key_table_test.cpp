@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include <filesystem>
+
 #include "tests/support/experiment_samples.hpp"
 
 namespace lab::keys {
@@ -11,7 +13,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-TEST(KeyTable, StandsInTheDocsWordByWord) {
+TEST(KeyTable, IsContainedInTheManual) {
   const std::string docs = readText(std::filesystem::path(LAB_ROOT) / "docs" / "experiments.md");
 
   EXPECT_TRUE(docs.find(keyTables()) != std::string::npos)
@@ -32,7 +34,7 @@ TEST(KeyTable, HasEveryKeyOfAWrittenFile) {
   EXPECT_GT(keys, 40U);
 }
 
-TEST(KeyTable, SaysDefaultsAndUnitsOfTheFile) {
+TEST(KeyTable, HasDefaultsAndUnitsOfTheFile) {
   EXPECT_THAT(keyTables(), HasSubstr("| `diameter_cm` | number, cm | 7.5 | 1 to 50 |"));
   EXPECT_THAT(keyTables(), HasSubstr("| `pwm_steps` | boolean | true |"));
 }
@@ -42,7 +44,7 @@ TEST(KeyTable, FindsAKeyInItsTable) {
   EXPECT_THAT(keyPathsEndingIn("nothing"), IsEmpty());
 }
 
-TEST(NearestKey, ForgivesSmallMistakesAndAForgottenUnit) {
+TEST(NearestKey, ToleratesSmallMistakesAndAMissingUnit) {
   const std::vector<std::string> keys = {"diameter_cm", "ir_range_cm", "lease_s", "pwm_steps"};
   EXPECT_EQ(nearestKey("diametre_cm", keys), "diameter_cm");
   EXPECT_EQ(nearestKey("lease", keys), "lease_s");
