@@ -4,6 +4,7 @@
 
 #include "common/camera/shared_camera.hpp"
 #include "tracker_svc/cameras/film_source.hpp"
+#include "tracker_svc/cameras/stream_source.hpp"
 #include "tracker_svc/cameras/v4l2_source.hpp"
 
 namespace lab {

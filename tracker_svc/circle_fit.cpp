@@ -31,20 +31,20 @@ constexpr float kMostGlareMisfit = 0.08F;  // [1]
 // codec left of it
 constexpr float kMostOfCodecs = 2.5F;
 constexpr double kSlope = 2.5;  // [sigma] over which a blurred outline goes from black to white
-constexpr float kLeastBelieved = 0.6F;  // [1] share of the pixels that are of the model
-constexpr double kDoubtful = 0.02;      // [radius] standard error of the centre: looked at closely
-constexpr float kDim = 25;              // [expected deviations] of white: less is little light
-constexpr float kMiddleOff = 0.05F;     // [1] of the white level, from what the fit says of black
+constexpr float kLeastWeight = 0.6F;  // [1] share of the pixels that are of the model
+constexpr double kDoubtful = 0.02;    // [radius] standard error of the centre: looked at closely
+constexpr float kDim = 25;            // [expected deviations] of white: less is little light
+constexpr float kMiddleOff = 0.05F;   // [1] of the white level, from what the fit says of black
 // of residuals: something is there that is not in the model
 constexpr float kOddCorrelation = 0.25F;
 constexpr double kUneven = 0.06;      // [1] and is not the same on both sides
 constexpr float kEvenMisfit = 0.01F;  // [1] or is much, of the white level
-constexpr float kOddBelieved = 0.87F;
+constexpr float kOddWeight = 0.87F;
 constexpr float kOddScale = 0.04F;
 constexpr float kOddBlur = 0.3F;  // [1] of a blur's square that its shape may be off
 // [px] of blur, beyond which a circle of another size is no circle that a light edge cuts
 constexpr float kDefocused = 2;
-constexpr float kOtherBelieved = 0.8F;  // [1] share of the pixels that are of that circle
+constexpr float kOtherWeight = 0.8F;  // [1] share of the pixels that are of that circle
 // [1] of the cost must be left with a light edge in the model
 constexpr float kEdgePays = 0.7F;
 constexpr float kBlurOff = 1.3F;     // [1] blur beyond the one expected: looked at anew
@@ -84,7 +84,7 @@ FitFault faultOf(const Outcome& o, bool edge, const fit::Constants& constants) {
   // With an edge in the model the ratio is sure where there is any light, and a wrong model is not.
   const float doubt = std::min(edge ? kEdgeDoubt : 1.0F, 3 * noise * o.ratio_error) + 1 / o.white;
   if (o.ratio - doubt > kMostRatio) return FitFault::kNotDark;
-  if (std::abs(o.scale - 1) > kMostScale || o.believed < kLeastBelieved) {
+  if (std::abs(o.scale - 1) > kMostScale || o.weight < kLeastWeight) {
     return FitFault::kNotRound;
   }
   const float misfit = misfitOf(o, constants);
@@ -102,7 +102,7 @@ FitFault faultOf(const Outcome& o, bool edge, const fit::Constants& constants) {
 bool mayBeGlare(const Outcome& o, FitFault fault, const fit::Constants& constants) {
   return (fault == FitFault::kNotDark || fault == FitFault::kNotRound) &&
          o.ratio < kMostGlareRatio && std::abs(o.scale - 1) < kOddScale &&
-         o.believed >= kLeastBelieved && misfitOf(o, constants) < kMostGlareMisfit;
+         o.weight >= kLeastWeight && misfitOf(o, constants) < kMostGlareMisfit;
 }
 
 // Out of focus: a wider band, from a blur that does not depend on how the first one was found.
@@ -117,12 +117,12 @@ std::optional<Task> widerFor(const Task& task, const Outcome& outcome) {
 // one.
 bool hasAnotherSize(const Outcome& o, const fit::Constants& constants) {
   return o.good && std::abs(o.scale - 1) > kMostScale && o.sigma > kDefocused &&
-         o.believed > kOtherBelieved && misfitOf(o, constants) < kMostMisfit;
+         o.weight > kOtherWeight && misfitOf(o, constants) < kMostMisfit;
 }
 
 // The disc is right, whatever else may be there.
 bool isSound(const Outcome& o) {
-  return o.good && o.believed >= kOddBelieved && std::abs(o.scale - 1) <= kOddScale;
+  return o.good && o.weight >= kOddWeight && std::abs(o.scale - 1) <= kOddScale;
 }
 
 bool isOdd(const Outcome& o, const Task& task, const Window& window) {

@@ -132,8 +132,8 @@ TrackerService::TrackerService(const ServiceContext& context)
   status_.calibration_id = calibration_.id;
   node_.subscribe<robot_status_t>(channels::kRobotStatus,
                                   [this](const robot_status_t& status) { take(status); });
-  node_.subscribe<tracked_frame_t>(channels::kTrackedFrame,
-                                   [this](const tracked_frame_t& frame) { notice(frame); });
+  node_.subscribe<tracked_frame_t>(
+      channels::kTrackedFrame, [this](const tracked_frame_t& frame) { watchOtherTracker(frame); });
   if (experiment_.projector.sync_patch > 0) {
     sync_.emplace(detector_.camera());
     node_.subscribe<light_status_t>(channels::kLightStatus, [this](const light_status_t& status) {
@@ -163,7 +163,7 @@ void TrackerService::take(const robot_status_t& status) {
   tracker_.take(wheels_);
 }
 
-void TrackerService::notice(const tracked_frame_t& frame) {
+void TrackerService::watchOtherTracker(const tracked_frame_t& frame) {
   const NodeIdentity& own = node_.identity();
   if (frame.sender != own.name || frame.instance == own.instance) return;
   const bool first = !silent_;
@@ -171,8 +171,8 @@ void TrackerService::notice(const tracked_frame_t& frame) {
   if (frame.instance < own.instance) other_until_ = loop_.now() + kOtherTracker_us;
   if (!first || frame.instance > own.instance) return;
   silent_ = true;
-  complain("another tracker (instance " + std::to_string(frame.instance) +
-           ") publishes on this lab: this one keeps silent until that one is stopped");
+  warn("another tracker (instance " + std::to_string(frame.instance) +
+       ") publishes on this lab: this one keeps silent until that one is stopped");
 }
 
 void TrackerService::take(const CameraFrame& frame) {
@@ -299,7 +299,7 @@ void TrackerService::readSync(const CameraFrame& frame, std::int64_t utime) {
   node_.publish(channels::kLightSeen, message);
 }
 
-void TrackerService::complain(const std::string& what) {
+void TrackerService::warn(const std::string& what) {
   status_.trouble = what;
   node_.fault(what);
   report();
@@ -315,12 +315,12 @@ void TrackerService::trouble(const std::string& what) {
   }
   status_.state = tracker_status_t::GONE;
   all_seen_ = false;
-  complain(what);
+  warn(what);
 }
 
 void TrackerService::ended(const std::string& problem) {
   status_.state = tracker_status_t::ENDED;
-  if (!problem.empty()) return complain(problem);
+  if (!problem.empty()) return warn(problem);
   report();
 }
 

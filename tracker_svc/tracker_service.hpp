@@ -49,8 +49,8 @@ class TrackerService final : public Service {
                                   const Exposure& exposure);
   void publish(const CameraFrame& frame, std::int64_t utime, const std::vector<Track>& tracks);
   void report();
-  void complain(const std::string& what);
-  void notice(const tracked_frame_t& frame);
+  void warn(const std::string& what);
+  void watchOtherTracker(const tracked_frame_t& frame);
   [[nodiscard]] double seconds(std::int64_t utime) const;
 
   Node& node_;

@@ -65,7 +65,8 @@ struct CameraSolution {
 /// d residuals / d unknowns, by central differences.
 [[nodiscard]] Eigen::MatrixXd jacobianOf(const ResidualBlock& block, const CameraState& state);
 
-/// Levenberg and Marquardt.
+/// Minimises the sum of squared residuals (Huber cost for robust blocks) over the camera and the
+/// poses of the boards. Not determined if an unknown does not affect the residuals.
 [[nodiscard]] CameraSolution solveCamera(const std::vector<ResidualBlock>& blocks,
                                          const CameraState& start);
 

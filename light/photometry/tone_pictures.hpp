@@ -29,7 +29,7 @@ class TonePictures {
   void take(std::size_t light, const optics::GreyView& grey);
 
   /// Patches of which a whole box of pixels is in the picture.
-  [[nodiscard]] std::vector<ToneObservation> sights() const;
+  [[nodiscard]] std::vector<ToneObservation> observations() const;
 
  private:
   struct Patch {
@@ -63,7 +63,7 @@ struct ToneFromPictures {
 /// @param values of the pixels in each light, 0..1
 /// @param known the projector's vignetting as the robots' sensors found it
 [[nodiscard]] ToneFromPictures fitTone(const std::vector<double>& values,
-                                       const std::vector<ToneObservation>& sights,
+                                       const std::vector<ToneObservation>& observations,
                                        const optics::ProjectorTone& known, double width,
                                        double height);
 

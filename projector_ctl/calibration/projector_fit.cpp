@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "light/median.hpp"
 #include "light/optics/projector_model.hpp"
 
 namespace lab::calibration {
@@ -35,19 +36,18 @@ double robustSigma(const VectorXd& residuals) {
   for (Eigen::Index row = 0; row + 1 < residuals.size(); row += 2) {
     sizes.push_back(residuals.segment<2>(row).norm());
   }
-  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
-  std::ranges::nth_element(sizes, middle);
-  return std::max(*middle / kRayleighMedian, 1e-3);
+  return std::max(medianOf(sizes) / kRayleighMedian, 1e-3);
 }
 
-std::vector<Miss> missesOf(const std::vector<ProjectorObservation>& sights,
+std::vector<Miss> missesOf(const std::vector<ProjectorObservation>& observations,
                            const ProjectorPlane& plane, const optics::CameraParameters& lens) {
   const optics::CameraModel model(lens);
   std::vector<Miss> misses;
-  for (const ProjectorObservation& sight : sights) {
-    const auto fitted = model.toPlane(sight.pixel, plane.height);
+  for (const ProjectorObservation& observation : observations) {
+    const auto fitted = model.toPlane(observation.pixel, plane.height);
     if (!fitted) continue;
-    misses.push_back({sight.place, sight.place.x - fitted->x, sight.place.y - fitted->y});
+    misses.push_back(
+        {observation.place, observation.place.x - fitted->x, observation.place.y - fitted->y});
   }
   return misses;
 }
@@ -59,27 +59,27 @@ struct Fitted {
 };
 
 /// Sights that fit are kept; where the lens is not found yet, all are.
-std::vector<ProjectorObservation> fitting(const std::vector<ProjectorObservation>& sights,
+std::vector<ProjectorObservation> fitting(const std::vector<ProjectorObservation>& observations,
                                           const ProjectorPlane& plane, const Fitted& fitted) {
   const optics::CameraParameters& lens = fitted.solution.state.camera;
-  const VectorXd misses = pixelResiduals(sights, plane, lens);
+  const VectorXd misses = pixelResiduals(observations, plane, lens);
   const optics::PlaneScale scale = optics::CameraModel(lens).scaleAt(
       {plane.arena_width / 2, plane.arena_height / 2}, plane.height);
   const double pixels_a_metre = std::sqrt(std::abs(scale.ux * scale.vy - scale.uy * scale.vx));
   std::vector<ProjectorObservation> kept;
-  for (std::size_t i = 0; i < sights.size(); ++i) {
+  for (std::size_t i = 0; i < observations.size(); ++i) {
     const double miss = misses.segment<2>(2 * static_cast<Eigen::Index>(i)).norm();
     const double most =
-        std::max(kOutlying * fitted.noise * sights[i].sigma, kNeverOutlying * pixels_a_metre);
-    if (miss < most) kept.push_back(sights[i]);
+        std::max(kOutlying * fitted.noise * observations[i].sigma, kNeverOutlying * pixels_a_metre);
+    if (miss < most) kept.push_back(observations[i]);
   }
   return kept;
 }
 
-Fitted fitAll(const std::vector<ProjectorObservation>& sights, const ProjectorPlane& plane,
+Fitted fitAll(const std::vector<ProjectorObservation>& observations, const ProjectorPlane& plane,
               const optics::CameraParameters& start) {
   Fitted fitted;
-  fitted.used = sights;
+  fitted.used = observations;
   fitted.solution.state.camera = start;
   fitted.solution.state.pivot = {plane.arena_width / 2, plane.arena_height / 2, plane.height};
   const ResidualBlock prior = projectorPrior(start, plane, true);
@@ -90,7 +90,7 @@ Fitted fitAll(const std::vector<ProjectorObservation>& sights, const ProjectorPl
                                   fitted.solution.state);
     if (round + 2 != kRounds) continue;
     fitted.noise = robustSigma(plain.residuals(fitted.solution.state));
-    auto kept = fitting(sights, plane, fitted);
+    auto kept = fitting(observations, plane, fitted);
     if (kept.size() < 10) break;
     fitted.used = std::move(kept);
   }
@@ -136,7 +136,7 @@ void addSquares(ProjectorFit& fit, const std::vector<Miss>& misses, const Projec
     const int j = part(miss.place.y, plane.arena_height, rows);
     const auto at = static_cast<std::size_t>(j * fit.columns + i);
     SquareResidual& square = fit.squares[at];
-    ++square.sights;
+    ++square.observations;
     square.residual_x += miss.x;
     square.residual_y += miss.y;
     squares[at] += miss.x * miss.x + miss.y * miss.y;
@@ -153,12 +153,12 @@ void addSquares(ProjectorFit& fit, const std::vector<Miss>& misses, const Projec
                plane.arena_width / fit.columns;
     square.y = (static_cast<double>(at / static_cast<std::size_t>(fit.columns)) + 0.5) *
                plane.arena_height / rows;
-    if (square.sights == 0) continue;
+    if (square.observations == 0) continue;
     ++seen;
-    const double count = square.sights;
+    const double count = square.observations;
     square.residual_x /= count;
     square.residual_y /= count;
-    if (square.sights < kFewestInSquare) continue;
+    if (square.observations < kFewestInSquare) continue;
     const double mean2 =
         square.residual_x * square.residual_x + square.residual_y * square.residual_y;
     const double inside = std::max(0.0, squares[at] - count * mean2);
@@ -196,7 +196,7 @@ std::string darkCorners(const ProjectorFit& fit, const ProjectorPlane& plane, do
 
 std::string refusalOf(const ProjectorFit& fit, const ProjectorPlane& plane,
                       const ProjectorFitLimits& limits) {
-  const double all = fit.sights + fit.outlying;
+  const double all = fit.observations + fit.outlying;
   const std::string dark = darkCorners(fit, plane, limits.dark_corner);
   if (fit.outlying > limits.outlying * all) {
     return fmt::format(
@@ -231,29 +231,29 @@ double ProjectorFit::worstResidual() const {
   return squares.empty() ? 0 : std::hypot(squares[worst].residual_x, squares[worst].residual_y);
 }
 
-ProjectorFit fitProjector(const std::vector<ProjectorObservation>& sights,
+ProjectorFit fitProjector(const std::vector<ProjectorObservation>& observations,
                           const ProjectorPlane& plane, double camera_error,
                           const ProjectorFitLimits& limits) {
   ProjectorFit fit;
-  fit.sights = static_cast<int>(sights.size());
+  fit.observations = static_cast<int>(observations.size());
   fit.camera = camera_error;
-  if (fit.sights < limits.sights) {
+  if (fit.observations < limits.observations) {
     fit.refusal = fmt::format(
         "the pattern was seen in {} places, needed {}: is the projector on, its picture sharp, the "
         "white board in the camera's view, and the exposure neither too short nor too long?",
-        fit.sights, limits.sights);
+        fit.observations, limits.observations);
     return fit;
   }
-  const auto start = straightLens(sights, plane);
+  const auto start = straightLens(observations, plane);
   if (!start) {
     fit.refusal = "all places where the pattern was seen lie in one line";
     return fit;
   }
-  const Fitted fitted = fitAll(sights, plane, *start);
+  const Fitted fitted = fitAll(observations, plane, *start);
   fit.lens = fitted.solution.state.camera;
   fit.lens.k3 = 0;
-  fit.sights = static_cast<int>(fitted.used.size());
-  fit.outlying = static_cast<int>(sights.size()) - fit.sights;
+  fit.observations = static_cast<int>(fitted.used.size());
+  fit.outlying = static_cast<int>(observations.size()) - fit.observations;
   const std::vector<Miss> misses = missesOf(fitted.used, plane, fit.lens);
   double sum = 0;
   for (const Miss& miss : misses) sum += miss.x * miss.x + miss.y * miss.y;

@@ -12,7 +12,7 @@ namespace lab::calibration {
 
 /// What makes a fit a calibration.
 struct ProjectorFitLimits {
-  int sights = 200;            ///< at least
+  int observations = 200;      ///< at least
   double residual = 1e-3;      ///< [m] rms at most
   double outlying = 0.25;      ///< share of the sights at most
   double covered = 0.9;        ///< share of the arena at least
@@ -26,17 +26,17 @@ struct SquareResidual {
   double residual_x = 0;  ///< [m] light found less light wanted, mean of the sights in it
   double residual_y = 0;  ///< [m]
   double sigma = 0;       ///< [m] standard error of the mean along each axis
-  int sights = 0;
+  int observations = 0;
 };
 
 struct ProjectorFit {
   optics::CameraParameters lens;
-  int sights = 0;       ///< used
-  int outlying = 0;     ///< left out, as they fit to nothing: shadows, glare
-  double residual = 0;  ///< [m] rms of the sights: found less fitted place
-  double noise = 0;     ///< [m] rms of that part of it that differs from sight to sight
-  double misfit = 0;    ///< [m] rms over the arena of that part that squares have in common: what
-                        ///< the lens model does not describe
+  int observations = 0;  ///< used
+  int outlying = 0;      ///< left out, as they fit to nothing: shadows, glare
+  double residual = 0;   ///< [m] rms of the sights: found less fitted place
+  double noise = 0;      ///< [m] rms of that part of it that differs from sight to sight
+  double misfit = 0;     ///< [m] rms over the arena of that part that squares have in common: what
+                         ///< the lens model does not describe
   double statistical = 0;  ///< [m] rms standard error over the arena of the fitted lens
   double camera = 0;       ///< [m] rms error of the camera's own calibration, 0: not known
   double accuracy = 0;  ///< [m] rms of where light falls: misfit, statistical and camera together
@@ -54,7 +54,7 @@ struct ProjectorFit {
 /// the residuals, and sights that miss by more than five standard deviations and 0.3 mm are left
 /// out.
 /// @param camera_error [m] rms, of the camera's own calibration; 0: not known, and not contained
-[[nodiscard]] ProjectorFit fitProjector(const std::vector<ProjectorObservation>& sights,
+[[nodiscard]] ProjectorFit fitProjector(const std::vector<ProjectorObservation>& observations,
                                         const ProjectorPlane& plane, double camera_error = 0,
                                         const ProjectorFitLimits& limits = {});
 

@@ -30,10 +30,10 @@ struct ProjectorPlane {
 /// begins. A negative fx where the picture is seen in a mirror. Empty for fewer than three sights,
 /// or for sights in one line.
 [[nodiscard]] std::optional<optics::CameraParameters> straightLens(
-    const std::vector<ProjectorObservation>& sights, const ProjectorPlane& plane);
+    const std::vector<ProjectorObservation>& observations, const ProjectorPlane& plane);
 
 /// Seen less fitted [px]: x and y of each sight in turn.
-[[nodiscard]] Eigen::VectorXd pixelResiduals(const std::vector<ProjectorObservation>& sights,
+[[nodiscard]] Eigen::VectorXd pixelResiduals(const std::vector<ProjectorObservation>& observations,
                                              const ProjectorPlane& plane,
                                              const optics::CameraParameters& lens);
 
@@ -46,7 +46,7 @@ struct ProjectorPlane {
                                            const ProjectorPlane& plane, bool with_distortion);
 
 /// The sights in units of `noise` times their sigma.
-[[nodiscard]] ResidualBlock observationBlock(const std::vector<ProjectorObservation>& sights,
+[[nodiscard]] ResidualBlock observationBlock(const std::vector<ProjectorObservation>& observations,
                                              const ProjectorPlane& plane, double noise,
                                              bool robust);
 

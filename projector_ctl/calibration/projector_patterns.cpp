@@ -192,7 +192,7 @@ std::vector<bool> PatternReader::clearPixels() const {
   return clear;
 }
 
-std::vector<ProjectorObservation> PatternReader::sights() const {
+std::vector<ProjectorObservation> PatternReader::observations() const {
   const int width = view_.camera.width;
   const int height = view_.camera.height;
   const std::vector<bool> clear = clearPixels();
@@ -208,7 +208,7 @@ std::vector<ProjectorObservation> PatternReader::sights() const {
     }
     return true;
   };
-  std::vector<ProjectorObservation> sights;
+  std::vector<ProjectorObservation> observations;
   for (int y0 = kRing; y0 + kBlock + kRing <= height; y0 += kBlock) {
     for (int x0 = kRing; x0 + kBlock + kRing <= width; x0 += kBlock) {
       if (!all_clear(x0, y0)) continue;
@@ -223,14 +223,15 @@ std::vector<ProjectorObservation> PatternReader::sights() const {
       }
       const auto place = placeOf({x0 + (kBlock - 1) / 2.0, y0 + (kBlock - 1) / 2.0});
       if (!place) continue;
-      ProjectorObservation sight;
-      sight.place = *place;
-      sight.pixel = {across.middle(), down.middle()};
-      sight.sigma = std::max(kLeastSigma, std::sqrt((across.variance() + down.variance()) / 2));
-      sights.push_back(sight);
+      ProjectorObservation observation;
+      observation.place = *place;
+      observation.pixel = {across.middle(), down.middle()};
+      observation.sigma =
+          std::max(kLeastSigma, std::sqrt((across.variance() + down.variance()) / 2));
+      observations.push_back(observation);
     }
   }
-  return sights;
+  return observations;
 }
 
 PatternCount PatternReader::count() const {

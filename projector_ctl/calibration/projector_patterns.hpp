@@ -68,7 +68,7 @@ class PatternReader {
 
   /// The middles of squares of kBlock pixels of the camera, all of whose pixels and neighbours are
   /// clear: from paraboloids through the squares, whose scatter gives the sigmas.
-  [[nodiscard]] std::vector<ProjectorObservation> sights() const;
+  [[nodiscard]] std::vector<ProjectorObservation> observations() const;
 
   [[nodiscard]] PatternCount count() const;
 

@@ -12,16 +12,16 @@ namespace lab::calibration {
 /// Measured less known spacing of a cap [m]; empty where the camera cannot see it.
 [[nodiscard]] std::optional<double> spacingResidual(const optics::CameraModel& model,
                                                     const optics::CapGeometry& cap,
-                                                    const CapObservation& sight);
+                                                    const CapObservation& observation);
 
 /// Standard deviation of the measured spacing [m] that the sigma of its circles makes.
 [[nodiscard]] std::optional<double> spacingSigma(const optics::CameraModel& model,
                                                  const optics::CapGeometry& cap,
-                                                 const CapObservation& sight);
+                                                 const CapObservation& observation);
 
 /// Standard errors of positions over the arena, for a covariance of the camera's unknowns.
 [[nodiscard]] ErrorMap errorMap(const CameraState& state, const Eigen::MatrixXd& covariance,
-                                const CameraObservations& sights);
+                                const CameraObservations& observations);
 
 /// By how much a spacing was missed, and where [m].
 struct SpacingAt {
@@ -31,6 +31,6 @@ struct SpacingAt {
 
 /// Fills in the means of the spacings about each place.
 void addSpacings(ErrorMap& map, const std::vector<SpacingAt>& spacings,
-                 const CameraObservations& sights);
+                 const CameraObservations& observations);
 
 }  // namespace lab::calibration

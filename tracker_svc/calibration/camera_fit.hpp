@@ -109,7 +109,7 @@ struct CameraFit {
 /// middle, and the camera at the given height. Lengths on the cap plane are right to 2 % for a
 /// height that is right to half of it, and for the right k1.
 /// @param camera_height [m] above the floor, 0: 1.4 times the longer side of the arena
-[[nodiscard]] optics::CameraParameters guessFromCorners(const CameraObservations& sights,
+[[nodiscard]] optics::CameraParameters guessFromCorners(const CameraObservations& observations,
                                                         double camera_height = 0, double k1 = 0);
 
 /// Bundle adjustment of everything at once: fx, fy, cx, cy, k1, k2, p1, p2 (and k3), the camera's
@@ -120,7 +120,7 @@ struct CameraFit {
 /// Not everything can be told from one flat arena. These are held near what cameras are, with these
 /// standard deviations: fy = fx to 0.2 %, cx and cy in the middle to 2 % of the width, p1 and p2 0
 /// to 0.001, k2 0 to 0.3, caps as wide as said to 0.05 %. The standard errors contain them.
-[[nodiscard]] CameraFit fitCamera(const CameraObservations& sights,
+[[nodiscard]] CameraFit fitCamera(const CameraObservations& observations,
                                   const std::optional<optics::CameraParameters>& start = {},
                                   const CameraFitLimits& limits = {});
 

@@ -41,11 +41,12 @@ std::string capAt(const optics::CapGeometry& cap, double x, double y) {
   disc(cap.big_offset, cap.big_radius);
   disc(cap.small_offset, cap.small_radius);
   constexpr int kDirections[4][2] = {{0, -1}, {1, 0}, {0, 1}, {-1, 0}};
-  for (const auto& way : kDirections) {
+  for (const auto& direction : kDirections) {
     const double from = rim - kTickIn;
-    const double to = rim + (way[1] == -1 ? kTickOut : kTickOut / 2);  // the front's is longer
-    fmt::format_to(out, "<path d=\"M{:g} {:g}L{:g} {:g}\" {}/>\n", x + way[0] * from,
-                   y + way[1] * from, x + way[0] * to, y + way[1] * to, kLine);
+    const double to =
+        rim + (direction[1] == -1 ? kTickOut : kTickOut / 2);  // the front's is longer
+    fmt::format_to(out, "<path d=\"M{:g} {:g}L{:g} {:g}\" {}/>\n", x + direction[0] * from,
+                   y + direction[1] * from, x + direction[0] * to, y + direction[1] * to, kLine);
   }
   return svg;
 }

@@ -136,7 +136,7 @@ std::string ChildProcess::errors() const {
   return text;
 }
 
-std::string ChildProcess::complaint() const {
+std::string ChildProcess::lastErrorLine() const {
   std::string text = errors();
   while (!text.empty() && (text.back() == '\n' || text.back() == '\r')) text.pop_back();
   const std::size_t line = text.find_last_of("\r\n");

@@ -44,7 +44,7 @@ class ChildProcess {
   [[nodiscard]] std::string errors() const;
 
   /// The last line of errors(); empty: none.
-  [[nodiscard]] std::string complaint() const;
+  [[nodiscard]] std::string lastErrorLine() const;
 
  private:
   FileDescriptor output_;

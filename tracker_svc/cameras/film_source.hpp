@@ -1,4 +1,4 @@
-/// Recordings and network cameras as sources of a live lab.
+/// Recordings as sources of a live lab.
 #pragma once
 
 #include <memory>
@@ -15,16 +15,6 @@ namespace lab::cameras {
 [[nodiscard]] std::unique_ptr<FrameSource> openFilm(AsioLoop& loop, const std::string& source,
                                                     const CameraFormat& wanted,
                                                     CameraHandlers handlers);
-
-/// A camera behind an address ("rtsp://...", "http://...") that ffmpeg reads, or behind a GStreamer
-/// pipeline ("gst:aravissrc ! ..."). When it ends it is begun anew each second.
-/// @throws CameraError when it cannot be reached now, when its size is not the one wanted.
-[[nodiscard]] std::unique_ptr<FrameSource> openStream(AsioLoop& loop, const std::string& source,
-                                                      const CameraFormat& wanted,
-                                                      CameraHandlers handlers);
-
-/// Whether openStream() is for this source.
-[[nodiscard]] bool isStreamSource(const std::string& source);
 
 /// @throws CameraError unless the size is the one wanted, where one is wanted.
 void checkSize(const std::string& source, const CameraFormat& wanted, const CameraFormat& found);

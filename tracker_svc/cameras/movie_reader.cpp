@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "light/median.hpp"
 #include "tracker_svc/cameras/child_process.hpp"
 #include "tracker_svc/cameras/grey.hpp"
 
@@ -138,9 +139,7 @@ class MovieReader final : public FilmReader {
       steps.push_back(facts_.utimes[i] - facts_.utimes[i - 1]);
     }
     if (steps.empty()) return facts_.fps;
-    const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-    std::nth_element(steps.begin(), middle, steps.end());
-    const auto median = static_cast<double>(*middle);
+    const auto median = static_cast<double>(medianOf(steps));
     constexpr double kRounding_us = 1000;
     const bool agree = facts_.fps > 0 && std::abs(median - 1e6 / facts_.fps) <= kRounding_us;
     return agree || median <= 0 ? facts_.fps : 1e6 / median;
@@ -148,20 +147,20 @@ class MovieReader final : public FilmReader {
 
   [[nodiscard]] std::string whatWentWrong(int status) const {
     const std::int64_t expected = std::max(length(), facts_.claimed - facts_.never_shown);
-    const std::string complaint =
-        decoder_.complaint().empty() ? facts_.complaint : decoder_.complaint();
-    const std::string why = complaint.empty() ? "" : " (ffmpeg: " + complaint + ")";
+    const std::string error_line =
+        decoder_.lastErrorLine().empty() ? facts_.warning : decoder_.lastErrorLine();
+    const std::string why = error_line.empty() ? "" : " (ffmpeg: " + error_line + ")";
     if (count_ < expected) {
       return source_ + ": ends early or is damaged: " + std::to_string(count_) + " of " +
              shownNumber(expected, "frame") +
              " could be read; where one is missing inside, those " +
              "behind it have its number and time" + why;
     }
-    if (status != 0 || !facts_.complaint.empty()) {
+    if (status != 0 || !facts_.warning.empty()) {
       return source_ + ": " + shownNumber(count_, "frame") + " could be read, then it broke off" +
              why;
     }
-    if (!complaint.empty()) {
+    if (!error_line.empty()) {
       return source_ +
              ": all frames could be read, but ffmpeg found fault with some, in which caps " +
              "may stand where they were before" + why;
@@ -218,7 +217,7 @@ MovieInfo probeMovie(const std::string& source, bool packets) {
   const int status = probe.finish();
   const json facts = json::parse(answer, nullptr, false);
   if (status != 0 || !facts.is_object()) {
-    noMovie(source, probe.complaint(), hintFor(probe.errors()));
+    noMovie(source, probe.lastErrorLine(), hintFor(probe.errors()));
   }
   const auto streams = facts.find("streams");
   if (streams == facts.end() || streams->empty()) noMovie(source, "it has no pictures");
@@ -243,7 +242,7 @@ MovieInfo probeMovie(const std::string& source, bool packets) {
     found.utimes = timesOf(listed);
     found.never_shown = static_cast<std::int64_t>(listed.size() - found.utimes.size());
   }
-  found.complaint = probe.complaint();
+  found.warning = probe.lastErrorLine();
   return found;
 }
 

@@ -21,7 +21,7 @@ struct MovieInfo {
   std::int64_t claimed = 0;          ///< frames by the file's own header, 0: it does not say
   std::int64_t never_shown = 0;      ///< of them, as in a film that was cut without decoding it
   std::vector<std::int64_t> utimes;  ///< [us] of each frame since the first, in order
-  std::string complaint;             ///< what ffprobe found wrong on the way
+  std::string warning;               ///< what ffprobe found wrong on the way
 };
 
 /// Asks ffprobe. @param packets whether to go through the whole file for the times of its frames

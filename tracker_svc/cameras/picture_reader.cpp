@@ -14,6 +14,7 @@
 #include <string_view>
 #include <utility>
 
+#include "light/median.hpp"
 #include "tracker_svc/cameras/child_process.hpp"
 #include "tracker_svc/cameras/frame_table.hpp"
 #include "tracker_svc/cameras/grey.hpp"
@@ -174,9 +175,7 @@ std::int64_t addTimes(std::vector<PictureFile>& pictures) {
     before = *picture.utime;
   }
   if (steps.empty()) return 0;
-  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-  std::nth_element(steps.begin(), middle, steps.end());
-  return *middle;
+  return medianOf(steps);
 }
 
 /// A decoded picture, or why there is none.

@@ -1,13 +1,13 @@
 #include "tracker_svc/cameras/raw_pixels.hpp"
 
 #include <linux/videodev2.h>
+#include <turbojpeg.h>
 
 #include <algorithm>
 #include <array>
 #include <memory>
-
-#include "tracker_svc/cameras/standard_huffman.hpp"
-#include "tracker_svc/cameras/stb_pixels.hpp"
+#include <string_view>
+#include <type_traits>
 
 namespace lab::cameras {
 namespace {
@@ -111,17 +111,31 @@ void mixBayer(const RawLayout& layout, const std::uint8_t* bytes, optics::GreyIm
   }
 }
 
+struct CloseDecoder {
+  void operator()(void* decoder) const { tjDestroy(decoder); }
+};
+
+// USB cameras may omit the Huffman tables; libjpeg-turbo then uses those of ITU-T T.81, annex K.3.
 bool decodeJpeg(const RawLayout& layout, std::span<const std::uint8_t> bytes,
                 optics::GreyImage& grey) {
-  const std::vector<std::uint8_t> whole = withHuffmanTables(bytes);
+  const std::unique_ptr<std::remove_pointer_t<tjhandle>, CloseDecoder> decoder(tjInitDecompress());
   int width = 0;
   int height = 0;
-  int channels = 0;
-  const StbPixels pixels(stbi_load_from_memory(whole.data(), static_cast<int>(whole.size()), &width,
-                                               &height, &channels, 1));
-  if (!pixels || width != layout.width || height != layout.height) return false;
-  std::copy_n(pixels.get(), grey.pixels.size(), grey.pixels.begin());
-  return true;
+  int subsampling = 0;
+  int colours = 0;
+  if (!decoder || tjDecompressHeader3(decoder.get(), bytes.data(), bytes.size(), &width, &height,
+                                      &subsampling, &colours) != 0) {
+    return false;
+  }
+  if (width != layout.width || height != layout.height) return false;
+  if (tjDecompress2(decoder.get(), bytes.data(), bytes.size(), grey.pixels.data(), width, 0, height,
+                    TJPF_GRAY, TJFLAG_ACCURATEDCT) == 0) {
+    return true;
+  }
+  // Cameras pad frames. Every other warning is about damaged data.
+  const std::string_view warning = tjGetErrorStr2(decoder.get());
+  return tjGetErrorCode(decoder.get()) == TJERR_WARNING &&
+         warning.find("extraneous bytes") != std::string_view::npos;
 }
 
 }  // namespace

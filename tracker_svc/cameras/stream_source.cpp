@@ -1,3 +1,5 @@
+#include "tracker_svc/cameras/stream_source.hpp"
+
 #include <wordexp.h>
 
 #include <mutex>
@@ -130,9 +132,9 @@ class Stream {
     while (child_->read(bytes_) == bytes_.size()) pass();
     child_->finish();
     const std::lock_guard lock(mutex_);
-    std::string complaint = child_->complaint();
+    std::string error = child_->lastErrorLine();
     child_.reset();
-    return complaint;
+    return error;
   }
 
   void pass() {

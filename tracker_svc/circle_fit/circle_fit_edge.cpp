@@ -16,7 +16,7 @@ namespace {
 // No circle: not looked at further. A bit beyond what is taken for one (circle_fit.cpp).
 constexpr float kHopelessRatio = 0.35F;
 constexpr float kHopelessScale = 0.2F;
-constexpr float kHopelessBelieved = 0.35F;
+constexpr float kHopelessWeight = 0.35F;
 constexpr int kMostMoves = 6;
 constexpr int kPasses = 8;
 // passes until residuals may count for less: a guess may be a side off
@@ -157,7 +157,7 @@ LitFit fitLines(const Task& task, Window& window, const LitDisc& from) {
       o.noise = noise;
       o.cost = static_cast<float>(sums.counts.cost);
       o.pixels = static_cast<int>(sums.counts.pixels);
-      o.believed = static_cast<float>(sums.counts.weight / std::max(1.0, sums.counts.pixels));
+      o.weight = static_cast<float>(sums.counts.weight / std::max(1.0, sums.counts.pixels));
       o.correlation = static_cast<float>(correlation(window));
       o.good = std::isfinite(o.x) && std::isfinite(o.y);
       break;
@@ -199,7 +199,7 @@ void light(const Task& task, Window& window, const LitFit& fit) {
 }
 
 bool isClean(const Outcome& outcome) {
-  return outcome.good && outcome.correlation < kClean && outcome.believed > kFits;
+  return outcome.good && outcome.correlation < kClean && outcome.weight > kFits;
 }
 
 Outcome fitLit(const Task& task, Window& window, const Disc& rough) {
@@ -269,7 +269,7 @@ std::optional<GridPoint> settleLit(const Task& task, GridPoint start, Window& wi
     if (point == start && !darkInside(window, task.constants, task.sigma)) return std::nullopt;
     outcome = fitLit(task, window, rough);
     if (!outcome.good || outcome.ratio > kHopelessRatio ||
-        std::abs(outcome.scale - 1) > kHopelessScale || outcome.believed < kHopelessBelieved) {
+        std::abs(outcome.scale - 1) > kHopelessScale || outcome.weight < kHopelessWeight) {
       outcome.good = false;
       return std::nullopt;
     }

@@ -108,9 +108,9 @@ LAB_INLINE void sumAll(Window& window, const Constants& constants, const LitDisc
     const Lanes residual = value - constants.black - signal;
     const Lanes certain = inverseVarianceOf(value, signal, constants, counts);
     const Lanes square = residual * residual * certain;
-    const Lanes belief = tukeyWeight(square, over_cutoff);
-    const Lanes weight = certain * belief;
-    counts.weight += certain > 0.0F ? belief : Lanes{};
+    const Lanes pixel_weight = tukeyWeight(square, over_cutoff);
+    const Lanes weight = certain * pixel_weight;
+    counts.weight += certain > 0.0F ? pixel_weight : Lanes{};
     counts.cost += tukeyCost(square);
 
     const Lanes rise = white * paint.slope * (contrast * over_sigma);

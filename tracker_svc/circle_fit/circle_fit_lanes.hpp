@@ -163,26 +163,26 @@ struct LaneCounts {
 };
 
 /// Where some pixels lie in a disc.
-struct Way {
+struct Offset {
   Lanes z;              ///< [deviations of the blur] beyond the outline
   Lanes over_distance;  ///< [1/px]
   Lanes out_x, out_y;   ///< [px] over_distance times this is the gradient of the distance
 };
 
 LAB_INLINE void wayAt(const Lanes& x, const Lanes& y, const Disc& disc, const Constants& constants,
-                      float over_sigma, Way& way) {
+                      float over_sigma, Offset& offset) {
   const Lanes dx = x - disc.x;
   const Lanes dy = y - disc.y;
   const Outline& outline = constants.outline;
-  way.out_x = outline.xx * dx + outline.xy * dy;
-  way.out_y = outline.xy * dx + outline.yy * dy;
-  const Lanes distance = rootOf(dx * way.out_x + dy * way.out_y + disc.sigma * disc.sigma);
-  way.over_distance = 1.0F / distance;
-  way.z = (distance - constants.radius * disc.scale) * over_sigma;
+  offset.out_x = outline.xx * dx + outline.xy * dy;
+  offset.out_y = outline.xy * dx + outline.yy * dy;
+  const Lanes distance = rootOf(dx * offset.out_x + dy * offset.out_y + disc.sigma * disc.sigma);
+  offset.over_distance = 1.0F / distance;
+  offset.z = (distance - constants.radius * disc.scale) * over_sigma;
 }
 
 /// And the paint there.
-struct Paint : Way {
+struct Paint : Offset {
   Lanes share;  ///< 0 black, 1 white
   Lanes slope;  ///< d share / d z
 };

@@ -31,14 +31,14 @@ struct Pass {
 /// First: where eight pixels lie in the disc, kept in the places of the slopes that need it.
 LAB_INLINE void placeEight(Window& window, std::size_t eight, const Pass& pass) {
   const std::size_t at = eight * kLanes;
-  Way way;
+  Offset offset;
   wayAt(loadLanes(window.x + at), loadLanes(window.y + at), pass.disc, pass.constants,
-        pass.over_sigma, way);
+        pass.over_sigma, offset);
   Slopes& kept = window.slopes[eight];
-  storeLanes(kept.by[kX], way.out_x);
-  storeLanes(kept.by[kY], way.out_y);
-  storeLanes(kept.by[kScale], way.z);
-  storeLanes(kept.by[kSigma], way.over_distance);
+  storeLanes(kept.by[kX], offset.out_x);
+  storeLanes(kept.by[kY], offset.out_y);
+  storeLanes(kept.by[kScale], offset.z);
+  storeLanes(kept.by[kSigma], offset.over_distance);
 }
 
 /// Then: the paint there, and its slopes.
@@ -91,10 +91,10 @@ LAB_INLINE void believeEight(Window& window, std::size_t eight, const Pass& pass
   const Lanes residual = loadLanes(window.residual + at);
   const Lanes certain = loadLanes(kept.weight);
   const Lanes square = residual * residual * certain;
-  const Lanes belief = tukeyWeight(square, pass.over_cutoff);
-  counts.weight += kAll ? belief : (certain > 0.0F ? belief : Lanes{});
-  squares += square * belief;
-  const Lanes weight = certain * belief;
+  const Lanes pixel_weight = tukeyWeight(square, pass.over_cutoff);
+  counts.weight += kAll ? pixel_weight : (certain > 0.0F ? pixel_weight : Lanes{});
+  squares += square * pixel_weight;
+  const Lanes weight = certain * pixel_weight;
   const Lanes weighted = weight * residual;
 #pragma GCC unroll 8
   for (std::size_t i = 0; i < kUnknowns; ++i) rights[i] += weighted * loadLanes(kept.by[i]);
@@ -167,7 +167,7 @@ void sumLast(Window& window, const Row& by, float cutoff, const BlockRow& row_x,
     to_x[i] = static_cast<float>(row_x[i]);
     to_y[i] = static_cast<float>(row_y[i]);
   }
-  Lanes believed = {};
+  Lanes weight = {};
   Lanes cost = {};
   Lanes sum_x = {};
   Lanes sum_y = {};
@@ -202,8 +202,8 @@ void sumLast(Window& window, const Row& by, float cutoff, const BlockRow& row_x,
       pull_y += to_y[i] * loadLanes(kept.by[i]);
     }
     const Lanes square = residual * residual * certain;
-    const Lanes belief = tukeyWeight(square, over_cutoff);
-    const Lanes weighted = residual * certain * belief;
+    const Lanes pixel_weight = tukeyWeight(square, over_cutoff);
+    const Lanes weighted = residual * certain * pixel_weight;
     pull_x *= weighted;
     pull_y *= weighted;
     sum_x += pull_x;
@@ -212,7 +212,7 @@ void sumLast(Window& window, const Row& by, float cutoff, const BlockRow& row_x,
     xy += pull_x * pull_y;
     yy += pull_y * pull_y;
     squares += weighted * residual;
-    believed += belief;
+    weight += pixel_weight;
     cost += tukeyCost(square);
     storeLanes(window.residual + at, weighted);
   }
@@ -220,7 +220,7 @@ void sumLast(Window& window, const Row& by, float cutoff, const BlockRow& row_x,
   last.y = total(sum_y);
   last.variance = {total(xx), total(xy), total(yy)};
   last.squares = total(squares);
-  last.believed = total(believed);
+  last.weight = total(weight);
   last.cost = total(cost);
 }
 

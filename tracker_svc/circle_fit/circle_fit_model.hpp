@@ -104,9 +104,9 @@ struct LastStep {
   double y = 0;
   std::array<double, 3> variance{};  ///< [px^2] xx, xy, yy: the residuals' own
   double squares = 0;
-  double believed = 0;  ///< number of lanes, counted by how far they are believed; those without a
-                        ///< pixel, or with one that tells nothing, count fully
-  double cost = 0;      ///< as Counts::cost
+  double weight = 0;  ///< number of lanes, counted by how far they are believed; those without a
+                      ///< pixel, or with one that tells nothing, count fully
+  double cost = 0;    ///< as Counts::cost
 };
 
 /// The step of x and y alone after the small step `by`, with rows x and y of the inverse of the odd

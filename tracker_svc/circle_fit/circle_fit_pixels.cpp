@@ -48,8 +48,8 @@ std::array<double, 4> slopesAt(double dx, double dy, const double* m, double rad
 
 }  // namespace
 
-const std::shared_ptr<const Pixels>& Pixels::about(const DiscShape& shape, float sigma,
-                                                   float margin, bool sparse) {
+const std::shared_ptr<const PixelLayout>& PixelLayout::about(const DiscShape& shape, float sigma,
+                                                             float margin, bool sparse) {
   const float* m = shape.m;
   const float a = m[0] * m[0] + m[2] * m[2];
   const float b = m[0] * m[1] + m[2] * m[3];
@@ -62,21 +62,21 @@ const std::shared_ptr<const Pixels>& Pixels::about(const DiscShape& shape, float
                   std::max(1, steps(sigma, kBlurs)),
                   std::max(1, steps(margin, kMargins)),
                   sparse && shape.radius() > kInside * sigma + kLeastMiddle};
-  thread_local std::array<std::shared_ptr<const Pixels>, kKept> kept;
+  thread_local std::array<std::shared_ptr<const PixelLayout>, kKept> kept;
   const auto place =
       static_cast<std::size_t>(kind.width + 5 * kind.height + 67 * kind.skew + 31 * kind.blur +
                                127 * kind.margin + (kind.sparse ? 255 : 0));
   for (std::size_t aside = 0; aside < kAside; ++aside) {
-    std::shared_ptr<const Pixels>& found = kept[(place + aside) % kKept];
-    if (!found) found.reset(new Pixels(kind));
+    std::shared_ptr<const PixelLayout>& found = kept[(place + aside) % kKept];
+    if (!found) found.reset(new PixelLayout(kind));
     if (found->kind_ == kind) return found;
   }
-  std::shared_ptr<const Pixels>& other = kept[place % kKept];
-  other.reset(new Pixels(kind));
+  std::shared_ptr<const PixelLayout>& other = kept[place % kKept];
+  other.reset(new PixelLayout(kind));
   return other;
 }
 
-Pixels::Ellipse::Ellipse(const Kind& kind)
+PixelLayout::Ellipse::Ellipse(const Kind& kind)
     : reach_x(static_cast<double>(static_cast<float>(kind.width) / kSizes)),
       reach_y(static_cast<double>(static_cast<float>(kind.height) / kSizes)) {
   const double skew =
@@ -89,15 +89,15 @@ Pixels::Ellipse::Ellipse(const Kind& kind)
   radius = 1 / std::sqrt(m[0] * m[3]);
 }
 
-Pixels::Pixels(const Kind& kind) : kind_(kind), ellipse_(kind) {
+PixelLayout::PixelLayout(const Kind& kind) : kind_(kind), ellipse_(kind) {
   for (int phase = 0; phase < 4; ++phase) {
     phases_[static_cast<std::size_t>(phase)] =
         phaseOf(kind, ellipse_, kGrid * (phase & 1), kGrid * (phase >> 1));
   }
 }
 
-Pixels::Span Pixels::rowWithin(const Ellipse& ellipse, double margin, int row, double shift_x,
-                               double shift_y) {
+PixelLayout::Span PixelLayout::rowWithin(const Ellipse& ellipse, double margin, int row,
+                                         double shift_x, double shift_y) {
   const double* m = ellipse.m;
   const double widened = std::max(0.0, 1 + margin / ellipse.radius);
   // a dx^2 + 2 b dx dy + c dy^2 < widened^2
@@ -113,8 +113,8 @@ Pixels::Span Pixels::rowWithin(const Ellipse& ellipse, double margin, int row, d
   return {from, row, std::max(to - from + 1, 0)};
 }
 
-std::vector<Pixels::Span> Pixels::spansWithin(const Ellipse& ellipse, double margin, double shift_x,
-                                              double shift_y) {
+std::vector<PixelLayout::Span> PixelLayout::spansWithin(const Ellipse& ellipse, double margin,
+                                                        double shift_x, double shift_y) {
   const double widened = 1 + margin / ellipse.radius;
   const int box_x = static_cast<int>(std::ceil(ellipse.reach_x * widened)) + 1;
   const int box_y = static_cast<int>(std::ceil(ellipse.reach_y * widened)) + 1;
@@ -128,8 +128,8 @@ std::vector<Pixels::Span> Pixels::spansWithin(const Ellipse& ellipse, double mar
   return spans;
 }
 
-Pixels::Phase Pixels::phaseOf(const Kind& kind, const Ellipse& ellipse, double shift_x,
-                              double shift_y) {
+PixelLayout::Phase PixelLayout::phaseOf(const Kind& kind, const Ellipse& ellipse, double shift_x,
+                                        double shift_y) {
   const double sigma = static_cast<double>(static_cast<float>(kind.blur) / kBlurs);
   const double margin = static_cast<double>(static_cast<float>(kind.margin) / kMargins);
   const double inside = -static_cast<double>(kInside) * sigma;
@@ -176,8 +176,8 @@ Pixels::Phase Pixels::phaseOf(const Kind& kind, const Ellipse& ellipse, double s
   return out;
 }
 
-void Pixels::addRough(const Ellipse& ellipse, double sigma, double shift_x, double shift_y,
-                      Phase& phase) {
+void PixelLayout::addRough(const Ellipse& ellipse, double sigma, double shift_x, double shift_y,
+                           Phase& phase) {
   RoughSums& rough = phase.rough;
   std::vector<std::array<double, 4>> slopes;  // of all pixels of the runs
   std::array<double, 10> normal{};
@@ -229,14 +229,14 @@ void Pixels::addRough(const Ellipse& ellipse, double sigma, double shift_x, doub
   }
 }
 
-bool Pixels::Phase::within(const optics::GreyView& picture, int at_x, int at_y) const {
+bool PixelLayout::Phase::within(const optics::GreyView& picture, int at_x, int at_y) const {
   return at_x + left >= 0 && at_x + right < picture.width && at_y + top >= 0 &&
          at_y + bottom < picture.height;
 }
 
 LAB_FIT_CLONES
-void Pixels::sum(const optics::GreyView& picture, const Phase& phase, int x, int y,
-                 std::int32_t* sums) {
+void PixelLayout::sum(const optics::GreyView& picture, const Phase& phase, int x, int y,
+                      std::int32_t* sums) {
   const RoughSums& rough = phase.rough;
   alignas(32) std::int16_t values[kMostRough];
   std::int16_t* to = values;
@@ -274,7 +274,8 @@ void Pixels::sum(const optics::GreyView& picture, const Phase& phase, int x, int
   std::copy(sum, sum + 4, sums);
 }
 
-Pixels::Rough Pixels::rough(const optics::GreyView& picture, const GridPoint& point) const {
+PixelLayout::Rough PixelLayout::rough(const optics::GreyView& picture,
+                                      const GridPoint& point) const {
   const Phase& phase = phaseAt(point);
   std::int32_t sums[4];
   sum(picture, phase, point.x >> 1, point.y >> 1, sums);
@@ -282,7 +283,8 @@ Pixels::Rough Pixels::rough(const optics::GreyView& picture, const GridPoint& po
   return {sums[0] * unit[0], sums[1] * unit[1], sums[2] * unit[2], sums[3] * unit[3]};
 }
 
-std::optional<float> Pixels::middle(const optics::GreyView& picture, const GridPoint& point) const {
+std::optional<float> PixelLayout::middle(const optics::GreyView& picture,
+                                         const GridPoint& point) const {
   const Phase& phase = phaseAt(point);
   const int x = point.x >> 1;
   const int y = point.y >> 1;
@@ -304,8 +306,8 @@ std::optional<float> Pixels::middle(const optics::GreyView& picture, const GridP
 }
 
 LAB_FIT_CLONES
-void Pixels::take(const optics::GreyView& picture, const Phase& phase, int x, int y,
-                  Window& window) {
+void PixelLayout::take(const optics::GreyView& picture, const Phase& phase, int x, int y,
+                       Window& window) {
   Lanes brightest = {};
   float* to = window.value;
   const std::uint8_t* from = picture.row(y) + x;
@@ -322,7 +324,8 @@ void Pixels::take(const optics::GreyView& picture, const Phase& phase, int x, in
   }
 }
 
-bool Pixels::gather(const optics::GreyView& picture, const GridPoint& point, Window& window) const {
+bool PixelLayout::gather(const optics::GreyView& picture, const GridPoint& point,
+                         Window& window) const {
   const optics::Pixel base = point.pixel();
   if (base.x < ellipse_.reach_x - kBeyond ||
       base.x > picture.width - 1 - ellipse_.reach_x + kBeyond ||

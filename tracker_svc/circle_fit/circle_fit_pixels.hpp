@@ -16,13 +16,13 @@
 
 namespace lab::detector::fit {
 
-class Pixels {
+class PixelLayout {
  public:
   /// About this outline, blur and margin [px]; kept for the next circle of that kind. To be copied
   /// before the next call.
   /// @param sparse without pixels that tell little of the centre, if the circle is large enough
-  static const std::shared_ptr<const Pixels>& about(const DiscShape& shape, float sigma,
-                                                    float margin, bool sparse);
+  static const std::shared_ptr<const PixelLayout>& about(const DiscShape& shape, float sigma,
+                                                         float margin, bool sparse);
 
   struct Rough {
     double x = 0;  ///< [DN px] contrast times the way to the centre
@@ -82,7 +82,7 @@ class Pixels {
     [[nodiscard]] bool within(const optics::GreyView& picture, int at_x, int at_y) const;
   };
 
-  explicit Pixels(const Kind& kind);
+  explicit PixelLayout(const Kind& kind);
   static Span rowWithin(const Ellipse& ellipse, double margin, int row, double shift_x,
                         double shift_y);
   static std::vector<Span> spansWithin(const Ellipse& ellipse, double margin, double shift_x,

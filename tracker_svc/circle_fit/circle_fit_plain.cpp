@@ -55,7 +55,7 @@ struct Rough {
 
 Rough roughAt(const Task& task, GridPoint point) {
   Rough out;
-  const Pixels::Rough u = task.pixels->rough(*task.picture, point);
+  const PixelLayout::Rough u = task.pixels->rough(*task.picture, point);
   const double contrast = u.white - u.dark;
   if (!(contrast > 0.5)) return out;
   // A step longer than this is not linear any more.
@@ -152,7 +152,8 @@ bool Task::choosePixels() {
   const float sigmas = sparse ? kMarginSparse : margin_sigmas;
   const float margin =
       std::max(2.0F * sigma, std::min(sigmas * sigma, kMostMargin * constants.radius));
-  const std::shared_ptr<const Pixels>& found = Pixels::about(shape, sigma, margin, sparse);
+  const std::shared_ptr<const PixelLayout>& found =
+      PixelLayout::about(shape, sigma, margin, sparse);
   if (pixels == found) return false;
   pixels = found;
   return true;
@@ -209,10 +210,10 @@ Outcome fitPlain(const Task& task, Window& window, const Disc& rough) {
     return kCutoff * std::max(1.0F, noiseOver(squares, pixels - kFreedoms, robust));
   };
   // Whole steps until they are small: one, mostly.
-  std::optional<Factor<kBlock, Both>> factor;  // odd and even
+  std::optional<Factor<kBlock, DoublePair>> factor;  // odd and even
   const auto solve = [&](const Row& right) {
-    std::array<Both, kBlock> both;
-    for (std::size_t i = 0; i < kBlock; ++i) both[i] = Both{right[i], right[i + kBlock]};
+    std::array<DoublePair, kBlock> both;
+    for (std::size_t i = 0; i < kBlock; ++i) both[i] = DoublePair{right[i], right[i + kBlock]};
     both = factor->solve(both);
     Row steps;
     for (std::size_t i = 0; i < kBlock; ++i) {
@@ -238,9 +239,9 @@ Outcome fitPlain(const Task& task, Window& window, const Disc& rough) {
       right[k.i] += k.off * k.weight;
       (k.i < kBlock ? blocks.odd : blocks.even)[i * (i + 1) / 2 + i] += k.weight;
     }
-    std::array<Both, 10> normal;
+    std::array<DoublePair, 10> normal;
     for (std::size_t i = 0; i < normal.size(); ++i) {
-      normal[i] = Both{blocks.odd[i], blocks.even[i]};
+      normal[i] = DoublePair{blocks.odd[i], blocks.even[i]};
     }
     factor.emplace(normal);
     if (!factor->good()) return out;
@@ -258,7 +259,7 @@ Outcome fitPlain(const Task& task, Window& window, const Disc& rough) {
   }
   // Then one of the centre alone, robust in any case, which also says how well it is known.
   const auto column = [&](std::size_t unknown, bool even) {
-    const std::array<Both, kBlock> both = factor->inverseColumn(unknown % kBlock);
+    const std::array<DoublePair, kBlock> both = factor->inverseColumn(unknown % kBlock);
     BlockRow out_row;
     for (std::size_t i = 0; i < kBlock; ++i) out_row[i] = both[i][even ? 1 : 0];
     return out_row;
@@ -266,9 +267,9 @@ Outcome fitPlain(const Task& task, Window& window, const Disc& rough) {
   BlockRow row_x = column(kX, false);
   BlockRow row_y = column(kY, false);
   const double ratio_variance = column(kRatio, true)[kRatio - kBlock];
-  const double belief = beliefAt(kCutoff) / beliefAt(matrix_cutoff);
-  for (double& r : row_x) r /= belief;
-  for (double& r : row_y) r /= belief;
+  const double pixel_weight = beliefAt(kCutoff) / beliefAt(matrix_cutoff);
+  for (double& r : row_x) r /= pixel_weight;
+  for (double& r : row_y) r /= pixel_weight;
   LastStep last;
   sumLast(window, by, cutoff, row_x, row_y, last);
   disc.x += static_cast<float>(last.x);
@@ -287,9 +288,9 @@ Outcome fitPlain(const Task& task, Window& window, const Disc& rough) {
   out.sigma = disc.sigma;
   out.slope_x = disc.slope_x;
   out.slope_y = disc.slope_y;
-  const double believed = last.believed - (window.count - pixels);
-  out.noise = noiseOver(last.squares, believed - kFreedoms, true);
-  out.believed = static_cast<float>(believed / std::max(1.0, pixels));
+  const double weight = last.weight - (window.count - pixels);
+  out.noise = noiseOver(last.squares, weight - kFreedoms, true);
+  out.weight = static_cast<float>(weight / std::max(1.0, pixels));
   out.pixels = static_cast<int>(pixels);
   out.cost = static_cast<float>(last.cost);
   out.correlation = static_cast<float>(correlation(window));

@@ -26,8 +26,8 @@ struct Task {
   Constants constants;
   float sigma = 1;  ///< [px] the whole blur, as far as known
   float margin_sigmas = kMargin;
-  bool sparse = false;                   ///< without pixels that tell little
-  std::shared_ptr<const Pixels> pixels;  ///< that are looked at
+  bool sparse = false;                        ///< without pixels that tell little
+  std::shared_ptr<const PixelLayout> pixels;  ///< that are looked at
 
   Task(const optics::GreyView& the_picture, const DiscShape& the_shape,
        const optics::Imaging& imaging, bool is_sparse);
@@ -57,7 +57,7 @@ struct Outcome {
   float sigma = 1;        ///< [px]
   float noise = 1;        ///< residuals over the expected noise
   float correlation = 0;  ///< of neighbouring residuals
-  float believed = 1;     ///< [1] share of the pixels
+  float weight = 1;       ///< [1] share of the pixels
   float cost = 0;         ///< Sums::cost
   int pixels = 0;
   float ratio_error = 0;  ///< [1] standard error

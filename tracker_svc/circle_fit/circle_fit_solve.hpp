@@ -8,10 +8,10 @@
 namespace lab::detector::fit {
 
 /// Two systems side by side.
-using Both = double __attribute__((vector_size(16)));
+using DoublePair = double __attribute__((vector_size(16)));
 
 inline bool isPositive(double v) { return v > 0; }
-inline bool isPositive(const Both& v) { return v[0] > 0 && v[1] > 0; }
+inline bool isPositive(const DoublePair& v) { return v[0] > 0 && v[1] > 0; }
 
 /// A symmetric matrix as L D L', which takes no roots; lower triangle row by row.
 /// @tparam Number double, or Both for two systems at once

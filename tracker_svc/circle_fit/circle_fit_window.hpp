@@ -22,14 +22,14 @@ struct Slopes {
   alignas(32) float by[8][kLanes];   ///< slope of the value by each unknown
 };
 
-class Pixels;
+class PixelLayout;
 
 /// Pixels around one point of the picture, row by row; places are relative to that point. Where
 /// every row is looked at, they look the same upside down: the last place lies opposite the first,
 /// seen from that point.
 struct Window {
-  std::shared_ptr<const Pixels> pixels;  ///< whose the places are
-  double base_x = 0;                     ///< [px] in the picture
+  std::shared_ptr<const PixelLayout> pixels;  ///< whose the places are
+  double base_x = 0;                          ///< [px] in the picture
   double base_y = 0;
   int count = 0;             ///< a multiple of kLanes
   int places = 0;            ///< of them that are places, and do not fill up the last eight

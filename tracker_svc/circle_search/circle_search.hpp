@@ -2,7 +2,6 @@
 /// speed of memory, no threshold for the picture as a whole.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -10,31 +9,15 @@
 
 #include "light/optics/grey_image.hpp"
 #include "light/photometry/imaging.hpp"
+#include "tracker_svc/circle_search/candidate.hpp"
 #include "tracker_svc/circle_search/contrast_prefilter.hpp"
 #include "tracker_svc/circle_search/dark_pixels.hpp"
 #include "tracker_svc/circle_search/occupancy_map.hpp"
+#include "tracker_svc/circle_search/outline_fitter.hpp"
 #include "tracker_svc/circle_search/padded_picture.hpp"
 #include "tracker_svc/detector/scale_map.hpp"
 
 namespace lab::detector {
-
-/// A circle, known to about a tenth of its radius.
-struct Spot {
-  float x = 0;      ///< [px]
-  float y = 0;      ///< [px]
-  float white = 0;  ///< [DN] around it, black level taken off
-  bool can_be_big = false;
-  bool can_be_small = false;
-  float size = 0;  ///< [px] radius, as well as the search can tell
-};
-
-/// Something dark that was looked at and is no circle.
-struct RejectedSpot {
-  float x = 0;
-  float y = 0;
-  float seen = 0;  ///< [1] share of directions with an outline at the right distance
-  float wanted = 0;
-};
 
 /// Which rows are tested.
 enum class Rows : std::uint8_t { kSome, kAll };
@@ -78,38 +61,9 @@ class CircleSearch {
   [[nodiscard]] std::optional<Spot> centredAs(const Spot& spot, bool big);
 
  private:
-  static constexpr int kDirections = 16;
-  static constexpr int kMostSamples = 48;  // [px] along a direction
-  static constexpr int kBand = 32;         // rows that share one set of sizes
-
-  struct Sizes {    // of one word in one band
-    float big = 0;  // [px]
-    float small = 0;
-  };
-  /// The picture, or its edges, in the coordinates of the padded picture.
-  struct Plane {
-    optics::GreyView view;
-    std::vector<std::int32_t> rays;  // [bytes] from a pixel to those around it: by distance [px],
-                                     // by direction
-  };
-  struct Ring {            // what one look around a point gives
-    int outlines = 0;      // directions with an outline near the right distance
-    int open = 0;          // pairs of opposite directions without any
-    float dx = 0, dy = 0;  // [px] where the centre rather is
-    float white = 0;       // [DN]
-  };
-  struct Candidate {  // the middle of a run of dark pixels
-    int x = 0, y = 0;
-    int dark = 0;   // [DN]
-    int white = 0;  // [DN]
-    Neighbours to;
-    Sizes sizes;
-  };
-
-  enum class Shape : std::uint8_t { kRound, kLong, kThin, kOther };
+  static constexpr int kBand = 32;  // rows that share one set of sizes
 
   void addSizes(const ScaleMap& scale, const optics::CapGeometry& cap);
-  void aim(Plane& plane, const optics::GreyView& view) const;
   /// @param around [px] how far from there something is read
   [[nodiscard]] bool isInner(int x, int y, int around) const;
   [[nodiscard]] const Plane& planeAt(int x, int y, int around);
@@ -123,46 +77,25 @@ class CircleSearch {
   void take(const Candidate& candidate);
   void add(Spot spot, const Sizes& sizes);
   void bringBack(std::vector<Spot>& spots, std::size_t first) const;
-  /// To the middle of what is dark in its column: a row may cross a circle anywhere.
-  static void moveToMiddle(const Plane& plane, Candidate& candidate);
-  /// Dark inside of the small circle and bright around the big one, on all sides.
-  [[nodiscard]] static bool isRound(const Plane& plane, const Candidate& candidate);
-  [[nodiscard]] static bool standsOut(const Plane& plane, const Candidate& candidate, int noise);
-  /// Sets dark and white. @return whether it is clearly darker than what is around it
-  [[nodiscard]] bool isDark(const Plane& plane, Candidate& candidate) const;
-  [[nodiscard]] Shape shapeAround(const Plane& plane, const Candidate& candidate, Spot& spot) const;
-  [[nodiscard]] Ring lookAround(const Plane& plane, float x, float y, float radius,
-                                float slack) const;
-  [[nodiscard]] bool weigh(const Plane& plane, const Candidate& candidate, Spot& spot) const;
-  [[nodiscard]] bool settle(const Plane& plane, const Candidate& candidate, Spot& spot);
-  [[nodiscard]] int centre(const Plane& plane, float x, float y, float radius, Spot& spot) const;
-  /// Single pixels say little about it.
-  [[nodiscard]] bool isFaint(const Candidate& candidate) const {
-    return candidate.white - candidate.dark < kFaint * noise_;
-  }
   [[nodiscard]] bool isOccupied(float x, float y, int dark) const {
-    return occupied_.isOccupied(x, y, dark - black_, noise_);
+    return occupied_.isOccupied(x, y, dark - levels_.black, levels_.noise);
   }
 
-  optics::Imaging imaging_;
+  GreyLevels levels_;
+  Levels search_levels_;
+  OutlineFitter outline_;
   int padding_ = 0;  // [px] added on every side of a picture
   int width_ = 0;    // [px] with padding
   int height_ = 0;
   int step_ = 3;       // [rows] between tested ones, where there is light
   int first_row_ = 0;  // of the regions
   int last_row_ = -1;
-  int near_ = 0;        // [px] that findDarkPixels() looks to the sides, at most
-  int reach_ = 0;       // [px] around a candidate in which pixels are looked at
-  int black_ = 0;       // [DN]
-  float softness_ = 0;  // [px] standard deviation of blur and pixel
-  int noise_ = 0;       // [DN] a difference that read noise alone does not make
-  Levels levels_;
+  int near_ = 0;   // [px] that findDarkPixels() looks to the sides, at most
+  int reach_ = 0;  // [px] around a candidate in which pixels are looked at
   std::vector<int> word_starts_;
   std::vector<std::uint64_t> edge_words_;  // bits: words that reach beyond the picture
   std::vector<Neighbours> neighbours_;     // by band, by word
   std::vector<Sizes> sizes_;               // by band, by word
-  std::array<float, kDirections> cos_{};
-  std::array<float, kDirections> sin_{};
   ContrastPrefilter prefilter_;
   PaddedPicture padded_;
   Plane inner_;  // of the picture as it is

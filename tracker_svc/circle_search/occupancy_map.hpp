@@ -35,7 +35,7 @@ class OccupancyMap {
   /// A circle, or something long, that was found.
   /// @param reach [px] around it
   /// @param dark [DN above black] of something long; 0: a circle
-  void claim(float x, float y, float reach, int dark);
+  void markOccupied(float x, float y, float reach, int dark);
 
   /// Whether it belongs to something that was found.
   /// @param dark [DN above black] of what is there: something much darker in the middle of
@@ -71,7 +71,7 @@ class OccupancyMap {
     std::array<std::int16_t, kMost> covers;
   };
 
-  [[nodiscard]] static bool holds(const OccupiedRegion& claim, float x, float y, int dark,
+  [[nodiscard]] static bool holds(const OccupiedRegion& region, float x, float y, int dark,
                                   int noise);
   [[nodiscard]] std::size_t cellAt(int x, int y) const {
     return static_cast<std::size_t>(y / kCell * columns_ + x / kCell);
@@ -83,7 +83,7 @@ class OccupancyMap {
   std::vector<Cover> covers_;
   int wide_columns_ = 0;
   int wide_rows_ = 0;
-  std::vector<std::int16_t> cells_;  // which claim, -1: none
+  std::vector<std::int16_t> cells_;  // which region, -1: none
   std::vector<Nearby> nearby_;       // by wide cell
 };
 

@@ -10,6 +10,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "light/median.hpp"
 #include "tracker_svc/detector/saturation.hpp"
 
 namespace lab::detector {
@@ -206,9 +207,7 @@ float rimInTheDark(const optics::GreyView& picture, float x, float y, float radi
     }
     contrast[sector] = (inside - at_rim) / std::max(inside + at_rim + softer, 1.0F);
   }
-  const auto half = contrast.begin() + kSectors / 2;
-  std::nth_element(contrast.begin(), half, contrast.end());
-  return *half;
+  return medianOf(contrast);
 }
 
 }  // namespace

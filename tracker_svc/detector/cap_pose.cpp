@@ -54,7 +54,7 @@ CapPose poseFromCircles(const MeasuredPoint& big, const MeasuredPoint& small,
       mix[1] * tx + mix[2] * ty, sum[0] * tx * tx + 2 * sum[1] * tx * ty + sum[2] * ty * ty};
   const double off = std::sqrt(square) - cap.spacing();
   const double variance = (sum[0] * dx * dx + 2 * sum[1] * dx * dy + sum[2] * dy * dy) / square;
-  out.surprise = off * off / variance;
+  out.spacing_chi2 = off * off / variance;
   return out;
 }
 
@@ -80,7 +80,7 @@ CapPose poseFromRim(const MeasuredPoint& circle, double offset, const MeasuredPo
   const double off = length - std::abs(offset);
   const double share = off / along;
   CapPose out;
-  out.surprise = off * share;
+  out.spacing_chi2 = off * share;
   out.x = middle.place.x - mx * share;
   out.y = middle.place.y - my * share;
   const double turn = -of_cross * share / std::abs(offset);

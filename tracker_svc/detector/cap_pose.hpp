@@ -35,7 +35,7 @@ struct CapPose {
   double y = 0;                        ///< [m]
   double theta = 0;                    ///< [rad] (-pi, pi]
   std::array<double, 6> covariance{};  ///< [m^2, m rad, rad^2] xx, xy, xt, yy, yt, tt
-  double surprise = 0;  ///< chi^2 of one degree of freedom: distance of the two points
+  double spacing_chi2 = 0;  ///< chi^2 of one degree of freedom: distance of the two points
 };
 
 /// From the centres of both circles: their distance is not held against them.

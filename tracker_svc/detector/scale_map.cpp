@@ -7,6 +7,8 @@
 #include <limits>
 #include <optional>
 
+#include "light/median.hpp"
+
 namespace lab::detector {
 namespace {
 
@@ -83,9 +85,7 @@ ScaleMap::ScaleMap(const optics::CameraModel& camera, const optics::CapGeometry&
   }
   if (means.empty()) return;
   // Near a horizon the scale runs to nothing; no cap is looked for there.
-  std::nth_element(means.begin(), means.begin() + static_cast<std::ptrdiff_t>(means.size() / 2),
-                   means.end());
-  const float usual = means[means.size() / 2];
+  const float usual = medianOf(means);
   smallest_ = std::numeric_limits<float>::max();
   for (LocalScale& node : nodes_) {
     if (node.mean < usual / kLargestJump || node.mean > usual * kLargestJump) node.mean = 0;

@@ -76,12 +76,12 @@ void MotionBinding::measure(double time, std::span<IdentityEvidence* const> caps
     if (valid && cap->begun && cap->placed) {
       SliceMotion& motion = cap->motions[static_cast<std::size_t>(number) % cap->motions.size()];
       motion.slice = number;
-      motion.way = wheelsBetween(cap->begin, cap->place, settings_.wheel_base);
+      motion.travel = wheelsBetween(cap->begin, cap->place, settings_.wheel_base);
       motion.before = {cap->speeds.left * duration, cap->speeds.right * duration};
       motion.duration = duration;
       motion.touching = cap->touching || cap->begin_touching;
       motion.variance = cap->variance + cap->begin_variance;
-      cap->speeds = {motion.way.left / duration, motion.way.right / duration};
+      cap->speeds = {motion.travel.left / duration, motion.travel.right / duration};
     } else {
       cap->speeds = {};
     }
@@ -110,27 +110,28 @@ void MotionBinding::expectOfForeign(IdentityEvidence& cap, SliceMotion& motion,
       WheelLog::randomVariance(motion.before.left, motion.duration) + motion.variance;
   const double right =
       WheelLog::randomVariance(motion.before.right, motion.duration) + motion.variance;
-  const double held = (square(motion.way.left - motion.before.left) / left +
-                       square(motion.way.right - motion.before.right) / right) /
+  const double held = (square(motion.travel.left - motion.before.left) / left +
+                       square(motion.travel.right - motion.before.right) / right) /
                       2;
   const double peak = -kLogTwoPi - std::log(left * right) / 2;
-  double surprise = held;
+  double speed_change_log_ratio = held;
   if (held > 1) {
     const double variance =
-        motion.variance + (WheelLog::randomVariance(motion.way.left, motion.duration) +
-                           WheelLog::randomVariance(motion.way.right, motion.duration)) /
+        motion.variance + (WheelLog::randomVariance(motion.travel.left, motion.duration) +
+                           WheelLog::randomVariance(motion.travel.right, motion.duration)) /
                               2;
     const double any =
         peak - std::log(motion_prior_.changes() *
-                        motion_prior_.density(motion.way, variance, motion.duration, fastest));
-    surprise = std::min(held, any);
-    if (cap.surprise > 1) {
-      surprise = std::min(surprise, std::max(0.0, any - cap.surprise) + kSecondPart);
+                        motion_prior_.density(motion.travel, variance, motion.duration, fastest));
+    speed_change_log_ratio = std::min(held, any);
+    if (cap.speed_change_log_ratio > 1) {
+      speed_change_log_ratio = std::min(
+          speed_change_log_ratio, std::max(0.0, any - cap.speed_change_log_ratio) + kSecondPart);
     }
   }
-  cap.surprise = surprise;
-  motion.surprise = surprise;
-  motion.foreign = peak - surprise;
+  cap.speed_change_log_ratio = speed_change_log_ratio;
+  motion.speed_change_log_ratio = speed_change_log_ratio;
+  motion.foreign = peak - speed_change_log_ratio;
 }
 
 void MotionBinding::weigh(const Slice& slice, std::span<IdentityEvidence* const> caps) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "light/median.hpp"
 #include "tracker_svc/tracking/reappearance_density.hpp"
 
 namespace lab::tracker {
@@ -84,9 +85,7 @@ double CapTracker::usualSpeed() const {
   if (track_states_.empty()) return 0;
   std::vector<double> speeds;
   for (const TrackState& follow : track_states_) speeds.push_back(follow.shown);
-  const auto middle = speeds.begin() + static_cast<std::ptrdiff_t>(speeds.size() / 2);
-  std::ranges::nth_element(speeds, middle);
-  return *middle;
+  return medianOf(speeds);
 }
 
 /// How far from where it was last seen it may come back and be the same.
@@ -262,19 +261,20 @@ void CapTracker::see(TrackState& follow, double time, detector::Detection detect
   if (span > kLost) {
     follow.speeds = {};
   } else if (span > 1e-3 && sharp && !isDegraded(follow.detection)) {
-    const Wheels way = wheelsBetween(follow.pose, pose, settings_.wheel_base);
+    const Wheels travel = wheelsBetween(follow.pose, pose, settings_.wheel_base);
     const double most = settings_.max_wheel_speed;
     const auto blend = [&](double old, double measured) {
       return std::clamp(0.3 * old + 0.7 * measured / span, -most, most);
     };
-    follow.speeds = {blend(follow.speeds.left, way.left), blend(follow.speeds.right, way.right)};
+    follow.speeds = {blend(follow.speeds.left, travel.left),
+                     blend(follow.speeds.right, travel.right)};
   }
   if (span > kLost && follow.blanks > 0) {  // where it was meanwhile tells no speed
     follow.begun = time;
     follow.begun_at = pose;
   } else if (sharp && time - follow.begun >= kStride) {
-    const double way = std::hypot(pose.x - follow.begun_at.x, pose.y - follow.begun_at.y);
-    follow.shown = std::max(follow.shown, way / (time - follow.begun));
+    const double travel = std::hypot(pose.x - follow.begun_at.x, pose.y - follow.begun_at.y);
+    follow.shown = std::max(follow.shown, travel / (time - follow.begun));
     follow.begun = time;
     follow.begun_at = pose;
   }

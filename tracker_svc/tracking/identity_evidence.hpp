@@ -17,13 +17,13 @@ namespace lab::tracker {
 /// What a cap did in one slice of time.
 struct SliceMotion {
   std::int64_t slice = -1;  ///< which, -1: none
-  Wheels way;               ///< [m] of wheels under the cap
+  Wheels travel;            ///< [m] of wheels under the cap
   Wheels before;            ///< [m] what it would have been at the speeds of the slice before
   double duration = 0;      ///< [s]
   double variance = 0;      ///< [m^2] of each way, from the detections
   double foreign = 0;       ///< [ln 1/m^2] density if the cap belonged to no robot
-  double surprise = 0;      ///< [ln] how much less than if it had kept its speeds
-  bool touching = false;    ///< a wall or another cap is so near that it may have been held up
+  double speed_change_log_ratio = 0;  ///< [ln] how much less than if it had kept its speeds
+  bool touching = false;  ///< a wall or another cap is so near that it may have been held up
 };
 
 /// What robots do these days: what may be expected of a cap of which nothing is known.
@@ -34,7 +34,7 @@ class MotionPrior {
 
   /// Density [1/m^2] of ways of wheels as new speeds, drawn by any robot: as other robots were seen
   /// to drive, or normally distributed as they are, or anything wheels can do.
-  [[nodiscard]] double density(const Wheels& way, double variance, double duration,
+  [[nodiscard]] double density(const Wheels& travel, double variance, double duration,
                                double fastest) const;
 
   /// How likely a cap of which nothing is known changes its speeds in this slice: as often as
@@ -43,7 +43,7 @@ class MotionPrior {
 
  private:
   void addNormal(const WheelPath& path, double duration);
-  [[nodiscard]] double normalDensity(const Wheels& way, double variance, double duration) const;
+  [[nodiscard]] double normalDensity(const Wheels& travel, double variance, double duration) const;
 
   std::vector<Wheels> samples_;  ///< [m/s] of the last seconds
   std::size_t next_sample_ = 0;
@@ -85,10 +85,10 @@ class PairEvidence {
   struct Driven {
     double value = 0;  ///< [ln]
     double error = 0;  ///< [ln] part of it, gains unknown
-    Wheels way;        ///< [m] expected
+    Wheels travel;     ///< [m] expected
     Wheels variance;   ///< [m^2] of it, but for the gains
   };
-  [[nodiscard]] static Driven compare(const SliceMotion& cap, const Wheels& way,
+  [[nodiscard]] static Driven compare(const SliceMotion& cap, const Wheels& travel,
                                       const Wheels& variance);
   [[nodiscard]] double heldUp(const SliceMotion& cap, const WheelPath& robot,
                               double variance) const;
@@ -118,13 +118,13 @@ struct IdentityEvidence {
   dynamics::Pose begin;   ///< there
   double begin_variance = 0;
   bool begin_touching = false;
-  Wheels speeds;         ///< [m/s] in the last slice
-  double surprise = 0;   ///< how unlikely a change of speeds in the last slice was
-  int candidate = -1;    ///< robot that it is about to be bound to
-  int confirmed = 0;     ///< in so many slices
-  bool proven = false;   ///< bound by hand, or far beyond doubt since
-  bool suspect = false;  ///< moves as its robot does not
-  int contrary = 0;      ///< slices it has done so
+  Wheels speeds;                      ///< [m/s] in the last slice
+  double speed_change_log_ratio = 0;  ///< how unlikely a change of speeds in the last slice was
+  int candidate = -1;                 ///< robot that it is about to be bound to
+  int confirmed = 0;                  ///< in so many slices
+  bool proven = false;                ///< bound by hand, or far beyond doubt since
+  bool suspect = false;               ///< moves as its robot does not
+  int contrary = 0;                   ///< slices it has done so
 
   /// What was known is worth nothing any more: the cap may be another one.
   void forget();

@@ -16,9 +16,9 @@ class Chain {
       : pose_(from), c_(covariance), wheel_base_(wheel_base) {}
 
   /// One arc of the wheels' ways; `left` and `right` variances are random errors of these ways.
-  void move(Wheels way, Wheels variance) {
-    const double forward = (way.left + way.right) / 2;
-    const double turn = (way.right - way.left) / wheel_base_;
+  void move(Wheels travel, Wheels variance) {
+    const double forward = (travel.left + travel.right) / 2;
+    const double turn = (travel.right - travel.left) / wheel_base_;
     const dynamics::Arc arc = dynamics::makeArcOf(forward, turn, 1);
     const double middle = pose_.theta + turn / 2;
     const double cosine = std::cos(middle);
@@ -31,8 +31,8 @@ class Chain {
     const double l[3] = {cosine / 2, sine / 2, -1 / wheel_base_};
     const double r[3] = {cosine / 2, sine / 2, 1 / wheel_base_};
     for (int i = 0; i < 3; ++i) {
-      by_left_gain_[i] += l[i] * way.left;
-      by_right_gain_[i] += r[i] * way.right;
+      by_left_gain_[i] += l[i] * travel.left;
+      by_right_gain_[i] += r[i] * travel.right;
     }
     addNoise(l, variance.left);
     addNoise(r, variance.right);
@@ -114,7 +114,7 @@ Reckoning DeadReckoner::reckon(const dynamics::Pose& from, const std::array<doub
     const double spread =
         square(settings_.max_wheel_speed / 3 * span) * std::min(1.0, (idle + span) / kMemory);
     chain.move({speeds.left * share, speeds.right * share}, {spread, spread});
-    result.way += std::abs(speeds.left + speeds.right) / 2 * share;
+    result.travel += std::abs(speeds.left + speeds.right) / 2 * share;
     result.assumed += span;
     idle += span;
     time = until;
@@ -128,7 +128,7 @@ Reckoning DeadReckoner::reckon(const dynamics::Pose& from, const std::array<doub
     const double random = square(WheelLog::kRandomWay) * span;
     chain.move({part.left * span, part.right * span},
                {random + square(part.left_step) * when, random + square(part.right_step) * when});
-    result.way += std::abs(part.left + part.right) / 2 * span;
+    result.travel += std::abs(part.left + part.right) / 2 * span;
     result.known += span;
     speeds = {part.left, part.right};
     idle = 0;

@@ -34,7 +34,7 @@ struct Reckoning {
   std::array<double, 6> covariance{};  ///< [m^2, m rad, rad^2] xx, xy, xt, yy, yt, tt
   double known = 0;                    ///< [s] how much of the time the robot's reports cover
   double assumed = 0;                  ///< [s] and how much they do not
-  double way = 0;                      ///< [m] length of the way
+  double travel = 0;                   ///< [m] length of the way
 };
 
 /// Dead reckoning. Where the robot's reports (null: none) do not say otherwise, the wheels go on as

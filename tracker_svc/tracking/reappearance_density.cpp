@@ -64,7 +64,7 @@ double ReappearanceDensity::logDensity(const detector::Detection& detection) con
   const double turned = wrapped(detection.theta - free_.pose.theta);
   double density = kept_ * kFree * normalDensity({dx, dy, turned}, c);
   // Held up: anywhere within the way it could not go; contacts may or may not stop it from turning.
-  const double held = free_.way + kSlack;
+  const double held = free_.travel + kSlack;
   if (distance <= held) {
     const double heading = std::exp(-square(turned) / (2 * c[5])) / std::sqrt(2 * kPi * c[5]);
     density += kept_ * known_ * kHeldUp / (kPi * square(held)) * (heading + 1 / (2 * kPi)) / 2;

@@ -51,8 +51,8 @@ class WheelLog {
   [[nodiscard]] WheelPath path(double begin, double end) const;
 
   /// The random part of the error [m^2] of a wheel's way in some time.
-  [[nodiscard]] static double randomVariance(double way, double duration) {
-    return kRandomWay * kRandomWay * duration + kRandomGain * kRandomGain * way * way;
+  [[nodiscard]] static double randomVariance(double travel, double duration) {
+    return kRandomWay * kRandomWay * duration + kRandomGain * kRandomGain * travel * travel;
   }
 
   /// [s] Over longer gaps between two reports nothing is assumed.

@@ -31,11 +31,11 @@ Score scoreOf(int cameras, int caps, int boards, double corners) {
     Random random(static_cast<std::uint64_t>(seed), 9);
     const optics::CameraParameters camera = someCamera(random, kColumns, kRows);
     const SightNoise noise{0.02, corners, 5e-4 * random.normal()};
-    CameraObservations sights = sightsOf(camera, caps, noise, random);
-    for (int i = 0; i < boards; ++i) sights.boards.push_back(boardSeen(camera, 0.02, random));
-    const CameraFit fit = fitCamera(sights);
+    CameraObservations observations = sightsOf(camera, caps, noise, random);
+    for (int i = 0; i < boards; ++i) observations.boards.push_back(boardSeen(camera, 0.02, random));
+    const CameraFit fit = fitCamera(observations);
     EXPECT_THAT(fit.refusal, IsEmpty()) << "camera " << seed;
-    const TrueError error = trueError(fit, camera, sights);
+    const TrueError error = trueError(fit, camera, observations);
     score.rms += error.rms * error.rms / cameras;
     score.claimed += fit.map.rms * fit.map.rms / cameras;
     score.shape += error.shape * error.shape / cameras;
@@ -89,11 +89,11 @@ TEST(CameraFit, IsRightWithoutNoise) {
   camera.cy = (kRows - 1) / 2.0;
   camera.fy = camera.fx;
   camera.k2 = camera.p1 = camera.p2 = 0;
-  const CameraObservations sights = sightsOf(camera, 300, {0, 0}, random);
-  const CameraFit fit = fitCamera(sights);
+  const CameraObservations observations = sightsOf(camera, 300, {0, 0}, random);
+  const CameraFit fit = fitCamera(observations);
   ASSERT_THAT(fit.refusal, IsEmpty());
   // The centre of the ellipse that a circle appears as is known to second order, to 1e-4 px.
-  EXPECT_LT(trueError(fit, camera, sights).largest, 0.1e-3);
+  EXPECT_LT(trueError(fit, camera, observations).largest, 0.1e-3);
   EXPECT_NEAR(fit.height, optics::CameraModel(camera).centre()[2], 3e-3);
 }
 
@@ -109,26 +109,27 @@ TEST(CameraFit, EstimatesTheNoiseOfTheCircles) {
 TEST(CameraFit, LeavesMisdetectionsOut) {
   Random random(3);
   const optics::CameraParameters camera = someCamera(random, kColumns, kRows);
-  CameraObservations sights = sightsOf(camera, 400, {0.02, 0.2}, random);
-  for (std::size_t i = 0; i < 40; ++i) sights.caps[10 * i].big.x += 3 * random.normal();
-  const CameraFit fit = fitCamera(sights);
+  CameraObservations observations = sightsOf(camera, 400, {0.02, 0.2}, random);
+  for (std::size_t i = 0; i < 40; ++i) observations.caps[10 * i].big.x += 3 * random.normal();
+  const CameraFit fit = fitCamera(observations);
   ASSERT_THAT(fit.refusal, IsEmpty());
   EXPECT_GT(fit.outlying, 25);
   EXPECT_LE(fit.outlying, 45);
   EXPECT_NEAR(fit.cap_noise, 0.02, 0.004);
-  EXPECT_LT(trueError(fit, camera, sights).largest_pull, 4);
+  EXPECT_LT(trueError(fit, camera, observations).largest_pull, 4);
 }
 
 TEST(CameraFit, GuessesFromTheCornersAlone) {
   Random random(4);
   const optics::CameraParameters camera = optics::simulatedCamera(kColumns, kRows, 1.2, 0.9);
-  const CameraObservations sights = sightsOf(camera, 200, {0, 0.5}, random);
-  const optics::CameraModel guess(guessFromCorners(sights, 1.72, -0.12));
-  for (const CapObservation& sight : sights.caps) {
-    const auto big = guess.toPlane(sight.big, sights.cap.height);
-    const auto small = guess.toPlane(sight.small, sights.cap.height);
+  const CameraObservations observations = sightsOf(camera, 200, {0, 0.5}, random);
+  const optics::CameraModel guess(guessFromCorners(observations, 1.72, -0.12));
+  for (const CapObservation& observation : observations.caps) {
+    const auto big = guess.toPlane(observation.big, observations.cap.height);
+    const auto small = guess.toPlane(observation.small, observations.cap.height);
     ASSERT_TRUE(big && small);
-    EXPECT_NEAR(std::hypot(big->x - small->x, big->y - small->y), sights.cap.spacing(), 0.7e-3);
+    EXPECT_NEAR(std::hypot(big->x - small->x, big->y - small->y), observations.cap.spacing(),
+                0.7e-3);
   }
 }
 
@@ -149,8 +150,8 @@ TEST_F(CameraFitRefusal, TooFewCaps) {
 }
 
 TEST_F(CameraFitRefusal, OnePartOfTheArenaNotSeen) {
-  std::erase_if(sights_.caps, [this](const CapObservation& sight) {
-    const auto place = optics::CameraModel(camera_).toPlane(sight.big, 0.05);
+  std::erase_if(sights_.caps, [this](const CapObservation& observation) {
+    const auto place = optics::CameraModel(camera_).toPlane(observation.big, 0.05);
     return place->x > 0.75 && place->y < 0.35;
   });
   EXPECT_THAT(refusal(), HasSubstr("found 0 caps in the corner of low y, high x"));
@@ -199,8 +200,9 @@ TEST_F(CameraFitRefusal, CirclesThatAreFoundBadly) {
 }
 
 TEST_F(CameraFitRefusal, NoCapsAtAllButSomethingElse) {
-  for (CapObservation& sight : sights_.caps) {
-    sight.small = {sight.big.x + 60 * random_.uniform(), sight.big.y + 60 * random_.uniform()};
+  for (CapObservation& observation : sights_.caps) {
+    observation.small = {observation.big.x + 60 * random_.uniform(),
+                         observation.big.y + 60 * random_.uniform()};
   }
   EXPECT_THAT(refusal(), testing::Not(IsEmpty()));
 }

@@ -103,19 +103,19 @@ inline std::vector<CapObservation> capsSeen(const optics::CameraParameters& came
 /// What the camera sees of an arena of 120 x 90 cm.
 inline CameraObservations sightsOf(const optics::CameraParameters& camera, int caps,
                                    const SightNoise& noise, Random& random) {
-  CameraObservations sights;
-  sights.width = camera.width;
-  sights.height = camera.height;
-  sights.corner_sigma = std::max(noise.corners, 0.05);
+  CameraObservations observations;
+  observations.width = camera.width;
+  observations.height = camera.height;
+  observations.corner_sigma = std::max(noise.corners, 0.05);
   const optics::CameraModel model(camera);
   constexpr std::array<optics::Place, 4> kPlaces = {{{0, 0}, {1.2, 0}, {1.2, 0.9}, {0, 0.9}}};
   for (std::size_t i = 0; i < 4; ++i) {
     const optics::Pixel at = model.project(kPlaces[i].x, kPlaces[i].y, 0);
-    sights.corners[i] = {at.x + noise.corners * random.normal(),
-                         at.y + noise.corners * random.normal()};
+    observations.corners[i] = {at.x + noise.corners * random.normal(),
+                               at.y + noise.corners * random.normal()};
   }
-  sights.caps = capsSeen(camera, caps, noise, random);
-  return sights;
+  observations.caps = capsSeen(camera, caps, noise, random);
+  return observations;
 }
 
 /// A board of 9 x 6 discs, 3 cm apart, in some pose above the arena where it is seen whole.
@@ -162,15 +162,15 @@ struct TrueError {
 };
 
 inline TrueError trueError(const CameraFit& fit, const optics::CameraParameters& truth,
-                           const CameraObservations& sights) {
+                           const CameraObservations& observations) {
   const optics::CameraModel real(truth);
   const optics::CameraModel fitted(fit.camera);
   TrueError error;
   std::array<optics::Place, 25> misses;
   for (std::size_t i = 0; i < fit.map.places.size(); ++i) {
     const PlaceError& place = fit.map.places[i];
-    const auto seen =
-        fitted.toPlane(real.project(place.x, place.y, sights.cap.height), sights.cap.height);
+    const auto seen = fitted.toPlane(real.project(place.x, place.y, observations.cap.height),
+                                     observations.cap.height);
     if (!seen) return {1, 1, 1, 1e9};
     misses[i] = {seen->x - place.x, seen->y - place.y};
     const double miss = std::hypot(misses[i].x, misses[i].y);

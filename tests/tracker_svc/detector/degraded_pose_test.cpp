@@ -67,7 +67,7 @@ struct Scene {
 };
 
 /// e' C^-1 e for three numbers.
-double surprise(const std::array<double, 6>& c, const std::array<double, 3>& e) {
+double nees(const std::array<double, 6>& c, const std::array<double, 3>& e) {
   double m[3][4] = {{c[0], c[1], c[2], e[0]}, {c[1], c[3], c[4], e[1]}, {c[2], c[4], c[5], e[2]}};
   for (int i = 0; i < 3; ++i) {
     for (int j = i + 1; j < 3; ++j) {
@@ -109,8 +109,8 @@ TEST(DegradedPose, HasTheErrorsThatItClaims) {
       EXPECT_GT(seen[i].quality, 0.2F);
       EXPECT_LT(seen[i].quality, 0.5F);
       EXPECT_EQ(seen[i].spacing, 0);
-      const double z = surprise(seen[i].covariance, {seen[i].x - robot.x, seen[i].y - robot.y,
-                                                     wrapped(seen[i].theta - robot.theta)});
+      const double z = nees(seen[i].covariance, {seen[i].x - robot.x, seen[i].y - robot.y,
+                                                 wrapped(seen[i].theta - robot.theta)});
       sum += z;
       most = std::max(most, z);
       EXPECT_LT(std::hypot(seen[i].x - robot.x, seen[i].y - robot.y), 0.0006) << i;
@@ -166,8 +166,8 @@ TEST(DegradedPose, OfACapThatIsHalfOutsideOfThePicture) {
   const Detection seen = dut.follow(view, expected).front();
   ASSERT_EQ(seen.used & ~kUsedEdge, kUsedRim | kUsedBig);
   const sim::PaintedRobot& robot = scene.robots.front();
-  EXPECT_LT(surprise(seen.covariance,
-                     {seen.x - robot.x, seen.y - robot.y, wrapped(seen.theta - robot.theta)}),
+  EXPECT_LT(nees(seen.covariance,
+                 {seen.x - robot.x, seen.y - robot.y, wrapped(seen.theta - robot.theta)}),
             16);
   EXPECT_LT(std::hypot(seen.x - robot.x, seen.y - robot.y), 0.0004);
 }
@@ -300,8 +300,8 @@ TEST(CapPose, OfOneCircleAndTheMiddleHasTheRightCovariance) {
     const CapPose pose = poseFromRim(
         {noisy(0.4 + offset * std::cos(theta), 0.3 + offset * std::sin(theta), circle), circle},
         offset, {noisy(0.4, 0.3, middle), middle});
-    sum += surprise(pose.covariance, {pose.x - 0.4, pose.y - 0.3, wrapped(pose.theta - theta)});
-    distance += pose.surprise;
+    sum += nees(pose.covariance, {pose.x - 0.4, pose.y - 0.3, wrapped(pose.theta - theta)});
+    distance += pose.spacing_chi2;
   }
   EXPECT_NEAR(sum / kCount, 3, 4 * std::sqrt(6.0 / kCount));
   EXPECT_NEAR(distance / kCount, 1, 4 * std::sqrt(2.0 / kCount));

@@ -58,10 +58,10 @@ TEST(Motion, WheelsBetweenTwoPosesAreThoseOfTheArc) {
     const dynamics::Pose from{random.uniform(), random.uniform(), 6 * random.uniform() - 3};
     const dynamics::Pose to = dynamics::apply(dynamics::makeArc(left, right, kBase, 1), from);
 
-    const Wheels way = wheelsBetween(from, to, kBase);
+    const Wheels travel = wheelsBetween(from, to, kBase);
 
-    EXPECT_NEAR(way.left, left, 1e-7);
-    EXPECT_NEAR(way.right, right, 1e-7);
+    EXPECT_NEAR(travel.left, left, 1e-7);
+    EXPECT_NEAR(travel.right, right, 1e-7);
   }
 }
 
@@ -265,8 +265,8 @@ std::vector<Wheels> draws(std::uint64_t seed, std::size_t frames) {
 
 std::vector<dynamics::Arc> arcsOf(const std::vector<Wheels>& wheels, double share = 1) {
   std::vector<dynamics::Arc> result;
-  for (const Wheels& way : wheels) {
-    result.push_back(dynamics::makeArc(share * way.left, share * way.right, kBase, 1 / 30.0));
+  for (const Wheels& travel : wheels) {
+    result.push_back(dynamics::makeArc(share * travel.left, share * travel.right, kBase, 1 / 30.0));
   }
   return result;
 }
@@ -304,9 +304,9 @@ TEST(Binding, RobotsHeldFastByEachOtherAreNotTakenForOneAnother) {
   EXPECT_EQ(score.poses, 0) << "bound without evidence";
 
   // One gets away and goes its own ways: now it is known, and only it.
-  const std::vector<Wheels> ways = {{-0.06, -0.1}, {0.08, -0.06}, {-0.05, 0.1}, {0.04, 0.12}};
-  for (const Wheels& way : ways) {
-    crowd.order(0, way.left, way.right);
+  const std::vector<Wheels> travels = {{-0.06, -0.1}, {0.08, -0.06}, {-0.05, 0.1}, {0.04, 0.12}};
+  for (const Wheels& travel : travels) {
+    crowd.order(0, travel.left, travel.right);
     for (int frame = 0; frame < 18; ++frame) {
       crowd.advance(dut);
       score.add(crowd, dut.update(crowd.time(), crowd.detections()));

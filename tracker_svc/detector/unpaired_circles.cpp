@@ -1,5 +1,7 @@
-/// Circles of which the search did not see the partner: a light edge crosses it, or the noise hides
-/// it. Where the rim says that the cap is, the partner is looked for by its fit.
+// Circles of which the search did not see the partner: a light edge crosses it, or the noise hides
+// it. Where the rim says that the cap is, the partner is looked for by its fit.
+#include "tracker_svc/detector/unpaired_circles.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,7 +10,6 @@
 #include <numbers>
 #include <optional>
 
-#include "tracker_svc/detector.hpp"
 #include "tracker_svc/detector/cap_check.hpp"
 #include "tracker_svc/detector/saturation.hpp"
 
@@ -124,7 +125,7 @@ bool mayBeDark(const optics::GreyView& picture, float x, float y, int away, floa
 
 }  // namespace
 
-void Detector::lookBeside(const optics::GreyView& picture, std::vector<Rejection>* rejected) {
+void UnpairedCircles::search(std::vector<Rejection>* rejected) {
   struct Done {
     optics::Place place;
     bool big;
@@ -132,94 +133,81 @@ void Detector::lookBeside(const optics::GreyView& picture, std::vector<Rejection
   std::vector<Done> done;  // what was centred again is there twice
   const auto isNew = [&](const optics::Place& place, bool big) {
     return std::ranges::none_of(done, [&](const Done& other) {
-      return big == other.big && distance(place, other.place) < kAgain * cap_.small_radius;
+      return big == other.big && distance(place, other.place) < kAgain * setup_.cap.small_radius;
     });
   };
   int hints = kMostHints;
   int in_vain = 0;
-  const std::size_t known = spots_.size();
-  for (const bool aside : {false, true}) {  // what is found at once needs not be looked for
-    if (aside && isLightEven()) return;     // which leads nothing astray
+  const std::size_t known = circles_.size();
+  for (const bool aside : {false, true}) {      // what is found at once needs not be looked for
+    if (aside && known_.isLightEven()) return;  // which leads nothing astray
     const int most_in_vain =
         aside ? std::min(in_vain + kMostInVainAside, kMostInVain) : kMostInVain;
     if (aside) hints = std::min(hints, kMostHintsAside);
     done.clear();
     for (std::size_t i = 0; i < known; ++i) {
       for (const bool big : {true, false}) {
-        const Spot spot = spots_[i];
+        const Spot spot = circles_.spots()[i];
         // White that is full may be brighter than it says, and the circle larger than it looks.
-        const bool full = spot.white + static_cast<float>(imaging_.black) >= kSaturated;
-        if (taken_[i] != 0 || !(big ? spot.can_be_big || full : spot.can_be_small)) continue;
+        const bool full = spot.white + static_cast<float>(setup_.imaging.black) >= kSaturated;
+        if (circles_.isTaken(i) || !(big ? spot.can_be_big || full : spot.can_be_small)) continue;
         const optics::Pixel at{static_cast<double>(spot.x), static_cast<double>(spot.y)};
-        if (!aside && !isBlack(picture, at, big)) continue;
-        const std::optional<optics::Place> rough = camera_.toPlane(at, cap_.height);
-        if (!rough || isByCap(*rough) || !isNew(*rough, big)) continue;
+        if (!aside && !isBlack(at, big)) continue;
+        const std::optional<optics::Place> rough = setup_.camera.toPlane(at, setup_.cap.height);
+        if (!rough || known_.leavesNoRoomAt(*rough) || !isNew(*rough, big)) continue;
         if (hints-- == 0) return;
         if (in_vain >= most_in_vain) break;
         done.push_back({*rough, big});
         std::optional<optics::Place> begin;
         if (aside) {
-          begin = placeAside(picture, *rough, big);
+          begin = placeAside(*rough, big);
           if (!begin) continue;
-        } else if (partnersOf(picture, *rough, big, kRough).empty()) {
+        } else if (partnersOf(*rough, big, kRough).empty()) {
           continue;
         }
-        in_vain += tryUnpaired(picture, static_cast<int>(i), big, begin, rejected);
+        in_vain += tryUnpaired(static_cast<int>(i), big, begin, rejected);
       }
     }
   }
 }
 
-bool Detector::isLightEven() const {
-  return !seen_.empty() && std::ranges::none_of(seen_, [](const Detection& cap) {
-    return (cap.used & kUsedEdge) != 0;
-  });
-}
-
-bool Detector::isByCap(optics::Place place) const {
-  return std::ranges::any_of(seen_, [&, least = alone()](const Detection& cap) {
-    return distance(place, {cap.x, cap.y}) < least;
-  });
-}
-
-int Detector::tryUnpaired(const optics::GreyView& picture, int spot, bool big,
-                          const std::optional<optics::Place>& aside,
-                          std::vector<Rejection>* rejected) {
-  const Circle before = circleOf(spot, big);
-  const Circle& circle =
-      aside ? fitFrom(picture, camera_.project(aside->x, aside->y, cap_.height), spot, big)
-            : fit(picture, spot, big);
-  const std::size_t known = seen_.size();
+int UnpairedCircles::tryUnpaired(int spot, bool big, const std::optional<optics::Place>& aside,
+                                 std::vector<Rejection>* rejected) {
+  const FittedCircles::Circle before = circles_.of(spot, big);
+  const FittedCircles::Circle& circle =
+      aside ? circles_.fitFrom(setup_.camera.project(aside->x, aside->y, setup_.cap.height), spot,
+                               big)
+            : circles_.fit(spot, big);
+  const std::size_t known = known_.size();
   int in_vain = 1;
-  if (circle.fit.fault == FitFault::kNone && !isByCap(circle.place)) {
-    for (const Partner& partner : partnersOf(picture, circle.place, big, 1)) {
-      in_vain += pairBeside(picture, spot, big, partner.theta, rejected);
-      if (seen_.size() > known) return in_vain - 1;
+  if (circle.fit.fault == FitFault::kNone && !known_.leavesNoRoomAt(circle.place)) {
+    for (const Partner& partner : partnersOf(circle.place, big, 1)) {
+      in_vain += pairBeside(spot, big, partner.theta, rejected);
+      if (known_.size() > known) return in_vain - 1;
     }
   }
   // What was tried beside a spot says nothing of the spot.
-  if (aside) circleOf(spot, big) = before;
+  if (aside) circles_.restore(spot, big, before);
   return in_vain;
 }
 
-bool Detector::isBlack(const optics::GreyView& picture, optics::Pixel at, bool big) const {
-  const float radius =
-      static_cast<float>(big ? cap_.big_radius : cap_.small_radius) * scale_.at(at.x, at.y).mean;
-  return leftInside(picture, static_cast<float>(at.x), static_cast<float>(at.y), radius,
-                    imaging_) <= kBlack;
+bool UnpairedCircles::isBlack(optics::Pixel at, bool big) const {
+  const float radius = static_cast<float>(big ? setup_.cap.big_radius : setup_.cap.small_radius) *
+                       setup_.scale.at(at.x, at.y).mean;
+  return leftInside(circles_.picture(), static_cast<float>(at.x), static_cast<float>(at.y), radius,
+                    setup_.imaging) <= kBlack;
 }
 
 // A light edge may have led the search astray by nearly a radius.
-std::optional<optics::Place> Detector::placeAside(const optics::GreyView& picture,
-                                                  optics::Place rough, bool big) const {
-  const double away = kAside * (big ? cap_.big_radius : cap_.small_radius);
+std::optional<optics::Place> UnpairedCircles::placeAside(optics::Place rough, bool big) const {
+  const double away = kAside * (big ? setup_.cap.big_radius : setup_.cap.small_radius);
   std::optional<optics::Place> best;
   float most = kScoreAside;
   for (int i = 0; i < kDirectionsAside; ++i) {
     const double angle = 2 * std::numbers::pi * i / kDirectionsAside;
     const optics::Place place{rough.x + away * std::cos(angle), rough.y + away * std::sin(angle)};
-    if (!isBlack(picture, camera_.project(place.x, place.y, cap_.height), big)) continue;
-    const std::vector<Partner> partners = partnersOf(picture, place, big, kRough);
+    if (!isBlack(setup_.camera.project(place.x, place.y, setup_.cap.height), big)) continue;
+    const std::vector<Partner> partners = partnersOf(place, big, kRough);
     if (partners.empty() || partners[0].score <= most) continue;
     most = partners[0].score;
     best = place;
@@ -227,35 +215,34 @@ std::optional<optics::Place> Detector::placeAside(const optics::GreyView& pictur
   return best;
 }
 
-std::vector<Detector::Partner> Detector::partnersOf(const optics::GreyView& picture,
-                                                    optics::Place circle, bool big,
-                                                    std::size_t step) const {
-  const double offset = big ? cap_.big_offset : cap_.small_offset;
-  const double apart = (big ? cap_.small_offset : cap_.big_offset) - offset;
-  const auto radius = static_cast<float>(big ? cap_.small_radius : cap_.big_radius);
-  const optics::Pixel at = camera_.project(circle.x, circle.y, cap_.height);
-  const LocalScale scale = scale_.at(at.x, at.y);
+std::vector<UnpairedCircles::Partner> UnpairedCircles::partnersOf(optics::Place circle, bool big,
+                                                                  std::size_t step) const {
+  const double offset = big ? setup_.cap.big_offset : setup_.cap.small_offset;
+  const double apart = (big ? setup_.cap.small_offset : setup_.cap.big_offset) - offset;
+  const auto radius = static_cast<float>(big ? setup_.cap.small_radius : setup_.cap.big_radius);
+  const optics::Pixel at = setup_.camera.project(circle.x, circle.y, setup_.cap.height);
+  const LocalScale scale = setup_.scale.at(at.x, at.y);
   if (scale.mean <= 0) return {};
   const auto x = static_cast<float>(at.x);
   const auto y = static_cast<float>(at.y);
   const auto far = static_cast<float>(apart);
   const int away = static_cast<int>(kAway * radius * scale.mean);
-  const float noise = kHardly * static_cast<float>(imaging_.read_noise);
+  const float noise = kHardly * static_cast<float>(setup_.imaging.read_noise);
   bool dark = false;
   std::array<float, kHeadings> score{};
   for (std::size_t i = 0; i < kHeadings; i += step) {
     const Heading& heading = headings()[i];
     const float du = scale.forward[0] * heading.cosine + scale.forward[1] * heading.sine;
     const float dv = scale.forward[2] * heading.cosine + scale.forward[3] * heading.sine;  // [px/m]
-    if (i % 2 == 0) dark = mayBeDark(picture, x + far * du, y + far * dv, away, noise);
+    if (i % 2 == 0) dark = mayBeDark(circles_.picture(), x + far * du, y + far * dv, away, noise);
     if (!dark) continue;
-    const float left =
-        leftInside(picture, x + far * du, y + far * dv, radius * scale.mean, imaging_);
+    const float left = leftInside(circles_.picture(), x + far * du, y + far * dv,
+                                  radius * scale.mean, setup_.imaging);
     if (left > kDark) continue;
     const optics::Pixel middle{at.x - offset * static_cast<double>(du),
                                at.y - offset * static_cast<double>(dv)};
     const float rim =
-        rimContrast(picture, middle, scale, cap_, imaging_,
+        rimContrast(circles_.picture(), middle, scale, setup_.cap, setup_.imaging,
                     step > 1 ? RimSampling::kRough : RimSampling::kAll, kSaturatedWhite);
     if (rim >= kLeastRim) score[i] = rim * (1 - left);
   }
@@ -272,52 +259,49 @@ std::vector<Detector::Partner> Detector::partnersOf(const optics::GreyView& pict
   return best;
 }
 
-int Detector::pairBeside(const optics::GreyView& picture, int spot, bool big, double theta,
-                         std::vector<Rejection>* rejected) {
+int UnpairedCircles::pairBeside(int spot, bool big, double theta,
+                                std::vector<Rejection>* rejected) {
   int fits = 0;
-  const optics::Place circle = circleOf(spot, big).place;
-  const double apart =
-      big ? cap_.small_offset - cap_.big_offset : cap_.big_offset - cap_.small_offset;
-  const int partner = static_cast<int>(spots_.size());
+  const optics::Place circle = circles_.of(spot, big).place;
+  const double apart = big ? setup_.cap.small_offset - setup_.cap.big_offset
+                           : setup_.cap.big_offset - setup_.cap.small_offset;
+  const int partner = static_cast<int>(circles_.size());
   for (const double beside : kBeside) {
     const optics::Pixel start =
-        camera_.project(circle.x + apart * std::cos(theta + beside),
-                        circle.y + apart * std::sin(theta + beside), cap_.height);
-    if (!picture.contains(start.x, start.y)) continue;
+        setup_.camera.project(circle.x + apart * std::cos(theta + beside),
+                              circle.y + apart * std::sin(theta + beside), setup_.cap.height);
+    if (!circles_.picture().contains(start.x, start.y)) continue;
     Spot other;
     other.x = static_cast<float>(start.x);
     other.y = static_cast<float>(start.y);
     other.can_be_big = !big;
     other.can_be_small = big;
-    spots_.push_back(other);
-    circles_.resize(2 * spots_.size());
-    taken_.resize(spots_.size(), 0);
+    circles_.add(other);
     CirclePair couple{big ? spot : partner, big ? partner : spot, 0, 0};
     ++fits;
-    if (fitFrom(picture, start, partner, !big, true).fit.fault == FitFault::kNone &&
-        measure(picture, couple, nullptr) && couple.rim > leastRim(couple) &&
-        std::abs(distance(circle, circleOf(partner, !big).place) - cap_.spacing()) < kMostOff) {
-      const std::size_t before = seen_.size();
-      pairs_.assign(1, couple);
-      settlePairs(picture, rejected);
-      if (seen_.size() > before) return fits - 1;
-      taken_[static_cast<std::size_t>(spot)] = 0;
+    if (circles_.fitFrom(start, partner, !big, true).fit.fault == FitFault::kNone &&
+        pairs_.measure(couple, nullptr) && couple.rim > leastRim(couple) &&
+        std::abs(distance(circle, circles_.of(partner, !big).place) - setup_.cap.spacing()) <
+            kMostOff) {
+      const std::size_t before = known_.size();
+      pairs_.settleOne(couple, rejected);
+      if (known_.size() > before) return fits - 1;
+      circles_.release(spot);
     }
-    spots_.pop_back();
-    circles_.resize(2 * spots_.size());
-    taken_.pop_back();
+    circles_.removeLast();
   }
   return fits;
 }
 
 // Where there is little light, noise makes some rim in the best of many directions.
-float Detector::leastRim(const CirclePair& couple) const {
+float UnpairedCircles::leastRim(const CirclePair& couple) const {
   constexpr double kPairs = 24;  // of pixels, of which the rim's contrast is the median
-  const double white = std::max(0.5 * static_cast<double>(circleOf(couple.big, true).fit.white +
-                                                          circleOf(couple.small, false).fit.white),
-                                1.0);
-  const double noise =
-      std::sqrt(imaging_.read_noise * imaging_.read_noise + 1.0 / 12 + imaging_.shot_gain * white);
+  const double white =
+      std::max(0.5 * static_cast<double>(circles_.of(couple.big, true).fit.white +
+                                         circles_.of(couple.small, false).fit.white),
+               1.0);
+  const double noise = std::sqrt(setup_.imaging.read_noise * setup_.imaging.read_noise + 1.0 / 12 +
+                                 setup_.imaging.shot_gain * white);
   const double error = 1.25 * noise / (2 * white) / std::sqrt(kPairs);
   return std::max(kLeastRim, static_cast<float>(kSure * error));
 }
