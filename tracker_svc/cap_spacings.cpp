@@ -8,7 +8,8 @@
 namespace lab::tracker {
 namespace {
 
-constexpr double kLeastSigma = 1e-6;  // [m] of a spacing, against a division by nothing
+constexpr double kLeastSigma =
+    1e-6;  // [m] smallest standard error of a spacing: avoids a division by zero
 
 }  // namespace
 

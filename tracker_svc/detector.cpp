@@ -20,10 +20,11 @@
 namespace lab::detector {
 namespace {
 
-// [cap radii] of reach: two caps are farther apart than twice this, so there is only one
+// [cap radii] of reach up to which only one cap can be meant: two caps are farther apart than twice
+// this
 constexpr double kOneOnly = 0.8;
-constexpr std::size_t kAhead = 2;  // caps whose pixels are asked for before they are needed
-constexpr std::size_t kLine = 64;  // [bytes] that come from memory together
+constexpr std::size_t kAhead = 2;  // number of caps whose pixels are prefetched
+constexpr std::size_t kLine = 64;  // [bytes] of a cache line
 
 double wrapped(double angle) { return std::remainder(angle, 2 * std::numbers::pi); }
 
@@ -138,7 +139,7 @@ const std::vector<Detection>& Detector::follow(const optics::GreyView& seen,
   for (std::size_t i = 0; i < std::min(kAhead, expected.size()); ++i)
     steps.fetch(picture, expected[i]);
   const optics::CapGeometry& geometry = steps.setup.cap;
-  // All of both circles, and the neighbours that they are held against.
+  // Both circles, and the neighbouring pixels they are compared with.
   const double around = std::max(std::abs(geometry.big_offset), std::abs(geometry.small_offset)) +
                         1.5 * geometry.big_radius;
   for (std::size_t i = 0; i < expected.size(); ++i) {
@@ -158,7 +159,7 @@ const std::vector<Detection>& Detector::follow(const optics::GreyView& seen,
   if (!steps.regions.empty()) steps.look(picture, steps.regions, nullptr);
 
   struct Match {
-    double square;  // of their distance
+    double square;  // of their distance [m^2]
     std::size_t expected;
     std::size_t seen;
   };
@@ -237,7 +238,7 @@ bool Detector::Steps::seeExpected(const optics::GreyView& picture, const Expecte
   return true;
 }
 
-// Scattered places come from memory one after the other unless all are asked for at once.
+// Prefetching overlaps the memory latencies of scattered places.
 void Detector::Steps::fetch(const optics::GreyView& picture, const Expected& expected) const {
   optics::PlaneScale scale;
   const optics::Pixel at = setup.camera.project(expected.x, expected.y, setup.cap.height, scale);
@@ -266,7 +267,7 @@ void Detector::Steps::explainTheRest(std::vector<Rejection>& rejected) const {
     if (!big.fitted && !small.fitted) {
       rejected.push_back({where, Reason::kNoPartner, 0, 0});
     }
-    // As a big circle and as a small one; said once where both have the same fault.
+    // Reported once if both sizes have the same fault.
     for (const FittedCircles::Circle* circle : {&big, &small}) {
       const FitFault fault = circle->fit.fault;
       if (fault == FitFault::kNone || (circle == &small && fault == big.fit.fault)) continue;

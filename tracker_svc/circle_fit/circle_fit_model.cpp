@@ -16,7 +16,7 @@ std::size_t eightsOf(const Window& window) {
   return static_cast<std::size_t>(window.count / kLanes);
 }
 
-/// What the model needs at every pixel of a pass, in registers or at hand.
+/// Constants of a pass.
 struct Pass {
   Disc disc;
   Constants constants;
@@ -25,10 +25,10 @@ struct Pass {
   float contrast;
 };
 
-// A pass looks at all pixels several times. In one look each step would wait for the one before; a
-// processor finds other pixels to go on with only while a look is short.
+// A pass loops over the pixels several times. In a single loop each step would wait for the
+// previous one; out-of-order execution overlaps iterations only if they are short.
 
-/// First: where eight pixels lie in the disc, kept in the places of the slopes that need it.
+/// First loop: positions of eight pixels in the disc, stored where the derivatives go later.
 LAB_INLINE void placeEight(Window& window, std::size_t eight, const Pass& pass) {
   const std::size_t at = eight * kLanes;
   Offset offset;
@@ -41,7 +41,7 @@ LAB_INLINE void placeEight(Window& window, std::size_t eight, const Pass& pass) 
   storeLanes(kept.by[kSigma], offset.over_distance);
 }
 
-/// Then: the paint there, and its slopes.
+/// Second loop: the paint there, and its derivatives.
 LAB_INLINE void paintEight(Window& window, std::size_t eight, const Pass& pass) {
   Slopes& kept = window.slopes[eight];
   const Lanes z = loadLanes(kept.by[kScale]);
@@ -59,8 +59,9 @@ LAB_INLINE void paintEight(Window& window, std::size_t eight, const Pass& pass) 
   storeLanes(kept.by[kRatio], 1.0F - share);
 }
 
-/// Then the light on it: slopes and certainty to window.slopes, residual to window.residual.
-/// @tparam kAll every lane is a pixel, and none is full: nothing is to be counted
+/// Third loop: the light on it. Derivatives and inverse variances to window.slopes, residual to
+/// window.residual.
+/// @tparam kAll every lane is a usable pixel: no counting needed
 template <bool kAll>
 LAB_INLINE void lightEight(Window& window, std::size_t eight, const Pass& pass,
                            LaneCounts& counts) {
@@ -82,7 +83,7 @@ LAB_INLINE void lightEight(Window& window, std::size_t eight, const Pass& pass,
   storeLanes(kept.by[kSlopeY], lightness * y);
 }
 
-/// Last: the weights of the residuals to window.light, and the right sides.
+/// Last loop: weights of the residuals to window.light, and the right sides.
 template <bool kAll>
 LAB_INLINE void believeEight(Window& window, std::size_t eight, const Pass& pass,
                              LaneCounts& counts, Lanes& squares, Lanes* rights) {
@@ -101,8 +102,7 @@ LAB_INLINE void believeEight(Window& window, std::size_t eight, const Pass& pass
   storeLanes(window.light + at, weight);
 }
 
-/// The normal matrix of one block, of the slopes from `first` on: ten sums, which with what they
-/// need stay in registers.
+/// The normal matrix of one block, from derivative `first` on: ten sums, which stay in registers.
 LAB_INLINE void sumBlock(const Window& window, std::size_t first, double* normal) {
   Lanes normals[10];
 #pragma GCC unroll 10
@@ -175,7 +175,7 @@ void sumLast(Window& window, const Row& by, float cutoff, const BlockRow& row_x,
   Lanes xy = {};
   Lanes yy = {};
   Lanes squares = {};
-  // Two looks, as in a pass.
+  // Two loops, as in a pass.
   const std::size_t eights = eightsOf(window);
   for (std::size_t eight = 0; eight < eights; ++eight) {
     const std::size_t at = eight * kLanes;

@@ -11,29 +11,30 @@
 namespace lab::detector::fit {
 namespace {
 
-// The rough step looks no farther outside the outline, where holes would draw it.
-constexpr double kRoughReach = 1.8;                  // [sigma]
-constexpr std::size_t kMostRows = 200;               // of more, every other one is enough, or fewer
-constexpr std::size_t kMostRough = 2 * kMostPixels;  // with what fills up the runs of so many rows
-constexpr double kBeyond = 1.0;  // [px] of the outline may lie outside the picture
-// Sparse: what lies farther inside than this says of the centre only what is known of black anyway,
-// and what lies farther outside only how light slopes, for which every other row is enough if the
-// margin is wide. By the model's own covariance a centre is known 0 to 2 % less well for it.
+// The coarse step uses a narrow margin, because holes further out would attract it.
+constexpr double kRoughReach = 1.8;     // [sigma]
+constexpr std::size_t kMostRows = 200;  // if there are more, every second one is enough, or fewer
+constexpr std::size_t kMostRough =
+    2 * kMostPixels;             // including the padding of runs in that many rows
+constexpr double kBeyond = 1.0;  // [px] by which the outline may exceed the picture
+// Sparse layout: pixels farther inside only determine black, which is known; pixels farther outside
+// only determine the slope of the light, for which every second row is enough if the margin is
+// wide. According to the model's covariance this increases the error of the centre by 0 to 2 %.
 constexpr float kInside = 2;       // [sigma]
 constexpr float kOutside = 1;      // [sigma]
-constexpr float kAround = 3.4F;    // [sigma] a margin that is wide
-constexpr float kLeastMiddle = 1;  // [px] half as wide as what is worth leaving out
+constexpr float kAround = 3.4F;    // [sigma] margin from which it is wide
+constexpr float kLeastMiddle = 1;  // [px] smallest half width of a middle worth omitting
 
-// Outlines that differ by less are of one kind: it decides where pixels are looked at, and the
-// start of the fit, but not what is fitted.
-constexpr float kSizes = 6;  // half widths and heights a pixel
+// Outlines that differ by less share a layout. This affects which pixels are used and the start of
+// the fit, but not the model.
+constexpr float kSizes = 6;  // quantisation steps per pixel of half width and height
 constexpr float kSkews = 8;
 constexpr float kBlurs = 8;
 constexpr float kMargins = 8;
 constexpr std::size_t kKept = 512;
-constexpr std::size_t kAside = 8;  // places where a kind may be kept, one behind the other
+constexpr std::size_t kAside = 8;  // cache slots probed per kind
 
-// The slopes of a pixel's value by x, y, white and dark, at a place relative to the disc.
+// Derivatives of a pixel's value by x, y, white and dark, at a position relative to the disc.
 std::array<double, 4> slopesAt(double dx, double dy, const double* m, double radius, double sigma) {
   const double qx = radius * (m[0] * dx + m[1] * dy);
   const double qy = radius * (m[2] * dx + m[3] * dy);
@@ -118,7 +119,7 @@ std::vector<PixelLayout::Span> PixelLayout::spansWithin(const Ellipse& ellipse, 
   const double widened = 1 + margin / ellipse.radius;
   const int box_x = static_cast<int>(std::ceil(ellipse.reach_x * widened)) + 1;
   const int box_y = static_cast<int>(std::ceil(ellipse.reach_y * widened)) + 1;
-  // Very large circles: every other row, or fewer, tells enough.
+  // For very large circles every second row, or fewer, is enough.
   const int row_step = 1 + 4 * box_x * box_y / kMostPixels;
   std::vector<Span> spans;
   for (int row = -box_y; row <= box_y; row += row_step) {
@@ -140,7 +141,7 @@ PixelLayout::Phase PixelLayout::phaseOf(const Kind& kind, const Ellipse& ellipse
   const auto rows = static_cast<int>(spans.size());
   for (int row = 0; row < rows; ++row) {
     Span all = spans[static_cast<std::size_t>(row)];
-    // Counted from the middle, so that what lies opposite is looked at as well.
+    // Counted from the middle, so that opposite pixels are used too.
     const bool other = std::abs(2 * row - (rows - 1)) / 2 % 2 != 0;
     if (other) all = rowWithin(ellipse, outside, all.dy, shift_x, shift_y);
     if (all.count == 0) continue;
@@ -185,7 +186,7 @@ void PixelLayout::addRough(const Ellipse& ellipse, double sigma, double shift_x,
   const std::size_t step = 1 + spans.size() / kMostRows;
   for (std::size_t row = 0; row < spans.size(); row += step) {
     const Span& span = spans[row];
-    // A row that is longer by a pixel or two is not worth a run more.
+    // One or two surplus pixels do not justify another run.
     const int runs = std::max(1, (span.count + kRun - 3) / kRun);
     const int count = std::min(span.count, runs * kRun);
     const int from = span.dx + (span.count - count) / 2;
@@ -219,7 +220,7 @@ void PixelLayout::addRough(const Ellipse& ellipse, double sigma, double shift_x,
       largest = std::max(largest, std::abs(by[i]));
       all += std::abs(by[i]);
     }
-    // As fine as weights and sums allow.
+    // As fine as the ranges of weights and sums allow.
     constexpr double kLargest = std::numeric_limits<std::int16_t>::max();
     constexpr double kMostSum = std::numeric_limits<std::int32_t>::max() / 256.0 - kMostPixels;
     rough.unit[i] = std::max({largest / kLargest, all / kMostSum, 1e-12});
@@ -290,7 +291,7 @@ std::optional<float> PixelLayout::middle(const optics::GreyView& picture,
   const int y = point.y >> 1;
   int sum = 0;
   int count = 0;
-  // Every other row says enough of how black it is.
+  // Every second row is enough for the darkness.
   for (std::size_t n = 0; n < phase.middle.size(); n += 2) {
     const Span& span = phase.middle[n];
     const int row = y + span.dy;

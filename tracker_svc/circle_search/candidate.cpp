@@ -62,7 +62,8 @@ bool standsOut(const Plane& plane, const Candidate& candidate, int noise) {
   const std::ptrdiff_t across = candidate.to.across;
   const std::ptrdiff_t diagonal = candidate.to.diagonal;
   const int inner = at[0] + at[near] + at[-near] + at[near * stride] + at[-near * stride];
-  // Light to one side does not make up for what is as dark as this to the others.
+  // Values are limited, so that bright light on one side does not outweigh dark pixels on the
+  // others.
   const int most = candidate.white + noise / 4;
   int outer = 0;
   for (const std::ptrdiff_t to :

@@ -9,15 +9,15 @@
 namespace lab::detector {
 namespace {
 
-constexpr double kToNeighbour = 1.3;    // [big radii] outside of both circles, inside the cap
-constexpr double kRowsPerRadius = 1.1;  // of the small circle, between tested rows
-constexpr double kReach = 2.65;         // [big radii] from a candidate to the farthest pixel, and
-constexpr double kReachMore = 5;        // [px] on top
-constexpr float kSigmas = 3.3F;         // of read noise that no candidate is made of
-constexpr int kLine = 64;               // [bytes] that come from memory together
-constexpr int kAhead = 4;               // [tested rows] that are asked for before they are needed
+constexpr double kToNeighbour = 1.3;  // [big radii] to a pixel outside both circles but on the cap
+constexpr double kRowsPerRadius = 1.1;  // [small radii] between tested rows
+constexpr double kReach = 2.65;         // [big radii] from a candidate to the farthest pixel read,
+constexpr double kReachMore = 5;        // [px] plus this
+constexpr float kSigmas = 3.3F;         // read noise below which a difference is ignored
+constexpr int kLine = 64;               // [bytes] of a cache line
+constexpr int kAhead = 4;               // [tested rows] prefetched
 constexpr int kBits = 64;
-constexpr float kJunk = 0.9F;  // [big radii] around it in which nothing else is looked at
+constexpr float kJunk = 0.9F;  // [big radii] around clutter in which nothing else is examined
 
 GreyLevels greyLevelsOf(const optics::Imaging& imaging) {
   GreyLevels levels;
@@ -115,7 +115,7 @@ void CircleSearch::findRound(const optics::GreyView& picture, std::span<const Re
   if (top > bottom) return;
   prefilter_.look(picture, search_levels_, top, bottom);
   for (int y = first_row_; y <= last_row_; ++y) {
-    // In little light single pixels say less: more of them.
+    // In dim light single pixels are less reliable, so more rows are tested.
     if (y % step_ != 0 && !prefilter_.anyFaint(y - padding_)) continue;
     testRow(y, std::min(kAhead * step_, last_row_ - y) * picture.stride);
   }
@@ -143,7 +143,7 @@ void CircleSearch::findRest(Rows rows, std::vector<Spot>& spots,
   }
 }
 
-// From the coordinates of the padded picture to those of the picture.
+// Converts from the coordinates of the padded picture to those of the picture.
 void CircleSearch::bringBack(std::vector<Spot>& spots, std::size_t first) const {
   const auto back = static_cast<float>(padding_);
   const auto outside = [&](Spot& spot) {
@@ -169,7 +169,7 @@ void CircleSearch::aimAt(const optics::GreyView& picture) {
 }
 
 std::optional<Spot> CircleSearch::circleAt(optics::Pixel place, bool big) const {
-  // [radii] where it is looked for
+  // [radii] offsets of the places that are tried
   constexpr double kAside[9][2] = {{0, 0},     {1, 0},      {-1, 0},     {0, 1},      {0, -1},
                                    {0.7, 0.7}, {-0.7, 0.7}, {0.7, -0.7}, {-0.7, -0.7}};
   if (word_starts_.empty()) return std::nullopt;
@@ -227,7 +227,7 @@ void CircleSearch::mark(const optics::GreyView& picture, const Region& region) {
       marks_[static_cast<std::size_t>(y) * blocks + place] |= bits;
     }
   }
-  // Scattered places come from memory one after the other unless all are asked for at once.
+  // Prefetching overlaps the memory latencies of scattered places.
   for (int y = region.top; y <= region.bottom && !whole; ++y) {
     if (y < 0 || y >= picture.height) continue;
     for (int x = left; x <= right; x += kLine) __builtin_prefetch(picture.row(y) + x);
@@ -290,7 +290,7 @@ void CircleSearch::testWords(int y, std::size_t block, std::uint64_t wanted, std
 
 void CircleSearch::takeWords(std::span<const DarkPixelWord> words, int y) {
   const std::size_t band = static_cast<std::size_t>(y / kBand) * word_starts_.size();
-  bool went_on = false;  // the last run, into this word
+  bool went_on = false;  // whether the last run continues into this word
   for (std::size_t i = 0; i < words.size(); ++i) {
     const DarkPixelWord& word = words[i];
     const auto number = static_cast<std::size_t>(word.number);
@@ -343,7 +343,7 @@ void CircleSearch::take(const Candidate& candidate) {
   Spot spot;
   const Shape shape = outline_.shapeAround(plane, candidate, spot);
   if (shape == Shape::kLong) {
-    // The next rows would only say the same again.
+    // Otherwise the following rows would find the same object.
     occupied_.markOccupied(static_cast<float>(candidate.x), static_cast<float>(candidate.y),
                            kJunk * candidate.sizes.big, candidate.dark - levels_.black);
     return;

@@ -7,7 +7,7 @@
 namespace lab::detector {
 namespace {
 
-constexpr int kDarker = 2;  // [1] than something long: a circle in it after all
+constexpr int kDarker = 2;  // [1] times darker than the elongated object: may be a circle on it
 
 }  // namespace
 

@@ -9,38 +9,43 @@
 namespace lab::detector {
 namespace {
 
-constexpr float kLongSide = 1.1F;       // [big radii] to both sides: something long
-constexpr float kThin = 0.4F;           // [big diameters] what is no wider, and
-constexpr float kManyTimes = 2.4F;      // [1] so much longer, is the side of a body or a line
-constexpr int kLevelShare = 5;          // the outline is taken where this share of white is reached
-constexpr float kSlopePerShare = 2.8F;  // [softness] of how far inside of the half-way that is
-constexpr float kSurelySmall = 0.85F;   // [1] of the mean of both radii, and its inverse for big
-constexpr float kBlackShare = 0.08F;    // [1] of the light that black sends back, of white's
-constexpr float kMostOval = 0.2F;       // [1] between the longest and the shortest radius
-constexpr float kLeastSize = 0.72F;     // [1] of the expected diameter
+constexpr float kLongSide = 1.1F;  // [big radii] to both sides: elongated
+constexpr float kThin = 0.4F;      // [big diameters] an object narrower than this,
+constexpr float kManyTimes =
+    2.4F;  // [1] and longer than its width by this factor, is a line or the side of a body
+constexpr int kLevelShare =
+    5;  // the outline is where the brightness rises by 1 / 5 of the contrast
+constexpr float kSlopePerShare =
+    2.8F;  // [softness] distance of that level inside the half-way level, per share of the contrast
+constexpr float kSurelySmall =
+    0.85F;  // [1] of the geometric mean of both radii; the inverse for big
+constexpr float kBlackShare = 0.08F;  // [1] reflectance of black paint over that of white
+constexpr float kMostOval = 0.2F;     // [1] difference between the longest and the shortest radius
+constexpr float kLeastSize = 0.72F;   // [1] of the expected diameter
 constexpr float kMostSize = 1.32F;
 constexpr int kLeastOutlines = 11;       // of 16 directions
 constexpr float kLeastContrast = 0.28F;  // [1] (bright - dark) / (bright + dark) across an outline
-constexpr float kPrior = 0.4F;  // [1] how much less an outline far from the expected counts
+constexpr float kPrior =
+    0.4F;  // [1] weight reduction of an outline at the largest distance from the expected one
 constexpr int kLeastAtFirst = 9;
 constexpr int kLeastOnAxes = 5;  // of the first 8 directions
 constexpr int kCentreSteps = 3;
 constexpr int kWeighSteps = 8;
-constexpr int kLanes = 8;  // directions looked along at once
+constexpr int kLanes = 8;  // directions processed in parallel
 
 using Floats = float __attribute__((vector_size(4 * kLanes)));
 using Ints = std::int32_t __attribute__((vector_size(4 * kLanes)));
 
-/// Where the contrast along eight directions is largest.
+/// Position of the largest contrast along eight directions.
 struct Outlines {
   float at[kLanes];        // [samples]
   float contrast[kLanes];  // [1] times the prior
   float white[kLanes];     // [DN]
 };
 
-/// @param rays [bytes] to the samples of one direction each; the next samples are `kSkip` later
+/// @param rays [bytes] to one sample in each direction; the next samples are `skip` later
 /// @param prior by sample
-/// @param softer [DN] added to the brightness that a contrast is divided by
+/// @param softer [DN] added to the brightness that the contrast is divided by
 __attribute__((target_clones("avx2", "default"))) void lookAlong(const std::uint8_t* middle,
                                                                  const std::int32_t* rays, int skip,
                                                                  int samples, const float* prior,
@@ -49,13 +54,13 @@ __attribute__((target_clones("avx2", "default"))) void lookAlong(const std::uint
   for (int i = 0; i < samples; ++i, rays += skip) {
     for (int k = 0; k < kLanes; ++k) pixels[i][k] = middle[rays[k]];
   }
-  Floats along[4];  // the last four
+  Floats along[4];  // the last four samples
   for (int i = 0; i < 4; ++i) {
     Ints there;
     std::memcpy(&there, pixels[i], sizeof there);
     along[i] = __builtin_convertvector(there, Floats);
   }
-  // The largest contrast, without a division for each sample.
+  // Compares ratios by cross-multiplication, to avoid a division per sample.
   Floats best{};
   Floats best_sum = Floats{} + 1;
   Ints best_at{};
@@ -85,17 +90,17 @@ __attribute__((target_clones("avx2", "default"))) void lookAlong(const std::uint
   std::memcpy(outlines.white, &white, sizeof white);
 }
 
-/// Half the width of the circle with this radius at a distance from its middle; -1: none.
+/// Half the chord of a circle at a distance from its centre; -1 if there is none.
 int halfWidth(float square, int distance) {
   const float rest = square - static_cast<float>(distance * distance);
   return rest < 0 ? -1 : static_cast<int>(std::sqrt(rest));
 }
 
-/// What is inside of a circle, and in the ring between it and a larger one.
+/// Sums over a disc, and over the ring between it and a larger disc.
 struct Sums {
   int inside = 0;  // [DN]
   int inside_count = 0;
-  int moment_x = 0;  // [DN px] of what is inside
+  int moment_x = 0;  // [DN px] first moment of the disc
   int moment_y = 0;
   int rim = 0;  // [DN]
   int rim_count = 0;
@@ -217,7 +222,7 @@ bool OutlineFitter::settle(const Plane& plane, const Candidate& candidate, Spot&
   }
   spot = as_big >= as_small ? big : small;
   spot.size = as_big >= as_small ? candidate.sizes.big : candidate.sizes.small;
-  // What a light edge leaves of an outline says little about its size; the fit will tell.
+  // With light edges the visible outline does not determine the size; both sizes are fitted.
   spot.can_be_big = true;
   spot.can_be_small = true;
   return true;
@@ -231,7 +236,7 @@ Shape OutlineFitter::shapeAround(const Plane& plane, const Candidate& candidate,
                                     std::numbers::sqrt2_v<float>};
   const Sizes& sizes = candidate.sizes;
   const std::uint8_t* start = plane.view.row(candidate.y) + candidate.x;
-  // Low, so that the dim side of a light edge still counts as white; no lower than noise allows.
+  // A low level, so that the dim side of a light edge still counts as white, but above the noise.
   const int contrast = candidate.white - candidate.dark;
   const int level =
       candidate.dark + std::max(contrast / kLevelShare, std::min(contrast / 2, levels_.noise));
@@ -239,7 +244,7 @@ Shape OutlineFitter::shapeAround(const Plane& plane, const Candidate& candidate,
   const float inside = (0.5F - share) * kSlopePerShare * softness_;
   const float longest = 2 * sizes.big * kMostSize + 1;
   const float reach = longest + 1;
-  // From the start to where the picture crosses the level; `reach` where it does not.
+  // Distance from the start to where the picture crosses the level; `reach` if it does not.
   const auto walk = [&](int dx, int dy, float length) {
     const int most = static_cast<int>(reach / length);
     const std::ptrdiff_t to = dy * plane.view.stride + dx;
@@ -274,7 +279,7 @@ Shape OutlineFitter::shapeAround(const Plane& plane, const Candidate& candidate,
     shift[axis] = (ahead - behind) / 2;
   }
   if (open) return Shape::kOther;
-  // A chord's middle is the foot of the perpendicular from the centre.
+  // The middle of a chord is the foot of the perpendicular from the centre.
   const float diagonal = std::numbers::sqrt2_v<float> / 2;
   const float cx = (shift[0] + diagonal * (shift[2] + shift[3])) / 2;
   const float cy = (shift[1] + diagonal * (shift[2] - shift[3])) / 2;
@@ -313,7 +318,7 @@ OutlineFitter::Ring OutlineFitter::lookAround(const Plane& plane, float x, float
     const float off = (static_cast<float>(from + i - 2) - radius) / (slack + 1);
     prior[i] = 1 - kPrior * off * off;
   }
-  // The rays begin in the middle of a pixel.
+  // The rays start at the centre of a pixel.
   const int middle_x = static_cast<int>(x + 0.5F);
   const int middle_y = static_cast<int>(y + 0.5F);
   const std::uint8_t* middle = plane.view.row(middle_y) + middle_x;
@@ -372,7 +377,7 @@ int OutlineFitter::centre(const Plane& plane, float x, float y, float radius, Sp
   spot.x = x;
   spot.y = y;
   spot.white = ring.white;
-  // Open to both sides: something long. A light edge leaves out one side only.
+  // Open to both sides: elongated. A light edge removes the outline on one side only.
   return ring.open == 0 ? ring.outlines : 0;
 }
 

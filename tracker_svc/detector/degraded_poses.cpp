@@ -1,4 +1,4 @@
-// Caps of which one circle is left: its other one is covered, or lies outside of the picture.
+// The other circle is covered, or lies outside the picture.
 #include "tracker_svc/detector/degraded_poses.hpp"
 
 #include <algorithm>
@@ -13,12 +13,13 @@
 namespace lab::detector {
 namespace {
 
-constexpr double kRough = 0.003;     // [m] by which a spot may miss the centre of its circle
-constexpr double kApart = 1.7;       // [cap radii] between two axes, at least
-constexpr double kScan = 0.05;       // [rad] between headings that are tried
-constexpr double kLeastShare = 0.6;  // of the directions in the picture that must show the rim
+constexpr double kRough = 0.003;  // [m] error of a spot's centre
+constexpr double kApart = 1.7;    // [cap radii] between two axes, at least
+constexpr double kScan = 0.05;    // [rad] between tested headings
+constexpr double kLeastShare =
+    0.6;  // of the directions inside the picture in which the rim must be visible
 constexpr int kLeastDirections = kRimDirections / 3;
-constexpr double kMostSpacingChi2 = 16;  // of one degree of freedom
+constexpr double kMostSpacingChi2 = 16;  // with one degree of freedom
 constexpr double kMostTurned = 0.1;      // [rad] standard deviation
 constexpr double kMostMoved = 0.0015;    // [m] standard deviation
 constexpr float kBestDegraded = 0.49F;   // quality
@@ -48,16 +49,16 @@ int DegradedPoses::unpairedCircle(const Expected& expected, bool& is_big) {
     const bool small =
         circles_.spots()[i].can_be_small && circles_.fit(spot, false).fit.fault == FitFault::kNone;
     if (!big && !small) continue;
-    if (big && small) return -1;  // which one it is must be certain
+    if (big && small) return -1;  // its identity must be certain
     const FittedCircles::Circle& circle = circles_.of(spot, big);
     const optics::Place& at = circle.place;
     if (lone >= 0) {
-      // Circles do not overlap: one was centred again, or stands in for the other with a light edge
-      // that is not there.
+      // Circles do not overlap: this is the same circle centred again, or fitted with a light edge
+      // that does not exist.
       const bool again = distance(at.x, at.y, place.x, place.y) < setup_.cap.small_radius;
       const bool edge = circles_.of(lone, is_big).fit.edge;
       if (again && (big == is_big || (circle.fit.edge && !edge))) continue;
-      // two circles that make no pair: something is wrong
+      // two circles that form no pair: contradictory
       if (!again || circle.fit.edge || !edge) return -1;
     }
     lone = spot;
@@ -73,7 +74,7 @@ Detection DegradedPoses::poseFromOne(const Expected& expected) {
   if (spot < 0) return {};
   const FittedCircles::Circle& circle = circles_.of(spot, big);
   const double offset = big ? setup_.cap.big_offset : setup_.cap.small_offset;
-  // Where the rim stands out most.
+  // Heading with the highest rim contrast.
   optics::Place middle;
   float rim = 0;
   const int steps = static_cast<int>(std::ceil(std::min(expected.turn, std::numbers::pi) / kScan));
@@ -119,7 +120,7 @@ const std::vector<DegradedPose>& DegradedPoses::find(std::span<const Expected> e
   degraded_.clear();
   for (std::size_t i = 0; i < expected.size(); ++i) {
     const Expected& cap = expected[i];
-    // Further away another cap could be meant.
+    // With a larger reach another cap could be meant.
     if (!(cap.reach <= setup_.cap.cap_radius)) continue;
     const auto at = [&](const Detection& one, double most) {
       return distance(one.x, one.y, cap.x, cap.y) <= most;

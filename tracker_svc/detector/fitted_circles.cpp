@@ -9,8 +9,8 @@ namespace {
 
 constexpr double kMostUncertain = 0.06;  // [radii] standard deviation of a centre
 
-// Outlines are the same all over a cell of so many pixels: where a fit begins and where it ends is
-// in one cell, mostly, and what another outline would change is far less than what is fitted.
+// [px] The outline is constant within a cell. A fit usually starts and ends in the same cell, and
+// the outline of a neighbouring cell would change the result far less than its error.
 constexpr int kCell = 8;
 
 double middleOfCell(double at) {
@@ -58,8 +58,8 @@ const FittedCircles::Circle& FittedCircles::fitFrom(optics::Pixel start, int spo
   struct {
     const ScaleMap& scales;
     double radius;
-    optics::Pixel where{-1, -1};  // a cell's middle
-    LocalScale scale{};           // there
+    optics::Pixel where{-1, -1};  // middle of a cell
+    LocalScale scale{};           // scale at `where`
   } last{setup_.scale, radius};
   const auto shapeAt = [&last](optics::Pixel at) {
     const optics::Pixel where{middleOfCell(at.x), middleOfCell(at.y)};
@@ -84,7 +84,7 @@ const FittedCircles::Circle& FittedCircles::fitFrom(optics::Pixel start, int spo
   }
   circle.place = *place;
   const auto& c = circle.fit.covariance;
-  // Known so badly that the spacing would fit too easily: noise, not a circle.
+  // So uncertain that any spacing would fit: noise, not a circle.
   const double doubtful = kMostUncertain * static_cast<double>(discShape(scale, radius).radius());
   if (c[0] + c[2] > 2 * doubtful * doubtful) {
     circle.fit.fault = FitFault::kLowContrast;
@@ -106,7 +106,7 @@ bool FittedCircles::fitBoth(const CirclePair& couple) {
   const bool big_good = big.fit.fault == FitFault::kNone;
   const bool small_good = small.fit.fault == FitFault::kNone;
   if (big_good == small_good) return big_good;
-  // A light edge may have led the search astray; the good one says where the other must be.
+  // A light edge may have displaced the spot; the good circle predicts where the other one is.
   const Circle& good = big_good ? big : small;
   const Spot& other = spots_[static_cast<std::size_t>(big_good ? couple.small : couple.big)];
   const std::optional<optics::Place> seen = setup_.camera.toPlane(

@@ -10,19 +10,19 @@
 namespace lab::detector {
 namespace {
 
-constexpr float kRoughSpacing = 0.006F;  // [m] by which two rough centres may miss the spacing
-constexpr float kAgain = 0.012F;         // [m] for two that an edge may have displaced
-constexpr double kScaleDoubt = 0.0009;   // [m] of the spacing: a camera that is 2.5 % off
-constexpr double kMostDoubt = 0.0015;    // [m] whatever the covariance says
+constexpr float kRoughSpacing = 0.006F;  // [m] error of the spacing of two spots
+constexpr float kAgain = 0.012F;         // [m] the same, if a light edge may have displaced them
+constexpr double kScaleDoubt = 0.0009;   // [m] of the spacing: a camera scale that is 2.5 % off
+constexpr double kMostDoubt = 0.0015;    // [m] largest tolerance of the spacing
 constexpr double kSigmas = 4;
-constexpr float kClearer = 2;  // [1] times the contrast of another rim
+constexpr float kClearer = 2;  // [1] factor on the contrast of another rim
 
 }  // namespace
 
 void PairBuilder::gather(std::size_t first, std::vector<Rejection>* rejected) {
   pairs_.clear();
   if (first == circles_.size()) return;
-  // Sorted by row, each spot needs to be held against few others only.
+  // Sorted by row, so that each spot is compared with few others.
   order_.clear();
   for (std::size_t i = 0; i < circles_.size(); ++i) {
     if (!circles_.isTaken(i)) order_.push_back(i);
@@ -44,8 +44,8 @@ void PairBuilder::gather(std::size_t first, std::vector<Rejection>* rejected) {
       if (other.can_be_big && one.can_be_small) addCirclePair(order_[j], order_[i]);
     }
   }
-  // Fits to what is no cap take long. Most are one, which shows at a rough look; where two round
-  // circles have nobody else, the fits are short and the closer look behind them is enough.
+  // Fits to objects that are no caps are slow. The coarse rim check rejects most of these. For two
+  // round circles without other partners the fits are fast and the check after them is enough.
   partners_.assign(circles_.size(), 0);
   for (const CirclePair& couple : pairs_) {
     for (const int spot : {couple.big, couple.small}) ++partners_[static_cast<std::size_t>(spot)];
@@ -102,8 +102,8 @@ bool PairBuilder::hasRim(CirclePair& couple, std::vector<Rejection>* rejected) c
 }
 
 void PairBuilder::lookAgain(std::vector<Rejection>* rejected) {
-  // A light edge may have made a circle look like a smaller one beside it. Two leftovers that are
-  // about as far apart as the circles of a cap are centred again, as circles of the right sizes.
+  // A light edge may have made a circle look like a smaller one beside it. Two remaining spots at
+  // about the spacing of a cap are centred again, as circles of the right sizes.
   pairs_.clear();
   order_.clear();
   for (std::size_t i = 0; i < circles_.size(); ++i) {
@@ -134,9 +134,9 @@ void PairBuilder::lookAgain(std::vector<Rejection>* rejected) {
   }
 }
 
-// What is no cap is fitted in vain, and for long. So a couple waits for others where they have the
-// clearer rim, as between the circles of two robots, or where its small circle looks larger than
-// the big one.
+// Fits to objects that are no caps are slow. So a pair waits if one of its spots has another pair
+// with a much clearer rim (as between circles of two robots), or if its small circle looks larger
+// than its big one.
 void PairBuilder::settlePairs(std::vector<Rejection>* rejected) {
   clearest_.assign(circles_.size(), 0.0F);
   for (const CirclePair& couple : pairs_) {
@@ -201,7 +201,8 @@ bool PairBuilder::measure(CirclePair& couple, std::vector<Rejection>* rejected) 
     }
     return false;
   }
-  // Once more, where the fits have it: so the same wherever they began.
+  // The rim is checked again at the fitted position, so that the result does not depend on the
+  // start.
   const double share = setup_.cap.big_offset / setup_.cap.spacing();
   const optics::Pixel middle{big.fit.x - share * (big.fit.x - small.fit.x),
                              big.fit.y - share * (big.fit.y - small.fit.y)};

@@ -1,5 +1,3 @@
-// Circles of which the search did not see the partner: a light edge crosses it, or the noise hides
-// it. Where the rim says that the cap is, the partner is looked for by its fit.
 #include "tracker_svc/detector/unpaired_circles.hpp"
 
 #include <algorithm>
@@ -16,34 +14,35 @@
 namespace lab::detector {
 namespace {
 
-constexpr int kHeadings = 126;        // that are tried, 0.9 mm of the rim apart
-constexpr int kMostPartners = 2;      // a neighbour or a shadow may look more like one
-constexpr int kBesideIt = 10;         // headings that are the same one
-constexpr std::size_t kRough = 2;     // every second at first
-constexpr double kSure = 4;           // [standard errors] of a rim: the best of many is taken
-constexpr int kMostInVainAside = 4;   // fits beside spots that may be off, that end in no cap
-constexpr int kMostHintsAside = 60;   // such spots: each is looked at from eight sides
-constexpr float kScoreAside = 0.15F;  // [1] rim times darkness there, at least
+constexpr int kHeadings = 126;        // tested headings, 0.9 mm apart at the rim
+constexpr int kMostPartners = 2;      // a neighbour or a shadow may have a higher score
+constexpr int kBesideIt = 10;         // headings that count as the same
+constexpr std::size_t kRough = 2;     // tests every second heading at first
+constexpr double kSure = 4;           // [standard errors] of a rim: it is the best of many
+constexpr int kMostInVainAside = 4;   // fits without a cap, beside spots that may be displaced
+constexpr int kMostHintsAside = 60;   // such spots: each is examined from eight sides
+constexpr float kScoreAside = 0.15F;  // [1] smallest rim times darkness there
 constexpr double kAside = 0.8;        // [radii]
 constexpr int kDirectionsAside = 8;
-constexpr float kDark = 0.9F;   // [1] of the white around it is left inside: light on top
+constexpr float kDark = 0.9F;   // [1] of the surrounding white may be left inside, with glare
 constexpr float kBlack = 0.5F;  // [1] and without
-constexpr double kAgain = 0.1;  // [small radii] between two that are the same
-constexpr float kClear = 4;     // [standard errors] by which it is darker
-constexpr float kHardly = 2;    // [read noise] by which single pixels are darker
-// Of one picture, from its top: a floor full of dark junk must not hold up the tracker. Robots that
-// are there have a few hints in a picture, in stripes as fine as a circle a few dozen.
-constexpr int kMostHints = 300;  // lone circles whose partner is looked for
-// Fits of those and of their partners that end in no cap: each may take a millisecond.
+constexpr double kAgain = 0.1;  // [small radii] between two spots that are the same
+constexpr float kClear = 4;     // [standard errors] darker than white
+constexpr float kHardly = 2;    // [read noise] by which single pixels must be darker
+// Limits per picture, so that a cluttered floor does not delay the tracker. Real robots cause a few
+// single spots per picture, in stripes as fine as a circle a few dozen.
+constexpr int kMostHints = 300;  // single spots whose partner is searched
+// Fits without a cap, each of which may take a millisecond.
 constexpr int kMostInVain = 40;
-// [m] of the spacing: chosen among many, so no more than a camera that is 2.5 % off
+// [m] tolerance of the spacing: one of many candidates, so no more than a camera scale that is 2.5
+// % off
 constexpr double kMostOff = 0.0009;
-constexpr float kAway = 1.4F;   // [radii] where white is looked for around a circle
-constexpr float kCore = 0.35F;  // [radii] inside, whatever the heading's error
-// [rad] beside the heading: what is looked at is sure to a millimetre or two
+constexpr float kAway = 1.4F;   // [radii] at which white is sampled around a circle
+constexpr float kCore = 0.35F;  // [radii] inside for any error of the heading
+// [rad] offsets of the heading: the approximate place is known to one or two millimetres
 constexpr std::array<double, 3> kBeside = {0, 0.06, -0.06};
 
-/// Mean of a square of 2 half + 1 pixels.
+/// Mean of a square with a side of 2 half + 1 pixels.
 float meanAround(const optics::GreyView& picture, float x, float y, int half) {
   const int middle_x = static_cast<int>(x + 0.5F);
   const int middle_y = static_cast<int>(y + 0.5F);
@@ -56,8 +55,8 @@ float meanAround(const optics::GreyView& picture, float x, float y, int half) {
   return static_cast<float>(sum) / static_cast<float>(side * side);
 }
 
-/// What is left of the light inside of a circle: of the brightest pair of opposite neighbours, the
-/// darker one. Where a light edge crosses, one pair lies along it. 1: no darker than noise.
+/// Share of the light left inside a circle, relative to the brightest pair of opposite neighbours
+/// (its darker end): a light edge leaves the pair parallel to it. 1 if not darker than noise.
 float leftInside(const optics::GreyView& picture, float x, float y, float radius,
                  const optics::Imaging& imaging) {
   constexpr float kDiagonal = std::numbers::sqrt2_v<float> / 2;
@@ -106,8 +105,8 @@ const std::array<Heading, kHeadings>& headings() {
   return kAll;
 }
 
-/// The same by single pixels, and as one that may err: true where it is hardly brighter than both
-/// ends of one pair. Tells most of a floor from circles at the price of nine pixels.
+/// A cheap test with nine pixels, which rejects most of the floor: false if the middle is hardly
+/// darker than both ends of every pair.
 bool mayBeDark(const optics::GreyView& picture, float x, float y, int away, float noise) {
   const int middle_x = static_cast<int>(x + 0.5F);
   const int middle_y = static_cast<int>(y + 0.5F);
@@ -130,7 +129,7 @@ void UnpairedCircles::search(std::vector<Rejection>* rejected) {
     optics::Place place;
     bool big;
   };
-  std::vector<Done> done;  // what was centred again is there twice
+  std::vector<Done> done;  // spots centred again occur twice
   const auto isNew = [&](const optics::Place& place, bool big) {
     return std::ranges::none_of(done, [&](const Done& other) {
       return big == other.big && distance(place, other.place) < kAgain * setup_.cap.small_radius;
@@ -139,8 +138,8 @@ void UnpairedCircles::search(std::vector<Rejection>* rejected) {
   int hints = kMostHints;
   int in_vain = 0;
   const std::size_t known = circles_.size();
-  for (const bool aside : {false, true}) {      // what is found at once needs not be looked for
-    if (aside && known_.isLightEven()) return;  // which leads nothing astray
+  for (const bool aside : {false, true}) {      // direct candidates first
+    if (aside && known_.isLightEven()) return;  // only uneven light displaces spots
     const int most_in_vain =
         aside ? std::min(in_vain + kMostInVainAside, kMostInVain) : kMostInVain;
     if (aside) hints = std::min(hints, kMostHintsAside);
@@ -148,7 +147,7 @@ void UnpairedCircles::search(std::vector<Rejection>* rejected) {
     for (std::size_t i = 0; i < known; ++i) {
       for (const bool big : {true, false}) {
         const Spot spot = circles_.spots()[i];
-        // White that is full may be brighter than it says, and the circle larger than it looks.
+        // Saturated white may be brighter than 255, and the circle larger than it looks.
         const bool full = spot.white + static_cast<float>(setup_.imaging.black) >= kSaturated;
         if (circles_.isTaken(i) || !(big ? spot.can_be_big || full : spot.can_be_small)) continue;
         const optics::Pixel at{static_cast<double>(spot.x), static_cast<double>(spot.y)};
@@ -186,7 +185,7 @@ int UnpairedCircles::tryUnpaired(int spot, bool big, const std::optional<optics:
       if (known_.size() > known) return in_vain - 1;
     }
   }
-  // What was tried beside a spot says nothing of the spot.
+  // A fit at a displaced place does not count for the spot.
   if (aside) circles_.restore(spot, big, before);
   return in_vain;
 }
@@ -198,7 +197,7 @@ bool UnpairedCircles::isBlack(optics::Pixel at, bool big) const {
                     setup_.imaging) <= kBlack;
 }
 
-// A light edge may have led the search astray by nearly a radius.
+// A light edge may displace a spot by nearly a radius.
 std::optional<optics::Place> UnpairedCircles::placeAside(optics::Place rough, bool big) const {
   const double away = kAside * (big ? setup_.cap.big_radius : setup_.cap.small_radius);
   std::optional<optics::Place> best;
@@ -293,9 +292,9 @@ int UnpairedCircles::pairBeside(int spot, bool big, double theta,
   return fits;
 }
 
-// Where there is little light, noise makes some rim in the best of many directions.
+// In dim light, noise gives some rim contrast in the best of many directions.
 float UnpairedCircles::leastRim(const CirclePair& couple) const {
-  constexpr double kPairs = 24;  // of pixels, of which the rim's contrast is the median
+  constexpr double kPairs = 24;  // pixel pairs whose median is the rim contrast
   const double white =
       std::max(0.5 * static_cast<double>(circles_.of(couple.big, true).fit.white +
                                          circles_.of(couple.small, false).fit.white),
