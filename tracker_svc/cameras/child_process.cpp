@@ -17,7 +17,7 @@
 namespace lab::cameras {
 namespace {
 
-constexpr int kPipeBytes = 1 << 20;  // the most an ordinary user may ask for
+constexpr int kPipeBytes = 1 << 20;  // the limit for unprivileged users
 
 struct Pipe {
   Pipe() {
@@ -32,10 +32,10 @@ struct Pipe {
   FileDescriptor in;
 };
 
-/// The child between fork and exec: only calls that are safe there.
+/// The child between fork and exec: only async-signal-safe calls.
 [[noreturn]] void become(char* const* arguments, pid_t parent, int output, int errors, int failed) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
-  if (getppid() != parent) _exit(127);  // it died before the line above
+  if (getppid() != parent) _exit(127);  // the parent died before prctl()
   setpgid(0, 0);
   const int nothing = open("/dev/null", O_RDONLY | O_CLOEXEC);
   dup2(nothing, STDIN_FILENO);

@@ -9,14 +9,14 @@
 
 namespace lab::cameras {
 
-/// Plays a recording on the loop, decoded by a thread of its own. No frame is lost: a reader that
-/// is slow makes it late. `wanted.fps` as in CameraDevices.
-/// @throws CameraError as FilmReader::open(), and when its size is not the one wanted.
+/// Plays a recording on the loop, decoded in a separate thread. No frame is dropped: a slow
+/// consumer delays the playback. `wanted.fps` as in CameraDevices.
+/// @throws CameraError as FilmReader::open(), and if its size is not the wanted one
 [[nodiscard]] std::unique_ptr<FrameSource> openFilm(AsioLoop& loop, const std::string& source,
                                                     const CameraFormat& wanted,
                                                     CameraHandlers handlers);
 
-/// @throws CameraError unless the size is the one wanted, where one is wanted.
+/// @throws CameraError if a size is wanted and it differs
 void checkSize(const std::string& source, const CameraFormat& wanted, const CameraFormat& found);
 
 }  // namespace lab::cameras

@@ -19,11 +19,11 @@ using nlohmann::json;
 
 bool isAddress(const std::string& source) { return source.find("://") != std::string::npos; }
 
-/// The words that name the input: a file is never taken for an option or a protocol.
+/// The arguments that name the input; a file name cannot be taken for an option or a protocol.
 std::vector<std::string> inputOf(const std::string& source) {
   if (!isAddress(source)) return {"-i", "file:" + source};
   std::vector<std::string> words;
-  // Five seconds of silence are a dead camera [us]; pictures at once instead of smooth playback.
+  // Timeout of 5 s for a dead camera [us]; low latency instead of smooth playback.
   if (source.starts_with("rtsp://")) words = {"-rtsp_transport", "tcp", "-timeout", "5000000"};
   if (source.starts_with("http")) words = {"-rw_timeout", "5000000"};
   for (const char* word : {"-fflags", "nobuffer", "-flags", "low_delay", "-i"}) {
@@ -38,7 +38,7 @@ std::string textOf(const json& object, const char* key) {
   return entry != object.end() && entry->is_string() ? entry->get<std::string>() : "";
 }
 
-/// "30000/1001" as a number.
+/// Parses "30000/1001".
 double ratio(const std::string& text) {
   const std::size_t slash = text.find('/');
   const double above = std::atof(text.c_str());
@@ -46,12 +46,13 @@ double ratio(const std::string& text) {
   return below > 0 && above > 0 ? above / below : 0;
 }
 
-/// Presentation times of the packets in order [us since the first]. A packet without one (AVI) has
-/// its decoding time instead.
+/// Presentation times of the packets in order [us since the first]; the decoding time for packets
+/// without one (AVI).
 std::vector<std::int64_t> timesOf(const json& packets) {
   std::vector<double> times;
   for (const json& packet : packets) {
-    if (textOf(packet, "flags").find('D') != std::string::npos) continue;  // decoded, never shown
+    if (textOf(packet, "flags").find('D') != std::string::npos)
+      continue;  // decoded but not displayed
     const std::string shown = textOf(packet, "pts_time");
     times.push_back(std::atof((shown.empty() ? textOf(packet, "dts_time") : shown).c_str()));
   }
@@ -62,7 +63,7 @@ std::vector<std::int64_t> timesOf(const json& packets) {
   return utimes;
 }
 
-/// Of the codecs that people film with, those that lose nothing.
+/// Lossless codecs in common use.
 bool losesNothing(const std::string& codec) {
   constexpr std::array kWhole{"ffv1",     "rawvideo", "huffyuv", "ffvhuff", "utvideo",
                               "magicyuv", "png",      "qtrle",   "bmp",     "tiff"};
@@ -126,13 +127,14 @@ class MovieReader final : public FilmReader {
  private:
   [[nodiscard]] std::int64_t utime(std::int64_t number) const {
     if (number < length()) return facts_.utimes[static_cast<std::size_t>(number)];
-    // A frame more than there were packets: at the usual rate behind the last one.
+    // More frames than packets: extrapolates at the usual rate.
     const std::int64_t last = facts_.utimes.empty() ? 0 : facts_.utimes.back();
     const auto more = static_cast<double>(number - length() + 1);
     return last + std::llround(more * 1e6 / (facts_.fps > 0 ? facts_.fps : 30));
   }
 
-  /// The median, or the mean that the file states where they agree: MKV keeps whole milliseconds.
+  /// From the median period; or the mean rate of the file if they agree, since MKV stores whole
+  /// milliseconds.
   [[nodiscard]] double usualRate() const {
     std::vector<std::int64_t> steps;
     for (std::size_t i = 1; i < facts_.utimes.size(); ++i) {
@@ -185,7 +187,7 @@ class MovieReader final : public FilmReader {
                     (why.empty() ? "" : " (" + why + ")") + hint);
 }
 
-/// What to do about an MP4 whose recording was cut off.
+/// Advice for an MP4 whose recording was interrupted.
 const char* hintFor(const std::string& errors) {
   return errors.find("moov atom not found") == std::string::npos
              ? ""

@@ -18,7 +18,7 @@ constexpr std::array<std::uint32_t, 14> kKnown = {
     V4L2_PIX_FMT_YUYV,   V4L2_PIX_FMT_UYVY,   V4L2_PIX_FMT_NV12,   V4L2_PIX_FMT_NV21,
     V4L2_PIX_FMT_YUV420, V4L2_PIX_FMT_MJPEG};
 
-/// How many bits a grey sample of two bytes has, 0: it has one byte.
+/// Bits of a two-byte grey sample; 0 for one-byte samples.
 int deepBits(std::uint32_t fourcc) {
   switch (fourcc) {
     case V4L2_PIX_FMT_Y10:
@@ -37,7 +37,7 @@ bool isBayer(std::uint32_t fourcc) {
          fourcc == V4L2_PIX_FMT_SGBRG8 || fourcc == V4L2_PIX_FMT_SBGGR8;
 }
 
-/// Bytes from one luma sample to the next, and before the first.
+/// Distance between luma samples, and offset of the first [bytes].
 struct Luma {
   int step = 1;
   int first = 0;
@@ -49,7 +49,7 @@ Luma lumaOf(std::uint32_t fourcc) {
   return {};
 }
 
-/// 16..235 becomes 0..255.
+/// Expands 16..235 to 0..255.
 constexpr std::array<std::uint8_t, 256> kExpanded = [] {
   std::array<std::uint8_t, 256> table{};
   for (int i = 0; i < 256; ++i) {
@@ -85,8 +85,8 @@ void copyDeep(const RawLayout& layout, const std::uint8_t* bytes, optics::GreyIm
   }
 }
 
-/// 1 2 1, 2 4 2, 1 2 1: wherever it stands, a quarter of it lies on red, half on green and a
-/// quarter on blue. At the border the picture is mirrored, which keeps the colours in step.
+/// Kernel 1 2 1, 2 4 2, 1 2 1: at every position a quarter of its weight is on red, half on green
+/// and a quarter on blue. Mirrored at the border, which preserves the colour pattern.
 void mixBayer(const RawLayout& layout, const std::uint8_t* bytes, optics::GreyImage& grey) {
   const int width = layout.width;
   std::vector<int> sums(static_cast<std::size_t>(width) + 2);
@@ -132,7 +132,7 @@ bool decodeJpeg(const RawLayout& layout, std::span<const std::uint8_t> bytes,
                     TJPF_GRAY, TJFLAG_ACCURATEDCT) == 0) {
     return true;
   }
-  // Cameras pad frames. Every other warning is about damaged data.
+  // Padding between frames is harmless; every other warning means damaged data.
   const std::string_view warning = tjGetErrorStr2(decoder.get());
   return tjGetErrorCode(decoder.get()) == TJERR_WARNING &&
          warning.find("extraneous bytes") != std::string_view::npos;

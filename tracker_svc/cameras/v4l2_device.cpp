@@ -15,8 +15,8 @@ namespace {
 
 constexpr std::uint32_t kBuffers = 4;
 constexpr std::size_t kMostListed = 24;
-constexpr int kMostErrors = 10;  // failed frames in a row until the camera counts as gone
-constexpr std::int64_t kOldest_us = 1'000'000;  // an older frame's stamp is not to be believed
+constexpr int kMostErrors = 10;  // consecutive failed frames after which the camera counts as gone
+constexpr std::int64_t kOldest_us = 1'000'000;  // older time stamps are not plausible
 
 double rateOf(const v4l2_fract& interval) {
   return interval.numerator > 0
@@ -28,7 +28,7 @@ std::string sizeText(int width, int height) {
   return std::to_string(width) + " x " + std::to_string(height);
 }
 
-/// " at 30 /s", empty where the rate is not known.
+/// " at 30 /s", empty if the rate is not known.
 std::string rateText(double fps) {
   return fps > 0 ? " at " + std::to_string(std::lround(fps)) + " /s" : "";
 }
@@ -39,7 +39,7 @@ bool isLimited(const v4l2_pix_format& pixels) {
   if (pixels.quantization != V4L2_QUANTIZATION_DEFAULT) {
     return pixels.quantization == V4L2_QUANTIZATION_LIM_RANGE;
   }
-  return pixels.colorspace != V4L2_COLORSPACE_JPEG;  // as the kernel defines the default of YCbCr
+  return pixels.colorspace != V4L2_COLORSPACE_JPEG;  // the kernel's default for YCbCr
 }
 
 }  // namespace
@@ -136,7 +136,7 @@ bool V4l2Device::hasSize(std::uint32_t fourcc, int width, int height) const {
              fits(high, steps.min_height, steps.max_height, steps.step_height);
     }
   }
-  return size.index == 0;  // it lists none: setting it will tell
+  return size.index == 0;  // the device lists no sizes: setting one will show
 }
 
 double V4l2Device::fastestRate(std::uint32_t fourcc, int width, int height) const {
@@ -196,7 +196,7 @@ void V4l2Device::chooseFormat(const CameraFormat& wanted) {
   for (const std::uint32_t fourcc : knownFormats()) {
     const bool there = std::find(offered.begin(), offered.end(), fourcc) != offered.end();
     if (!there || !hasSize(fourcc, width, height)) continue;
-    // A rate that is not listed (0) may be any. Half a percent: 29.97 is 30.
+    // A rate that is not listed (0) may be any. Tolerance of half a percent: 29.97 counts as 30.
     const double rate = fastestRate(fourcc, width, height);
     const bool enough = rate == 0 || rate * 1.005 >= wanted.fps;
     if (best == 0 || (enough && best_rate * 1.005 < wanted.fps) ||
@@ -228,7 +228,7 @@ void V4l2Device::setFormat(std::uint32_t fourcc, int width, int height) {
   if (pixels.field != V4L2_FIELD_NONE && pixels.field != V4L2_FIELD_ANY) {
     fail("gives interlaced pictures; a tracker needs whole ones");
   }
-  if (layout_.stride == 0) layout_.stride = width;  // some compressed formats say none
+  if (layout_.stride == 0) layout_.stride = width;  // some drivers report 0 for compressed formats
   format_.width = width;
   format_.height = height;
   format_.pixels = fourccName(fourcc);
@@ -238,7 +238,7 @@ void V4l2Device::setFormat(std::uint32_t fourcc, int width, int height) {
 void V4l2Device::setRate(double fps) {
   v4l2_streamparm rate{};
   rate.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
-  if (call(VIDIOC_G_PARM, &rate) < 0) return;  // it cannot be set, nor is it known
+  if (call(VIDIOC_G_PARM, &rate) < 0) return;  // the rate cannot be set and is not known
   if (fps > 0 && (rate.parm.capture.capability & V4L2_CAP_TIMEPERFRAME) != 0) {
     rate.parm.capture.timeperframe = {1000, static_cast<std::uint32_t>(std::lround(fps * 1000))};
     static_cast<void>(call(VIDIOC_S_PARM, &rate));
@@ -289,7 +289,7 @@ V4l2Device::State V4l2Device::take(Raw& frame) {
   const int failed = call(VIDIOC_DQBUF, &buffer);
   if (failed == -EAGAIN) return State::kNothing;
   if (failed < 0) {
-    // An input/output error may be one lost frame; a row of them is a camera without its cable.
+    // A single I/O error may be one lost frame; several in a row mean a disconnected camera.
     const bool passing = failed == -EIO && ++errors_in_a_row_ < kMostErrors;
     return passing ? State::kNothing : State::kGone;
   }
@@ -319,7 +319,7 @@ void V4l2Device::giveBack(const Raw& frame) {
   buffer.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
   buffer.memory = V4L2_MEMORY_MMAP;
   buffer.index = frame.buffer;
-  static_cast<void>(call(VIDIOC_QBUF, &buffer));  // if it is gone, the next take() finds out
+  static_cast<void>(call(VIDIOC_QBUF, &buffer));  // if it fails, the next take() reports it
 }
 
 }  // namespace lab::cameras

@@ -1,4 +1,3 @@
-// The other circle is covered, or lies outside the picture.
 #include "tracker_svc/detector/degraded_poses.hpp"
 
 #include <algorithm>
