@@ -15,12 +15,12 @@ namespace {
 using Eigen::VectorXd;
 
 constexpr int kRounds = 5;
-constexpr double kOutlying = 5;          // standard deviations
-constexpr double kNeverOutlying = 3e-4;  // [m]
+constexpr double kOutlying = 5;          // [standard deviations]
+constexpr double kNeverOutlying = 3e-4;  // [m] residuals below this are never outliers
 constexpr double kRayleighMedian = 1.17741;
-constexpr double kSquare = 0.1;  // [m] side of a square, about
+constexpr double kSquare = 0.1;  // [m] approximate side of a square
 constexpr int kFewestInSquare = 3;
-constexpr int kErrorSteps = 8;  // of the grid on which errors are summed up
+constexpr int kErrorSteps = 8;  // steps per axis of the grid on which errors are averaged
 constexpr double kMilli = 1e3;
 constexpr double kCenti = 100;
 
@@ -30,7 +30,8 @@ struct Miss {
   double y = 0;  // [m]
 };
 
-/// Along each axis, from the median of the lengths: a part of strangers hardly changes it.
+/// Standard deviation along each axis from the median of the residuals' lengths, which outliers
+/// hardly change.
 double robustSigma(const VectorXd& residuals) {
   std::vector<double> sizes;
   for (Eigen::Index row = 0; row + 1 < residuals.size(); row += 2) {
@@ -55,10 +56,10 @@ std::vector<Miss> missesOf(const std::vector<ProjectorObservation>& observations
 struct Fitted {
   CameraSolution solution;
   std::vector<ProjectorObservation> used;
-  double noise = 1;  ///< in units of the sights' sigmas
+  double noise = 1;  ///< in units of the observations' sigmas
 };
 
-/// Sights that fit are kept; where the lens is not found yet, all are.
+/// Removes outliers, unless the lens is not found yet.
 std::vector<ProjectorObservation> fitting(const std::vector<ProjectorObservation>& observations,
                                           const ProjectorPlane& plane, const Fitted& fitted) {
   const optics::CameraParameters& lens = fitted.solution.state.camera;
@@ -97,7 +98,7 @@ Fitted fitAll(const std::vector<ProjectorObservation>& observations, const Proje
   return fitted;
 }
 
-/// [m^2] mean square standard error of where the light for a place falls.
+/// [m^2] mean squared standard error of the place that a pixel lights.
 double statisticalError(const Fitted& fitted, const ProjectorPlane& plane) {
   ResidualBlock block;
   for (int i = 0; i < kSpacing; ++i) block.unknowns.push_back(i);
@@ -141,10 +142,10 @@ void addSquares(ProjectorFit& fit, const std::vector<Miss>& misses, const Projec
     square.residual_y += miss.y;
     squares[at] += miss.x * miss.x + miss.y * miss.y;
   }
-  double scatter = 0;  // of the sights about their squares' means
+  double scatter = 0;  // scatter of the observations about the means of their squares
   double freedom = 0;
   double common = 0;
-  double chance = 0;  // what the means would be without any misfit
+  double chance = 0;  // expected squares of the means without any misfit
   int seen = 0;
   int judged = 0;
   for (std::size_t at = 0; at < squares.size(); ++at) {

@@ -10,7 +10,7 @@ namespace {
 
 using Eigen::VectorXd;
 
-constexpr double kThrow = 2.0;  // [m] from the lens to the plane, for want of a better idea
+constexpr double kThrow = 2.0;  // [m] initial distance from the lens to the plane
 constexpr double kFocalLength = 0.5;
 constexpr double kSquare = 0.3;
 constexpr double kMiddle = 1.0;
@@ -29,14 +29,14 @@ std::vector<int> lensUnknowns() {
   return all;
 }
 
-/// Depth of the arena's middle before the lens [m].
+/// Depth of the arena's middle in front of the lens [m].
 double throwOf(const optics::CameraParameters& lens, const ProjectorPlane& plane) {
   const auto& r = lens.rotation;
   return r[6] * plane.arena_width / 2 + r[7] * plane.arena_height / 2 + r[8] * plane.height +
          lens.translation[2];
 }
 
-/// Whether the corners go around the same way at each of them.
+/// Whether the corners turn in the same direction at each of them.
 bool isConvex(const std::array<optics::Pixel, 4>& corners) {
   int left = 0;
   for (std::size_t i = 0; i < 4; ++i) {
@@ -68,9 +68,9 @@ std::optional<optics::CameraParameters> straightLens(
   if (!solver.isInvertible()) return std::nullopt;
   const Eigen::Matrix<double, 3, 2> affine = solver.solve(right);
   const Eigen::Vector2d along_u(affine(1, 0), affine(2, 0));  // [px/m] of the column
-  const Eigen::Vector2d along_v(affine(1, 1), affine(2, 1));  // [px/m] of the row, down
+  const Eigen::Vector2d along_v(affine(1, 1), affine(2, 1));  // [px/m] of the row, downwards
   if (!(along_u.norm() > 0 && along_v.norm() > 0)) return std::nullopt;
-  // Seen from above, v is a quarter turn clockwise from u unless a mirror is in between.
+  // Seen from above, v is 90 degrees clockwise from u, unless the light passes a mirror.
   const bool mirrored = along_u.x() * along_v.y() - along_u.y() * along_v.x() > 0;
   const double sign = mirrored ? -1 : 1;
   const Eigen::Vector2d from_v(-along_v.y(), along_v.x());
@@ -157,7 +157,8 @@ std::optional<optics::CameraParameters> lensFromCorners(const std::array<optics:
   state.pivot = {w / 2, h / 2, plane.height};
   std::optional<optics::CameraParameters> best;
   double least = kMostCornerMiss;
-  // From straight down the search may end beside a strong keystone: then from the sides.
+  // With a strong keystone the search from straight above may end in a local minimum: then starts
+  // from the sides.
   for (const auto& [x, y] :
        {std::pair{0, 0}, {1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {1, -1}, {-1, 1}, {-1, -1}}) {
     const CameraSolution solution = solveCamera(

@@ -11,14 +11,14 @@ namespace {
 constexpr double kWholeTurn = 2 * std::numbers::pi;
 constexpr double kSaturated = 253;     // [DN]
 constexpr double kLeastContrast = 20;  // [DN] between bright and dark
-constexpr double kLeastWave = 0.4;     // of the amplitude that the contrast promises
-constexpr double kAgree = 0.25;        // of a short wave, that the long one may differ
-constexpr double kWallMargin = 0.003;  // [m] of the arena's border is left out
+constexpr double kLeastWave = 0.4;     // of the amplitude expected from the contrast
+constexpr double kAgree = 0.25;        // of a short wave: allowed deviation of the long wave
+constexpr double kWallMargin = 0.003;  // [m] excluded along the arena's border
 
 constexpr double kLeastSigma = 1e-4;  // [px]
 
-/// A paraboloid through what the pixels of a square say: a mean alone would be moved by the lenses'
-/// curvature, by 0.03 mm at worst.
+/// Fits a paraboloid to the values of a square's pixels: the curvature of the lenses would displace
+/// a mean by up to 0.03 mm.
 class SquareFit {
  public:
   void take(int x, int y, double value) {
@@ -33,12 +33,12 @@ class SquareFit {
     bend_y_ += value * (b * b - kSpread);
   }
 
-  /// In the middle of the square.
+  /// Value in the middle of the square.
   [[nodiscard]] double middle() const {
     return sum_ / kPixels - kSpread * (bend_x_ + bend_y_) / kBend;
   }
 
-  /// Of middle(), from what the paraboloid leaves over.
+  /// Variance of middle(), from the residuals.
   [[nodiscard]] double variance() const {
     const double left = squares_ - sum_ * sum_ / kPixels -
                         (slope_x_ * slope_x_ + slope_y_ * slope_y_) / (kSpread * kPixels) -
@@ -48,7 +48,7 @@ class SquareFit {
   }
 
  private:
-  // With n pixels along a side: means of x^2, and the sum of (x^2 - its mean)^2.
+  // With n pixels along a side: mean of x^2, and the sum of (x^2 - its mean)^2.
   static constexpr double kSide = PatternReader::kBlock;
   static constexpr double kMiddle = (kSide - 1) / 2;
   static constexpr double kPixels = kSide * kSide;
@@ -147,14 +147,14 @@ bool PatternReader::isClear(std::size_t at) const {
   return in_arena_[at] && !saturated_[at] && projectorPixel(at).has_value();
 }
 
-/// Empty where the waves say nothing.
+/// Empty if the waves are not clear.
 std::optional<optics::Pixel> PatternReader::projectorPixel(std::size_t at) const {
   const double frames = std::max(1, taken_.front());
   const double contrast = static_cast<double>(bright_[at] - dark_[at]) / frames;
   if (contrast < kLeastContrast) return std::nullopt;
   std::array<double, 2> found{};
   for (std::size_t axis = 0; axis < 2; ++axis) {
-    double along = 0;  // [m] from the arena's middle, so far
+    double along = 0;  // [m] from the arena's middle
     for (std::size_t wave = 2 * axis; wave < 2 * axis + 2; ++wave) {
       const auto c = static_cast<double>(cosines_[wave][at]);
       const auto s = static_cast<double>(sines_[wave][at]);
@@ -176,7 +176,7 @@ std::optional<optics::Pixel> PatternReader::projectorPixel(std::size_t at) const
       {view_.plane.arena_width / 2 + found[0], view_.plane.arena_height / 2 + found[1]});
 }
 
-/// At the plane's height, where the light on its way to that pixel goes through.
+/// At the plane's height: where the light for that pixel crosses the plane.
 std::optional<optics::Place> PatternReader::placeOf(optics::Pixel pixel) const {
   auto place = camera_.toPlane(pixel, view_.surface);
   if (!place || !view_.projector) return place;

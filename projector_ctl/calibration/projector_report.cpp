@@ -12,7 +12,7 @@ namespace {
 constexpr double kMilli = 1e3;
 constexpr double kCenti = 100;
 constexpr double kPixelsPerMetre = 800;
-constexpr int kFrame = 20;         // [px] about the arena
+constexpr int kFrame = 20;         // [px] around the arena
 constexpr double kLongest = 0.05;  // [m] of an arrow
 constexpr double kHead = 0.012;    // [m] of an arrow's head
 constexpr std::uint8_t kPaper = 255;
@@ -26,7 +26,7 @@ class Drawing {
         rows_(2 * kFrame + static_cast<int>(std::lround(kPixelsPerMetre * plane.arena_height))),
         grey_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_), kPaper) {}
 
-  /// In metres of the arena; `half` is half the line's width in pixels.
+  /// Coordinates in metres of the arena; `half` is half the line's width in pixels.
   void line(double x0, double y0, double x1, double y1, double half, std::uint8_t ink) {
     const double u0 = kFrame + kPixelsPerMetre * x0;
     const double u1 = kFrame + kPixelsPerMetre * x1;

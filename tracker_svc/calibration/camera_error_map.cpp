@@ -11,7 +11,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// Variance [m^2] along a direction of the plane that `sigma` [px] makes.
+/// Variance [m^2] along a direction of the plane that corresponds to `sigma` [px].
 double variance(const optics::PlaneScale& scale, const Eigen::Vector2d& along, double sigma) {
   Eigen::Matrix2d to_pixels;
   to_pixels << scale.ux, scale.uy, scale.vx, scale.vy;
@@ -54,7 +54,7 @@ ErrorMap errorMap(const CameraState& state, const MatrixXd& covariance,
       pixels.push_back(model.project(place.x, place.y, observations.cap.height));
     }
   }
-  // Where the same pixels are, seen with other unknowns.
+  // The positions on the plane of fixed pixels, as a function of the unknowns.
   ResidualBlock block;
   for (int i = 0; i < kSpacing; ++i) block.unknowns.push_back(i);
   block.residuals = [&pixels, &observations](const CameraState& at) {
@@ -80,7 +80,7 @@ ErrorMap errorMap(const CameraState& state, const MatrixXd& covariance,
   }
   map.rms = std::sqrt(sum / static_cast<double>(count));
 
-  // Less the shift and the turn of the whole that explains most of it.
+  // Projects out a common shift and rotation.
   MatrixXd rigid(2 * count, 3);
   for (Index i = 0; i < count; ++i) {
     const PlaceError& place = map.places[static_cast<std::size_t>(i)];

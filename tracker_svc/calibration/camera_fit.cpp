@@ -17,12 +17,13 @@ namespace {
 using Eigen::VectorXd;
 
 constexpr int kRounds = 4;
-constexpr double kOutlying = 5;  // standard deviations
-constexpr double kUnseen = 100;  // standard deviations, of what no camera like this can see
+constexpr double kOutlying = 5;  // [standard deviations]
+constexpr double kUnseen =
+    100;  // [standard deviations] residual of an observation that is impossible with the camera
 constexpr double kNormalMedian = 1.4826;
-constexpr double kLeastNoise = 0.1;  // of what was said: no camera is better
+constexpr double kLeastNoise = 0.1;  // smallest noise, in units of the given sigma
 
-// What cameras are like: see camera_fit.hpp.
+// Priors of cameras: see camera_fit.hpp.
 constexpr double kSquare = 0.002;
 constexpr double kMiddle = 0.02;
 constexpr double kTangential = 1e-3;
@@ -42,7 +43,7 @@ std::array<optics::Place, 4> cornersOf(const CameraObservations& observations) {
   return {{{0, 0}, {w, 0}, {w, h}, {0, h}}};
 }
 
-/// Seen less marked [px].
+/// Observed minus marked [px].
 VectorXd cornerMisses(const CameraObservations& observations,
                       const optics::CameraParameters& camera) {
   const optics::CameraModel model(camera);
@@ -79,10 +80,10 @@ ResidualBlock priorBlock(const CameraObservations& observations) {
   return {upTo(kCameraUnknowns), residuals, false};
 }
 
-/// One cap, and how well its spacing is known if its sigma is right.
+/// One cap, and the standard error of its spacing.
 struct WeighedCap {
-  CapObservation seen;     // the ellipses' centres
-  CapObservation centres;  // the circles'
+  CapObservation seen;     // centres of the ellipses
+  CapObservation centres;  // centres of the circles
   double sigma = 0;        // [m]
 };
 
@@ -102,9 +103,10 @@ ResidualBlock capBlock(const CameraObservations& observations, const std::vector
   return {upTo(kCameraUnknowns), residuals, true};
 }
 
-/// A circle on the plane appears as an ellipse whose centre is not the circle's. In units of the
-/// plane its outline is a circle, moved by R^2/2 e'He for each normal e, H the second derivatives;
-/// the centre that fits best is R^2/8 (trace H_i + 2 sum_k H_k,ki) off. Exact for a pinhole.
+/// A circle on the plane appears as an ellipse whose centre is not the image of the circle's
+/// centre. In units of the plane its outline is a circle, displaced by R^2/2 e'He for each normal
+/// e, with H the second derivatives; the centre of the best fit is displaced by R^2/8 (trace H_i +
+/// 2 sum_k H_k,ki). Exact for a pinhole camera.
 optics::Pixel discCentre(const optics::CameraModel& model, double x, double y, double z,
                          double radius) {
   constexpr double kStep = 0.005;  // [m]
@@ -116,7 +118,7 @@ optics::Pixel discCentre(const optics::CameraModel& model, double x, double y, d
   const auto second = [&](double dx, double dy) {
     const optics::PlaneScale more = model.scaleAt({x + dx, y + dy}, z);
     const optics::PlaneScale less = model.scaleAt({x - dx, y - dy}, z);
-    Eigen::Matrix2d slope;  // d/dx or d/dy of the derivatives, in units of the plane
+    Eigen::Matrix2d slope;  // derivative of the derivatives by x or y, in units of the plane
     slope << more.ux - less.ux, more.uy - less.uy, more.vx - less.vx, more.vy - less.vy;
     return Eigen::Matrix2d(inverse * slope / (2 * kStep));
   };
@@ -128,7 +130,7 @@ optics::Pixel discCentre(const optics::CameraModel& model, double x, double y, d
   return {middle.x + moved[0], middle.y + moved[1]};
 }
 
-/// Seen less expected [px] of every disc of one board.
+/// Observed minus expected [px] of every disc of one board.
 VectorXd boardMisses(const BoardView& board, const CameraState& at, std::size_t index) {
   optics::CameraParameters p = at.camera;
   using RowMajor = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
@@ -166,16 +168,15 @@ ResidualBlock boardBlock(const BoardView& board, std::size_t index, double noise
           true};
 }
 
-/// Standard deviation from the median of the sizes, which a few caps_may_be_replaced do not change;
-/// `freedom` is the share of the numbers that the fit has not used up.
+/// Standard deviation from the median of the absolute residuals, which a few outliers hardly
+/// change. `freedom` is the share of degrees of freedom that the fit leaves.
 double robustSigma(std::vector<double> sizes, double freedom) {
   if (sizes.empty()) return 1;
   return std::max(kNormalMedian * medianOf(sizes) / std::sqrt(std::max(0.05, freedom)),
                   kLeastNoise);
 }
 
-/// Where the centre of a circle of a cap appears, from the centre of the ellipse that it appears
-/// as.
+/// The image of a circle's centre, from the centre of its ellipse.
 optics::Pixel circleCentre(const optics::CameraModel& model, const optics::CapGeometry& cap,
                            const optics::Pixel& ellipse, double radius) {
   const auto place = model.toPlane(ellipse, cap.height);
@@ -229,7 +230,7 @@ CameraState startFrom(const CameraObservations& observations,
   return state;
 }
 
-/// What was estimated on the way.
+/// Intermediate results.
 struct Fitted {
   CameraSolution solution;
   std::vector<WeighedCap> caps;
@@ -270,7 +271,7 @@ Fitted fitAll(const CameraObservations& observations, const CameraState& start) 
   Fitted fitted;
   fitted.solution.state = start;
   std::vector<CapObservation> sightings = observations.caps;
-  fitted.noise = 10;  // the first look is a rough one: weights count from afar
+  fitted.noise = 10;  // large noise first: weights then act on large residuals too
   fitted.board_noise = 10;
   for (int round = 0; round < kRounds; ++round) {
     fitted.caps = weighed(observations, fitted.solution.state.camera, sightings);
@@ -305,7 +306,7 @@ optics::CameraParameters errorsOf(const Eigen::MatrixXd& covariance) {
   return error;
 }
 
-/// Errors of where the camera stands.
+/// Errors of the camera's position.
 void placeErrors(const CameraState& state, const Eigen::MatrixXd& covariance, CameraFit& fit) {
   ResidualBlock block;
   block.unknowns = upTo(kCameraUnknowns);

@@ -22,7 +22,7 @@ double distance(const optics::Pixel& a, const optics::Pixel& b) {
   return std::hypot(b.x - a.x, b.y - a.y);
 }
 
-/// Looking straight down from `height`, turned and shifted so that the corners fit.
+/// A camera looking straight down from `height`, rotated and shifted to fit the corners.
 optics::CameraParameters straightDown(const CameraObservations& observations, double height) {
   optics::CameraParameters p;
   p.width = observations.width;
@@ -36,7 +36,7 @@ optics::CameraParameters straightDown(const CameraObservations& observations, do
                         distance(c[3], c[0]) / observations.arena_height) /
                        4;
   p.fx = p.fy = scale * height;
-  // The direction of x in the picture, over both long sides; y of the arena is up in it.
+  // Direction of x in the picture, from both long sides; the arena's y points up in the picture.
   const double angle =
       std::atan2(c[1].y - c[0].y + c[2].y - c[3].y, c[1].x - c[0].x + c[2].x - c[3].x);
   const double cosine = std::cos(angle);
@@ -121,8 +121,8 @@ std::optional<Matrix3d> homographyOf(const std::vector<BoardPoint>& points) {
 
 std::optional<double> focalLengthOf(const std::vector<Matrix3d>& homographies, int width,
                                     int height) {
-  // With the principal point taken off, the first two columns of K^-1 H are equally long and at
-  // right angles: two equations for 1 / f^2 each.
+  // With the principal point subtracted, the first two columns of K^-1 H have equal lengths and are
+  // orthogonal: two equations for 1 / f^2 each.
   Matrix3d centred = Matrix3d::Identity();
   centred(0, 2) = -(width - 1) / 2.0;
   centred(1, 2) = -(height - 1) / 2.0;
@@ -150,7 +150,7 @@ BoardPose boardPose(const Matrix3d& homography, const optics::CameraParameters& 
       0, 0, 1;
   Matrix3d h = inverse_k * homography;
   h /= std::sqrt(h.col(0).norm() * h.col(1).norm());
-  if (h(2, 2) < 0) h = -h;  // in front of the camera
+  if (h(2, 2) < 0) h = -h;  // the board is in front of the camera
   Matrix3d rotation;
   rotation << h.col(0), h.col(1), h.col(0).cross(h.col(1));
   const Eigen::JacobiSVD<Matrix3d> svd(rotation, Eigen::ComputeFullU | Eigen::ComputeFullV);

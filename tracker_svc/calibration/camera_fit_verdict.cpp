@@ -12,9 +12,9 @@
 namespace lab::calibration {
 namespace {
 
-constexpr double kUnsure = 0.06;  // [px] of a circle's centre: usual are 0.005 to 0.03
+constexpr double kUnsure = 0.06;  // [px] error of a circle's centre; usual values are 0.005 to 0.03
 
-/// In words, which ninth of the arena.
+/// Describes one ninth of the arena in words.
 std::string partName(int column, int row) {
   if (column == 1 && row == 1) return "the middle";
   std::string name = row == 0 ? "low y" : row == 2 ? "high y" : "";
@@ -23,7 +23,7 @@ std::string partName(int column, int row) {
   return (column == 1 || row == 1 ? "the side of " : "the corner of ") + name;
 }
 
-/// What makes circles' spacing miss.
+/// Advice on possible causes of spacing residuals.
 std::string spacingAdvice(const CameraObservations& observations) {
   std::vector<double> sigmas;
   for (const CapObservation& cap : observations.caps) sigmas.push_back(cap.sigma);
