@@ -1,5 +1,6 @@
 /// Estimates whether a camera's grey values are linear in light, from the caps in its pictures.
-/// | A camera that gamma-encodes brightens dark areas: black paint reflects a twelfth of white's
+///
+/// A camera that gamma-encodes brightens dark areas: black paint reflects a twelfth of white's
 /// light but shows at a third of its grey value, and outlines are blurred asymmetrically. Each
 /// picture is searched with both assumptions. If one finds more caps, it wins. If both find all
 /// caps, the ratio of black to white decides; this is only an estimate, because haze brightens

@@ -25,10 +25,12 @@ namespace lab::tracker {
 
 /// Publishes TRACKED_FRAME (caps bound to robots, and unidentified caps) and TRACKED_DETAILS for
 /// every picture, and TRACKER_STATUS, which includes a continuous check of the calibration.
-/// | Searches near expected caps, and the whole picture once a second and whenever a cap is
+///
+/// Searches near expected caps, and the whole picture once a second and whenever a cap is
 /// missing; both give the same poses. ROBOT_STATUS reports the wheel motion of each robot;
 /// comparing it with the motion of caps tells which cap is which robot.
-/// | A second tracker in the same lab stays silent and reports that.
+///
+/// A second tracker in the same lab stays silent and reports that.
 class TrackerService final : public Service {
  public:
   /// @throws ExperimentError if the calibration cannot be read or is for another picture size.

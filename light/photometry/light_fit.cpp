@@ -15,19 +15,19 @@ namespace lab::calibration {
 namespace {
 
 // Unknowns: log scale, log gamma, ambient, v0 .. v4, then the log gain of every sensor but the
-// last, whose gain makes their mean logarithm 0.
+// last, whose gain follows from the mean log gain of 0.
 constexpr int kScale = 0;
 constexpr int kGamma = 1;
 constexpr int kAmbient = 2;
 constexpr int kVignetting = 3;
 constexpr int kGains = 8;
 
-constexpr double kFull = 0.999;  // a reading from here on may stand for any brighter light
-constexpr double kGrid = 0.10;   // [m] places nearer than this are one
+constexpr double kFull = 0.999;  // readings above this may be saturated
+constexpr double kGrid = 0.10;   // [m] side of the cells that count as one place
 
 struct Problem {
   std::vector<LightSample> samples;
-  std::map<SensorName, int> sensors;  ///< to their numbers
+  std::map<SensorName, int> sensors;  ///< index of each sensor
   double width = 1;
   double height = 1;
 
@@ -193,7 +193,7 @@ LightFit fitLight(const std::vector<LightSample>& samples, double width, double 
   }
   fit.residual = std::sqrt(sum / fit.samples);
   const Eigen::MatrixXd information = informationAt(problem, at);
-  // The model's own misfit, where it is more than the readings' noise, widens every error.
+  // If the model's misfit exceeds the noise of the readings, it widens all errors.
   const double spread = std::max(1.0, costOf(problem, at) / (fit.samples - problem.unknowns()));
   const Eigen::MatrixXd covariance =
       information.ldlt().solve(Eigen::MatrixXd::Identity(information.rows(), information.cols()));

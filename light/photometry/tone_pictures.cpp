@@ -11,13 +11,13 @@ namespace lab::calibration {
 namespace {
 
 constexpr double kApart = 0.10;   // [m]
-constexpr double kRadius = 0.02;  // [m] of a patch
+constexpr double kRadius = 0.02;  // [m] radius of a patch
 constexpr int kFewestPixels = 9;
 constexpr std::uint8_t kFullScale = 254;
 constexpr std::size_t kFewestLights = 4;
 constexpr int kFewestPlaces = 12;
 constexpr double kLeastSignal = 10;  // [DN] between the darkest and the brightest light
-constexpr double kLowest = 0.2;      // of gamma
+constexpr double kLowest = 0.2;      // smallest gamma
 constexpr double kHighest = 6;
 
 double meanOf(const optics::GreyView& grey, int x0, int y0, int x1, int y1, bool& saturated) {
@@ -34,7 +34,7 @@ double meanOf(const optics::GreyView& grey, int x0, int y0, int x1, int y1, bool
 
 struct Line {
   double slope = 0;
-  double squares = 0;  ///< of the residuals
+  double squares = 0;  ///< sum of squared residuals
 };
 
 Line lineThrough(const std::vector<double>& x, const std::vector<double>& y) {
@@ -67,7 +67,7 @@ double squaresAt(double gamma, const std::vector<double>& values,
   return sum;
 }
 
-/// Smallest squares, by golden section in log gamma: they have one valley.
+/// Minimises the sum of squares by golden-section search in log gamma; it has one minimum.
 double bestGamma(const std::vector<double>& values,
                  const std::vector<const ToneObservation*>& observations) {
   constexpr int kSteps = 60;
@@ -99,7 +99,7 @@ double bestGamma(const std::vector<double>& values,
   return std::exp((low + high) / 2);
 }
 
-/// Compares the white of the places with the known one.
+/// Compares the fitted white of the places with the known vignetting.
 void compareWhite(const std::vector<double>& values,
                   const std::vector<const ToneObservation*>& observations,
                   const optics::ProjectorTone& known, double width, double height,

@@ -1,6 +1,7 @@
 /// Structured light: patterns that tell a camera which pixel of the projector it sees, and their
 /// decoding. No input or output.
-/// | Sine waves along x and along y are shown in several equally spaced phases. The phase seen by a
+///
+/// Sine waves along x and along y are shown in several equally spaced phases. The phase seen by a
 /// camera pixel gives its position in the wave, independent of brightness, to a small fraction of a
 /// pixel. A wave longer than the arena tells which period of a short wave that is. N phases are
 /// insensitive to harmonics up to N - 2, caused by a nonlinear response.

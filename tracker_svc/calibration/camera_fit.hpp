@@ -116,7 +116,8 @@ struct CameraFit {
 /// each board, and a common scale error of the caps. Each cap contributes one residual: the
 /// distance between its circles on the cap plane. Levenberg-Marquardt with Huber weights; the noise
 /// of caps and boards is estimated from the residuals.
-/// | One flat arena does not determine all unknowns. These have priors with the following standard
+///
+/// One flat arena does not determine all unknowns. These have priors with the following standard
 /// deviations: fy = fx to 0.2 %, cx and cy in the middle to 2 % of the width, p1 and p2 0 to 0.001,
 /// k2 0 to 0.3, scale of the caps to 0.05 %. The standard errors include them.
 [[nodiscard]] CameraFit fitCamera(const CameraObservations& observations,

@@ -46,11 +46,13 @@ struct SpacingReport {
 };
 
 /// Estimates the scale of measured spacings and its slopes over the arena.
-/// | If the camera moves up or down, the scale changes; if it tilts, the slopes change: a tilt of a
+///
+/// If the camera moves up or down, the scale changes; if it tilts, the slopes change: a tilt of a
 /// displaces positions by h a and changes the scale along x by 1.5 a / h per metre (mean over all
 /// headings), h being the height above the caps. Sideways moves and rotations about the optical
 /// axis change no spacing and cannot be detected here.
-/// | Each window of `window` seconds is fitted by a scale and two slopes, over means of cells 10 cm
+///
+/// Each window of `window` seconds is fitted by a scale and two slopes, over means of cells 10 cm
 /// wide with an error of `place_error` each. The windows of the first `baseline` seconds are the
 /// reference; their scatter widens the errors if it is larger than expected. The camera counts as
 /// moved after two consecutive windows beyond 1 in 60,000 (chi^2 of 25 with 3 degrees of freedom,

@@ -22,7 +22,8 @@ namespace lab::detector::fit {
 
 /// Factor on the centre's variance because the residuals in the window are correlated and not
 /// independent noise.
-/// | Residuals that are equal on opposite sides of the centre (another blur, another shape, a light
+///
+/// Residuals that are equal on opposite sides of the centre (another blur, another shape, a light
 /// gradient) do not displace it: only the antisymmetric part counts, which has half of the squares
 /// of noise. Correlation between neighbours reduces the number of independent pixels: along rows
 /// and columns, with geometrically falling correlation, by (1 + rho) / (1 - rho) each.

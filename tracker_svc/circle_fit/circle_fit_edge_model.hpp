@@ -4,13 +4,13 @@
 ///
 /// With lines the white level is W = sum of levels over the regions between them; a region is
 /// bounded by
-/// E(z), z = (n d - offset + bend / 2 (t d)^2) / edge_sigma
+///   E(z), z = (n d - offset + bend / 2 (t d)^2) / edge_sigma
 /// with n the normal of the line and t its direction. The ratio of dark to white paint is the same
 /// in all regions. The blur of the product of light and paint is the product of the blurred factors
 /// plus a term for pixels that see both steps: the bivariate normal distribution of z and of the
 /// paint's z, with the correlation rho = cos(angle between line and outline) sigma / edge_sigma, by
 /// three terms of
-/// phi(z1) phi(z2) sum of rho^n / n! He_(n-1)(z1) He_(n-1)(z2).
+///   phi(z1) phi(z2) sum of rho^n / n! He_(n-1)(z1) He_(n-1)(z2).
 /// Without a line, W is a polynomial of third order, and the blur of the product adds sigma^2 grad
 /// W grad paint, the first of these terms.
 #pragma once

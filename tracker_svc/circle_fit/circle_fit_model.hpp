@@ -1,7 +1,9 @@
 /// Image model of a dark disc and the sums of its least-squares fit. Internal to the circle fit.
-/// |   value = black + W(x, y) (ratio + (1 - ratio) Phi(z)),  W = white + slope_x dx + slope_y dy,
-/// z = (sqrt(d' Q d + sigma^2) - R scale) / sigma,  d = (x, y) - centre,  Q = R^2 M' M,
-/// | with R the radius and M the outline of DiscShape. Phi(z) with this z is the convolution of a
+///
+///   value = black + W(x, y) (ratio + (1 - ratio) Phi(z)),  W = white + slope_x dx + slope_y dy,
+///   z = (sqrt(d' Q d + sigma^2) - R scale) / sigma,  d = (x, y) - centre,  Q = R^2 M' M,
+///
+/// with R the radius and M the outline of DiscShape. Phi(z) with this z is the convolution of a
 /// disc with a round Gaussian, to second order in sigma / R (in the middle within 1 % for R > 1.5
 /// sigma).
 #pragma once

@@ -1,6 +1,7 @@
 /// The pixels that belong to a circle, and weights for a first estimate from them; computed once
 /// for all circles of about the same outline and blur. Internal to the circle fit.
-/// | Fits start at points of a grid (circle_fit_grid.hpp), relative to which the pixels have fixed
+///
+/// Fits start at points of a grid (circle_fit_grid.hpp), relative to which the pixels have fixed
 /// positions. So the positions are a list, and one least-squares step from a fixed disc is a
 /// weighted sum.
 #pragma once

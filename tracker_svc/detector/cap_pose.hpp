@@ -23,7 +23,8 @@ struct PaintEstimate {
 };
 
 /// [px] possible displacement of a circle by glare (reflected light on top of the paint).
-/// | Glare makes black paint brighter. If it affects one circle more than the other, it is uneven
+///
+/// Glare makes black paint brighter. If it affects one circle more than the other, it is uneven
 /// over that circle too, by about the same difference between the sides of its outline; this
 /// displaces the outline by that share of its slope. Effects equal on both circles (haze, another
 /// black level, other paint) do not displace them and are ignored.

@@ -52,16 +52,20 @@ struct TrackerCounts {
 
 /// Assigns detections to tracks globally, with a motion model, and binds tracks to robot ids as
 /// long as no alternative is likely.
-/// | A cap whose last detection is so recent that it cannot have driven half the distance of two
+///
+/// A cap whose last detection is so recent that it cannot have driven half the distance of two
 /// robots in contact is assigned directly: no other cap can be there. All others are assigned by
 /// likelihood, jointly. If an alternative assignment is likelier than exp(-kDoubt), the track is
 /// doubtful: it keeps its number (the best estimate) but loses its robot.
-/// | A heading that is reversed although the cap cannot have turned so far is a detection error: it
+///
+/// A heading that is reversed although the cap cannot have turned so far is a detection error: it
 /// is counted and corrected, and its quality is at most 0.5. If a heading stays reversed for longer
 /// than it was right before (at most kVotes pictures), the first heading was the error.
-/// | A degraded pose (detector::kUsedRim) keeps a track alive and updates its place. It starts no
+///
+/// A degraded pose (detector::kUsedRim) keeps a track alive and updates its place. It starts no
 /// track, and is not used for speeds, flips or binding.
-/// | A track is bound to a robot when its motion fits that robot's wheel motion, and no other free
+///
+/// A track is bound to a robot when its motion fits that robot's wheel motion, and no other free
 /// robot and no other free track fits as well; the clearest case is a robot that turns on the spot
 /// while the others stand. This needs pictures at least every 0.35 s. If two tracks may have been
 /// exchanged (for example both undetected while close together), both are unbound until their

@@ -64,7 +64,8 @@ class MotionPrior {
 
 /// Log likelihood ratio of a cap's motion under one robot's wheels to that of a foreign cap, which
 /// keeps its speeds or changes to speeds typical of robots.
-/// | The gain of each wheel is unknown but constant and is integrated out; otherwise equal speeds
+///
+/// The gain of each wheel is unknown but constant and is integrated out; otherwise equal speeds
 /// over a long time would count as new evidence again and again. A robot in contact may stand still
 /// or be slower than its wheels (stalled). A cap that moves differently from its robot's wheels is
 /// nearly but not completely excluded: hands and other robots push.
