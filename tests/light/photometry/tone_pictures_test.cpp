@@ -18,11 +18,11 @@ constexpr double kHeight = 0.9;
 const std::vector<double> kValues{0.0, 0.1, 0.2, 0.3, 0.45, 0.6, 0.75, 0.9, 1.0};
 const std::array<double, 5> kVignetting{0.05, 0, -0.12, 0, -0.10};
 
-/// Places 10 cm apart, lit through kVignetting and seen through a camera that is darker in its
-/// corners by another law, with noise of each mean [DN].
-std::vector<ToneObservation> sightsOf(double gamma, double noise, unsigned seed) {
+/// Places 10 cm apart with the projector's kVignetting, seen by a camera with its own falloff, with
+/// noise [DN] on each mean.
+std::vector<ToneObservation> observationsOf(double gamma, double noise, unsigned seed) {
   std::mt19937_64 engine(seed);
-  std::normal_distribution<double> normal;  // which has no width of 0
+  std::normal_distribution<double> normal;  // not constructed with width 0, which is undefined
   const optics::ProjectorTone tone(gamma, kVignetting, kWidth, kHeight);
   std::vector<ToneObservation> observations;
   for (double x = 0.05; x < kWidth; x += 0.1) {
@@ -45,8 +45,8 @@ ToneFromPictures fitted(const std::vector<ToneObservation>& observations, double
   return fitTone(kValues, observations, {gamma, kVignetting, kWidth, kHeight}, kWidth, kHeight);
 }
 
-TEST(TonePictures, FindGammaAndTheSameWhiteAsIsKnown) {
-  const ToneFromPictures fit = fitted(sightsOf(2.2, 0, 1), 2.2);
+TEST(TonePictures, FindGammaAndTheKnownWhite) {
+  const ToneFromPictures fit = fitted(observationsOf(2.2, 0, 1), 2.2);
   EXPECT_EQ(fit.refusal, "");
   EXPECT_EQ(fit.places, 108);
   EXPECT_NEAR(fit.gamma, 2.2, 1e-6);
@@ -54,12 +54,12 @@ TEST(TonePictures, FindGammaAndTheSameWhiteAsIsKnown) {
   EXPECT_LT(fit.residual, 1e-6);
 }
 
-TEST(TonePictures, StateTheErrorOfGamma) {
+TEST(TonePictures, ReturnTheErrorOfGamma) {
   constexpr int kFilms = 200;
   double squares = 0;
   double sum = 0;
   for (unsigned seed = 1; seed <= kFilms; ++seed) {
-    const ToneFromPictures fit = fitted(sightsOf(1.8, 0.5, seed), 1.8);
+    const ToneFromPictures fit = fitted(observationsOf(1.8, 0.5, seed), 1.8);
     const double z = (fit.gamma - 1.8) / fit.gamma_sigma;
     sum += z;
     squares += z * z;
@@ -68,8 +68,8 @@ TEST(TonePictures, StateTheErrorOfGamma) {
   EXPECT_NEAR(squares / kFilms, 1, 4 * std::sqrt(2.0 / kFilms));
 }
 
-TEST(TonePictures, SeeAShadowWhereItIs) {
-  std::vector<ToneObservation> observations = sightsOf(2.2, 0.05, 3);
+TEST(TonePictures, LocateAShadow) {
+  std::vector<ToneObservation> observations = observationsOf(2.2, 0.05, 3);
   ToneObservation& dark = observations[40];
   for (double& grey : dark.grey) grey = 12 + 0.8 * (grey - 12);
   const ToneFromPictures fit = fitted(observations, 2.2);
@@ -78,8 +78,8 @@ TEST(TonePictures, SeeAShadowWhereItIs) {
   EXPECT_NEAR(fit.white_worst, std::log(0.8), 0.03);
 }
 
-TEST(TonePictures, SayWhyTheySayNothing) {
-  std::vector<ToneObservation> observations = sightsOf(2.2, 0, 1);
+TEST(TonePictures, ReportTheReasonForNoResult) {
+  std::vector<ToneObservation> observations = observationsOf(2.2, 0, 1);
   for (ToneObservation& observation : observations) observation.saturated = true;
   EXPECT_THAT(fitted(observations, 2.2).refusal, HasSubstr("108 are saturated"));
   for (ToneObservation& observation : observations) {
