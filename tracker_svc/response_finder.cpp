@@ -126,10 +126,10 @@ std::optional<double> ResponseFinder::gamma() const {
 std::string ResponseFinder::reason() const {
   if (const std::int64_t more = lead(); more != 0) {
     const By only = more > 0 ? By::kEncoded : By::kLinear;
-    return fmt::format("at {} of {} places caps show only so",
+    return fmt::format("at {} of {} places caps are found only with it",
                        std::ranges::count(brightest(), only, &Paint::by), brightest().size());
   }
-  if (!gamma()) return "no cap was bright enough to tell";
+  if (!gamma()) return "no cap was bright enough to decide";
   return fmt::format("black paint shows as {:.2f} of the white", ratio());
 }
 

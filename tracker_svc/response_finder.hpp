@@ -38,7 +38,7 @@ class ResponseFinder {
   /// Imaging::gamma: 1 or optics::kVideoGamma; empty while the caps do not tell.
   [[nodiscard]] std::optional<double> gamma() const;
 
-  /// Why gamma() has its value, for users: "at 36 of 40 places caps show only so".
+  /// Why gamma() has its value, for users: "at 36 of 40 places caps are found only with it".
   [[nodiscard]] std::string reason() const;
 
   /// Whether caps were seen in enough light at enough places; the result is then final. Several

@@ -172,7 +172,7 @@ void TrackerService::watchOtherTracker(const tracked_frame_t& frame) {
   if (!first || frame.instance > own.instance) return;
   silent_ = true;
   warn("another tracker (instance " + std::to_string(frame.instance) +
-       ") publishes on this lab: this one keeps silent until that one is stopped");
+       ") publishes in this lab: this one stays silent until that one is stopped");
 }
 
 void TrackerService::take(const CameraFrame& frame) {

@@ -64,7 +64,7 @@ DecodedImage decodeImage(std::span<const std::uint8_t> file) {
   int height = 0;
   int channels = 0;
   if (stbi_info_from_memory(file.data(), length, &width, &height, &channels) == 0) {
-    return {nullptr, "is no image of a known format (PNG, JPEG, BMP, PGM)"};
+    return {nullptr, "is not an image of a known format (PNG, JPEG, BMP, PGM)"};
   }
   if (static_cast<double>(width) * height > kMostPixels) {
     return {nullptr, "has more than 100 million pixels"};

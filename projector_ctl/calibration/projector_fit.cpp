@@ -201,13 +201,14 @@ std::string refusalOf(const ProjectorFit& fit, const ProjectorPlane& plane,
   const std::string dark = darkCorners(fit, plane, limits.dark_corner);
   if (fit.outlying > limits.outlying * all) {
     return fmt::format(
-        "{:.0f} % of the sights fit to nothing, allowed {:.0f} %: are there shadows, "
+        "{:.0f} % of the observations are outliers, allowed {:.0f} %: are there shadows, "
         "glare, or something on the board?",
         100 * fit.outlying / all, 100 * limits.outlying);
   }
   if (!(fit.residual <= limits.residual)) {
     return fmt::format(
-        "the sights miss the fitted lens by {:.2f} mm (rms), allowed {:.2f} mm: is the "
+        "the observations deviate from the fitted lens by {:.2f} mm (rms), allowed {:.2f} mm: is "
+        "the "
         "board flat and level, and the camera's calibration still right?",
         kMilli * fit.residual, kMilli * limits.residual);
   }
@@ -261,7 +262,7 @@ ProjectorFit fitProjector(const std::vector<ProjectorObservation>& observations,
   fit.residual = misses.empty() ? HUGE_VAL : std::sqrt(sum / static_cast<double>(misses.size()));
   addSquares(fit, misses, plane);
   if (!fitted.solution.determined) {
-    fit.refusal = "the lens cannot be told from this";
+    fit.refusal = "the observations do not determine the lens";
     return fit;
   }
   fit.statistical = std::sqrt(statisticalError(fitted, plane));

@@ -92,7 +92,7 @@ PatternReader::PatternReader(const PatternView& view, const std::vector<LightPat
     : view_(view), camera_(view.camera), patterns_(patterns), taken_(patterns.size()) {
   if (view.projector) {
     if (!((*view.projector)[2] > std::max(view.surface, view.plane.height))) {
-      throw std::invalid_argument("the projector is not above what it shines on");
+      throw std::invalid_argument("the projector is not above the lit surface");
     }
   } else if (std::abs(view.surface - view.plane.height) > 1e-3) {
     throw std::invalid_argument("the surface is not at the height of the light sensors");
@@ -121,7 +121,8 @@ PatternReader::PatternReader(const PatternView& view, const std::vector<LightPat
 
 void PatternReader::take(std::size_t index, const optics::GreyView& grey) {
   if (grey.width != view_.camera.width || grey.height != view_.camera.height) {
-    throw std::invalid_argument("a picture of another size than the camera's calibration");
+    throw std::invalid_argument(
+        "a picture whose size differs from that of the camera's calibration");
   }
   const LightPattern& pattern = patterns_.at(index);
   ++taken_[index];

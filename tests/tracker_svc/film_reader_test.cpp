@@ -207,7 +207,7 @@ TEST_F(Pictures, ThatAreDamagedBeforeTheFirstGoodOneAreSkippedToo) {
 
 TEST_F(Pictures, WithoutAnyUsableOneAreRejected) {
   write("f0.png", "no picture");
-  EXPECT_THAT(refusal(folder_ / "f0.png"), HasSubstr("f0.png: is no picture of a known format"));
+  EXPECT_THAT(refusal(folder_ / "f0.png"), HasSubstr("f0.png: is not a picture of a known format"));
   EXPECT_THAT(refusal(folder_ / "g*.png"), HasSubstr("found no pictures"));
   EXPECT_THAT(refusal(folder_ / "none.png"), EndsWith("none.png: no such file or folder"));
   fs::create_directory(folder_ / "empty");
@@ -321,8 +321,9 @@ TEST_F(Movies, WithoutTheirIndexAreRejected) {
   writeMovie(folder_ / "t.mp4", 10, "-c:v libx264 -qp 0 -pix_fmt yuvj420p");
   halve(folder_ / "t.mp4");
 
-  EXPECT_THAT(refusal(folder_ / "t.mp4"),
-              AllOf(HasSubstr("t.mp4: is no movie that ffmpeg can read"), HasSubstr("record MKV")));
+  EXPECT_THAT(
+      refusal(folder_ / "t.mp4"),
+      AllOf(HasSubstr("t.mp4: is not a movie that ffmpeg can read"), HasSubstr("record MKV")));
 }
 
 TEST_F(Movies, ThatAreTextFilesAreRejected) {
@@ -330,9 +331,9 @@ TEST_F(Movies, ThatAreTextFilesAreRejected) {
   write("empty.avi", "");
   write("text.ans", "hello\n");
 
-  EXPECT_THAT(refusal(folder_ / "text.avi"), HasSubstr("text.avi: is no movie that ffmpeg"));
-  EXPECT_THAT(refusal(folder_ / "empty.avi"), HasSubstr("empty.avi: is no movie that ffmpeg"));
-  EXPECT_THAT(refusal(folder_ / "text.ans"), HasSubstr("it is a text"));
+  EXPECT_THAT(refusal(folder_ / "text.avi"), HasSubstr("text.avi: is not a movie that ffmpeg"));
+  EXPECT_THAT(refusal(folder_ / "empty.avi"), HasSubstr("empty.avi: is not a movie that ffmpeg"));
+  EXPECT_THAT(refusal(folder_ / "text.ans"), HasSubstr("it is a text file"));
 }
 
 TEST_F(Films, ThatDoNotExistAreReported) {

@@ -57,7 +57,7 @@ TEST(ResponseFinder, StaysOpenWithoutCapsOrInDimLightOnly) {
     finder.take(cases::paint(scene).view());
     EXPECT_FALSE(finder.gamma());
     EXPECT_FALSE(finder.isSettled());
-    EXPECT_EQ(finder.reason(), "no cap was bright enough to tell");
+    EXPECT_EQ(finder.reason(), "no cap was bright enough to decide");
   }
 }
 
@@ -68,7 +68,7 @@ TEST(ResponseFinder, CountsCapsInAnyLight) {
     finder.take(cases::paint(dim).view());
     EXPECT_EQ(finder.gamma(), gamma);
     EXPECT_FALSE(finder.isSettled());
-    EXPECT_THAT(finder.reason(), HasSubstr(" places caps show only so"));
+    EXPECT_THAT(finder.reason(), HasSubstr(" places caps are found only with it"));
   }
 }
 

@@ -67,7 +67,7 @@ ChildProcess::ChildProcess(const std::vector<std::string>& command, const std::s
   if (pid_ == 0) {
     become(arguments.data(), parent, output.in.get(), errors_.get(), failed.in.get());
   }
-  if (pid_ < 0) throw CameraError(command[0] + ": no new process: " + std::strerror(errno));
+  if (pid_ < 0) throw CameraError(command[0] + ": cannot start a process: " + std::strerror(errno));
   output.in = FileDescriptor();
   failed.in = FileDescriptor();
   int error = 0;

@@ -154,9 +154,9 @@ void checkSize(const std::string& source, const CameraFormat& wanted, const Came
                     (wanted.height == 0 || wanted.height == found.height);
   if (fits) return;
   throw CameraError(source + ": found " + std::to_string(found.width) + " x " +
-                    std::to_string(found.height) + " pixels, wanted are " +
+                    std::to_string(found.height) + " pixels, wanted " +
                     std::to_string(wanted.width) + " x " + std::to_string(wanted.height) +
-                    "; set width_px and height_px of [camera] to what it has");
+                    "; set width_px and height_px of [camera] to its size");
 }
 
 std::unique_ptr<FrameSource> openFilm(AsioLoop& loop, const std::string& source,

@@ -88,7 +88,7 @@ void FrameTable::add(const std::vector<std::string>& cells) {
   }
   const auto frame = static_cast<std::int64_t>(number);
   if (!times_.empty() && !(frame > times_.rbegin()->first && time > times_.rbegin()->second)) {
-    fail("frame and t_s must grow from row to row");
+    fail("frame and t_s must increase from row to row");
   }
   times_[frame] = time;
 }

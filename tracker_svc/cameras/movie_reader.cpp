@@ -155,8 +155,8 @@ class MovieReader final : public FilmReader {
     if (count_ < expected) {
       return source_ + ": ends early or is damaged: " + std::to_string(count_) + " of " +
              shownNumber(expected, "frame") +
-             " could be read; where one is missing inside, those " +
-             "behind it have its number and time" + why;
+             " could be read; if one is missing inside, the frames " +
+             "after it have its number and time" + why;
     }
     if (status != 0 || !facts_.warning.empty()) {
       return source_ + ": " + shownNumber(count_, "frame") + " could be read, then it broke off" +
@@ -164,8 +164,8 @@ class MovieReader final : public FilmReader {
     }
     if (!error_line.empty()) {
       return source_ +
-             ": all frames could be read, but ffmpeg found fault with some, in which caps " +
-             "may stand where they were before" + why;
+             ": all frames could be read, but ffmpeg reported errors in some, in which caps " +
+             "may be shown at earlier places" + why;
     }
     return {};
   }
@@ -183,7 +183,7 @@ class MovieReader final : public FilmReader {
 [[noreturn]] void noMovie(const std::string& source, std::string why, const char* hint = "") {
   const std::size_t itself = why.find(source + ": ");
   if (itself != std::string::npos) why = why.substr(itself + source.size() + 2);
-  throw CameraError(source + ": is no movie that ffmpeg can read" +
+  throw CameraError(source + ": is not a movie that ffmpeg can read" +
                     (why.empty() ? "" : " (" + why + ")") + hint);
 }
 
@@ -230,7 +230,7 @@ MovieInfo probeMovie(const std::string& source, bool packets) {
   found.fps = ratio(textOf(stream, "avg_frame_rate"));
   const std::string codec = textOf(stream, "codec_name");
   const std::string pixels = textOf(stream, "pix_fmt");
-  if (codec == "ansi" || codec == "bintext") noMovie(source, "it is a text");
+  if (codec == "ansi" || codec == "bintext") noMovie(source, "it is a text file");
   if (found.width <= 0 || found.height <= 0) noMovie(source, "its pictures have no size");
   found.pixels = pixels + " (" + codec + ")";
   found.compressed = !losesNothing(codec);

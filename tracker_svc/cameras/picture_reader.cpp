@@ -60,7 +60,7 @@ std::string othersIn(const std::string& folder) {
   const auto most =
       std::ranges::max_element(counts, {}, [](const auto& one) { return one.second; });
   return ", but " + std::to_string(most->second) + " of " + most->first +
-         "; ffmpeg makes PNG of them (ffmpeg -i f%04d" + most->first + " f%04d.png)";
+         "; convert them to PNG with ffmpeg (ffmpeg -i f%04d" + most->first + " f%04d.png)";
 }
 
 /// Converts a pattern in ffmpeg's style, "f%04d.png", to "f*.png".
@@ -193,7 +193,7 @@ Decoded decode(const fs::path& path) {
   int height = 0;
   const std::string name = path.string();
   if (stbi_info(name.c_str(), &width, &height, &result.channels) == 0) {
-    result.error = name + ": is no picture of a known format (PNG, JPEG, BMP, PGM, TGA)";
+    result.error = name + ": is not a picture of a known format (PNG, JPEG, BMP, PGM, TGA)";
     return result;
   }
   const int wanted = result.channels >= 3 ? 3 : 1;
@@ -294,7 +294,7 @@ class PictureReader final : public FilmReader {
       error = path.string() + ": found " + std::to_string(decoded.image.width) + " x " +
               std::to_string(decoded.image.height) + " pixels, expected " +
               std::to_string(format_.width) + " x " + std::to_string(format_.height) +
-              " as in the first whole picture";
+              " as in the first readable picture";
     }
     if (error.empty()) return true;
     if (bad_++ == 0) problem_ = error;

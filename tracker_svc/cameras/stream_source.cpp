@@ -52,7 +52,7 @@ StreamCommand networkCommand(const std::string& source, const CameraFormat& want
 std::vector<std::string> wordsOf(const std::string& source, const std::string& pipeline) {
   wordexp_t words{};
   if (wordexp(pipeline.c_str(), &words, WRDE_NOCMD | WRDE_UNDEF) != 0) {
-    throw CameraError(source + ": is no pipeline: put what a shell would act on in quotes");
+    throw CameraError(source + ": invalid pipeline: quote characters that are special to a shell");
   }
   std::vector<std::string> found(words.we_wordv, words.we_wordv + words.we_wordc);
   wordfree(&words);
@@ -62,7 +62,8 @@ std::vector<std::string> wordsOf(const std::string& source, const std::string& p
 
 StreamCommand pipelineCommand(const std::string& source, const CameraFormat& wanted) {
   if (wanted.width <= 0 || wanted.height <= 0) {
-    throw CameraError(source + ": a pipeline does not say its size: set width_px and height_px");
+    throw CameraError(source +
+                      ": the size of a pipeline's pictures is unknown: set width_px and height_px");
   }
   StreamCommand command{source, {"gst-launch-1.0", "-q"}, "gstreamer1.0-tools", wanted, 1, 0};
   for (const std::string& word : wordsOf(source, source.substr(std::string(kGst).size()))) {
@@ -113,7 +114,7 @@ class Stream {
       std::string reason = runOnce();
       if (!feed_.isOpen()) return;
       tell(command_.source + ": the camera is gone" + (reason.empty() ? "" : " (" + reason + ")") +
-           "; it is tried again each second");
+           "; retrying every second");
       if (!feed_.pause(kAgain_us)) return;
     }
   }

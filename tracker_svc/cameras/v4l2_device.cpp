@@ -74,7 +74,7 @@ void V4l2Device::failToSet(int error, const std::string& what) const {
     case EACCES:
     case EPERM:
       fail(
-          "no permission; join the group that has it and log in again: sudo usermod -aG video "
+          "no permission; join the group of the device and log in again: sudo usermod -aG video "
           "$USER");
     case EBUSY: {
       const std::string holder = lineHolder(path_);
@@ -83,8 +83,8 @@ void V4l2Device::failToSet(int error, const std::string& what) const {
     }
     case ENOSPC:
       fail(
-          "its USB bus has no room for so many pixels a second; use another port, or a smaller "
-          "picture, or fewer a second");
+          "its USB bus lacks the bandwidth; use another port, smaller pictures, "
+          "or a lower rate");
     case ENOTTY:
     case EINVAL:
       fail(what + ": it is no camera, or not one that streams");
@@ -101,9 +101,9 @@ void V4l2Device::checkIsCamera() const {
   const std::string card(reinterpret_cast<const char*>(has.card),
                          strnlen(reinterpret_cast<const char*>(has.card), sizeof has.card));
   if ((can & V4L2_CAP_VIDEO_CAPTURE) == 0) {
-    fail("gives no pictures (" + card +
+    fail("delivers no pictures (" + card +
          "; a camera often has a second device for other data): "
-         "take the one before it");
+         "try the device before it");
   }
   if ((can & V4L2_CAP_STREAMING) == 0) fail("cannot stream (" + card + ")");
 }
@@ -180,14 +180,14 @@ std::string V4l2Device::offers() const {
       if (size.type != V4L2_FRMSIZE_TYPE_DISCRETE) break;
     }
   }
-  return text.empty() ? "it does not say what it offers" : "it offers " + text;
+  return text.empty() ? "it does not list its formats" : "it offers " + text;
 }
 
 void V4l2Device::chooseFormat(const CameraFormat& wanted) {
   v4l2_format now{};
   now.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
   const int failed = call(VIDIOC_G_FMT, &now);
-  if (failed < 0) failToSet(-failed, "says no format");
+  if (failed < 0) failToSet(-failed, "reports no format");
   const int width = wanted.width > 0 ? wanted.width : static_cast<int>(now.fmt.pix.width);
   const int height = wanted.height > 0 ? wanted.height : static_cast<int>(now.fmt.pix.height);
   const std::vector<std::uint32_t> offered = offeredFormats();
@@ -226,7 +226,7 @@ void V4l2Device::setFormat(std::uint32_t fourcc, int width, int height) {
          " instead of " + fourccName(fourcc) + " " + sizeText(width, height) + "; " + offers());
   }
   if (pixels.field != V4L2_FIELD_NONE && pixels.field != V4L2_FIELD_ANY) {
-    fail("gives interlaced pictures; a tracker needs whole ones");
+    fail("delivers interlaced pictures; the tracker needs progressive ones");
   }
   if (layout_.stride == 0) layout_.stride = width;  // some drivers report 0 for compressed formats
   format_.width = width;
@@ -253,20 +253,20 @@ void V4l2Device::startStreaming() {
   request.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
   request.memory = V4L2_MEMORY_MMAP;
   int failed = call(VIDIOC_REQBUFS, &request);
-  if (failed < 0) failToSet(-failed, "gives no buffers");
-  if (request.count < 2) fail("gives no two buffers");
+  if (failed < 0) failToSet(-failed, "provides no buffers");
+  if (request.count < 2) fail("provides fewer than two buffers");
   for (std::uint32_t i = 0; i < request.count; ++i) {
     v4l2_buffer buffer{};
     buffer.type = request.type;
     buffer.memory = request.memory;
     buffer.index = i;
     failed = call(VIDIOC_QUERYBUF, &buffer);
-    if (failed < 0) failToSet(-failed, "shows no buffer");
+    if (failed < 0) failToSet(-failed, "does not return a buffer");
     std::uint8_t* memory = calls_.map(device_, buffer.length, buffer.m.offset);
     if (memory == nullptr) fail("its buffers cannot be mapped");
     buffers_.push_back({memory, buffer.length});
     failed = call(VIDIOC_QBUF, &buffer);
-    if (failed < 0) failToSet(-failed, "takes no buffer");
+    if (failed < 0) failToSet(-failed, "rejects a buffer");
   }
   int type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
   failed = call(VIDIOC_STREAMON, &type);

@@ -138,7 +138,7 @@ class Capture : public std::enable_shared_from_this<Capture> {
   void gone() {
     watch_.reset();
     device_.reset();
-    trouble(path_ + ": the camera is gone (unplugged?); it is looked for each second");
+    trouble(path_ + ": the camera is gone (unplugged?); it is looked up every second");
   }
 
   void trouble(const std::string& reason) {

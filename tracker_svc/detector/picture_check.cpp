@@ -84,7 +84,7 @@ std::string BlindCheck::text() const {
                       "calibration)?",
                       darkest_, black_);
   }
-  return seen + "are robots under the camera, is it in focus, is the calibration its own?";
+  return seen + "are robots under the camera, is it in focus, does the calibration belong to it?";
 }
 
 }  // namespace lab::tracker

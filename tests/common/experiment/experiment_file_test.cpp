@@ -246,7 +246,7 @@ TEST(ExperimentFile, FindsImagesBesideItself) {
   writeText(folder / "dot.pgm", "P5 1 1 255\nx");
   EXPECT_EQ(problemsOfFile(folder / "x.toml"), "none");
   writeText(folder / "dot.pgm", "no image");
-  EXPECT_THAT(problemsOfFile(folder / "x.toml"), HasSubstr("found \"dot.pgm\" (is no image"));
+  EXPECT_THAT(problemsOfFile(folder / "x.toml"), HasSubstr("found \"dot.pgm\" (is not an image"));
 }
 
 }  // namespace

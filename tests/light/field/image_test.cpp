@@ -61,7 +61,7 @@ TEST(LightImage, SamplesBetweenPixelCentresAndConstantBeyondThem) {
 TEST(LightImage, ThatIsInvalidNamesTheExpectedFormats) {
   const DecodedImage dut = decodeImage(bytesOf("light = 1"));
   EXPECT_FALSE(dut.image);
-  EXPECT_THAT(dut.error, HasSubstr("no image of a known format"));
+  EXPECT_THAT(dut.error, HasSubstr("not an image of a known format"));
 }
 
 TEST(LightImage, ThatIsTruncatedIsRejected) {

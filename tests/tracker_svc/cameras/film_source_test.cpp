@@ -124,7 +124,7 @@ TEST_F(Player, ReportsProblemsOfTheRecording) {
   ASSERT_TRUE(toTheEnd());
 
   EXPECT_THAT(numbers, ElementsAre(0, 2));
-  EXPECT_THAT(ends, ElementsAre(HasSubstr("f1.png: is no picture")));
+  EXPECT_THAT(ends, ElementsAre(HasSubstr("f1.png: is not a picture")));
   EXPECT_EQ(source->dropped(), 1);
 }
 
@@ -160,7 +160,7 @@ TEST_F(Player, RejectsASizeOtherThanTheWantedOne) {
     static_cast<void>(open(0, 640));
     FAIL();
   } catch (const CameraError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("found 32 x 24 pixels, wanted are 640 x 0"));
+    EXPECT_THAT(error.what(), HasSubstr("found 32 x 24 pixels, wanted 640 x 0"));
   }
 }
 

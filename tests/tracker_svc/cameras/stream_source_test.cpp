@@ -108,7 +108,7 @@ TEST_F(Streams, ThatCannotBeReachedAreRejected) {
   program("ffprobe", "echo 'Connection refused' >&2; exit 1");
   EXPECT_THAT(refusal("rtsp://camera/1", 2, 2), HasSubstr("Connection refused"));
   program("ffprobe", kFacts);
-  EXPECT_THAT(refusal("rtsp://camera/1", 4, 2), HasSubstr("found 2 x 2 pixels, wanted are 4 x 2"));
+  EXPECT_THAT(refusal("rtsp://camera/1", 4, 2), HasSubstr("found 2 x 2 pixels, wanted 4 x 2"));
 }
 
 TEST_F(Streams, OfAPipelineHaveRowsPaddedToWords) {

@@ -314,10 +314,10 @@ TEST_F(VideoDevice, ErrorsContainAdvice) {
   EXPECT_THAT(refusal(usual), HasSubstr("in use by another program; end that"));
   camera.format_error = 0;
   camera.stream_error = ENOSPC;
-  EXPECT_THAT(refusal(usual), HasSubstr("its USB bus has no room"));
+  EXPECT_THAT(refusal(usual), HasSubstr("its USB bus lacks the bandwidth"));
   camera.stream_error = 0;
   camera.capabilities = V4L2_CAP_META_CAPTURE | V4L2_CAP_STREAMING;
-  EXPECT_THAT(refusal(usual), HasSubstr("gives no pictures (Scripted Camera"));
+  EXPECT_THAT(refusal(usual), HasSubstr("delivers no pictures (Scripted Camera"));
   camera.capabilities = V4L2_CAP_VIDEO_CAPTURE;
   EXPECT_THAT(refusal(usual), HasSubstr("cannot stream"));
   camera.capabilities = 0;
