@@ -17,8 +17,8 @@ using fit::Task;
 using fit::Window;
 
 constexpr double kMostWay = 0.5;  // [radius] distance of the centre from the start
-constexpr double kMostWayLit =
-    1;  // [radius] the same with light edges, which displace the spot that the search finds
+// [radius] the same with light edges, which displace the spot that the search finds
+constexpr double kMostWayLit = 1;
 constexpr double kMostError = 0.08;  // [radius] standard error of the centre in x or y
 // [1] dark / white: 0.08 for black paint on white, more with glare over both
 constexpr float kMostRatio = 0.3F;
@@ -33,19 +33,19 @@ constexpr float kMostGlareMisfit = 0.08F;  // [1] structured residuals with glar
 constexpr float kMostOfCodecs = 2.5F;
 constexpr double kSlope = 2.5;        // [sigma] width of a blurred outline
 constexpr float kLeastWeight = 0.6F;  // [1] share of the pixels that fit the model
-constexpr double kDoubtful =
-    0.02;  // [radius] standard error of the centre above which the fit is checked closely
+// [radius] standard error of the centre above which the fit is checked closely
+constexpr double kDoubtful = 0.02;
 constexpr float kDim = 25;  // [noise] white level below which the light counts as dim
-constexpr float kMiddleOff =
-    0.05F;  // [1] of the white level: allowed deviation of the centre pixel from the fitted black
+// [1] of the white level: allowed deviation of the centre pixel from the fitted black
+constexpr float kMiddleOff = 0.05F;
 // autocorrelation of the residuals above which something is missing in the model
 constexpr float kOddCorrelation = 0.25F;
 constexpr double kUneven = 0.06;      // [1] and the residuals differ between the two sides
 constexpr float kEvenMisfit = 0.01F;  // [1] or they exceed this share of the white level
 constexpr float kOddWeight = 0.87F;
 constexpr float kOddScale = 0.04F;
-constexpr float kOddBlur =
-    0.3F;  // [1] relative error of a blur's square because its shape is not Gaussian
+// [1] relative error of a blur's square because its shape is not Gaussian
+constexpr float kOddBlur = 0.3F;
 // [px] blur above which a circle of another size is not one that a light edge cuts
 constexpr float kDefocused = 2;
 constexpr float kOtherWeight = 0.8F;  // [1] share of the pixels that fit that circle

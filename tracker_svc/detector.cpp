@@ -229,9 +229,9 @@ bool Detector::Steps::seeExpected(const optics::GreyView& picture, const Expecte
     if (!spot) return false;
     circles.add(*spot);
   }
-  CirclePair couple{0, 1, 0, 0};
-  if (!pairs.measure(couple, nullptr)) return false;
-  const Detection pose = pairs.poseOf(couple);
+  CirclePair pair{0, 1, 0, 0};
+  if (!pairs.measure(pair, nullptr)) return false;
+  const Detection pose = pairs.poseOf(pair);
   double unused = 0;
   if (!isThere(pose, expected, unused) || known.overlaps(pose)) return false;
   known.add(pose);

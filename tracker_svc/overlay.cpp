@@ -226,8 +226,8 @@ class Drawing {
   void keepFree(const Mark& mark) {
     const Pixel at = onCap(mark.pose, 0, 0);
     const Pixel rim = onCap(mark.pose, cap_.cap_radius, 0);
-    const double half =
-        0.7 * std::hypot(rim.x - at.x, rim.y - at.y);  // half the side of a square inside the disc
+    // half the side of a square inside the disc
+    const double half = 0.7 * std::hypot(rim.x - at.x, rim.y - at.y);
     if (!(std::abs(at.x) + std::abs(at.y) + half < kFarOutside)) return;
     written_.push_back({static_cast<int>(at.x - half), static_cast<int>(at.y - half),
                         static_cast<int>(2 * half), static_cast<int>(2 * half)});

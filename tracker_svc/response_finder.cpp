@@ -17,11 +17,11 @@ constexpr double kBrightEnough = 120;
 constexpr double kBright = 60;
 constexpr std::size_t kThird = 2;  // index by brightness: a reflection brightens one or two places
 constexpr double kAsBright = 0.7;  // [1] of the white at kThird from which samples count
-constexpr double kBrighter =
-    1.2;                        // [1] times the former white: the light at that place has changed
+// [1] times the former white: the light at that place has changed
+constexpr double kBrighter = 1.2;
 constexpr double kLead = 0.04;  // [1] share of the places, and
-constexpr double kLeastLead =
-    2;  // number of places, by which one assumption must find more than the other
+// number of places, by which one assumption must find more than the other
+constexpr double kLeastLead = 2;
 // [1] black paint over white: 0.05 to 0.15 linear, a quarter to a half gamma-encoded, lower again
 // if the camera sharpens
 constexpr double kMostLinear = 0.2;

@@ -16,8 +16,8 @@ struct ProjectorFitLimits {
   double residual = 1e-3;  ///< [m] rms at most
   double outlying = 0.25;  ///< share of the observations at most
   double covered = 0.9;    ///< share of the arena at least
-  double dark_corner =
-      0.005;  ///< [m] distance from both walls of a corner within which light must reach
+  /// [m] distance from both walls of a corner within which light must reach
+  double dark_corner = 0.005;
 };
 
 /// One square of the arena.

@@ -18,8 +18,8 @@ using Eigen::VectorXd;
 
 constexpr int kRounds = 4;
 constexpr double kOutlying = 5;  // [standard deviations]
-constexpr double kUnseen =
-    100;  // [standard deviations] residual of an observation that is impossible with the camera
+// [standard deviations] residual of an observation that is impossible with the camera
+constexpr double kUnseen = 100;
 constexpr double kNormalMedian = 1.4826;
 constexpr double kLeastNoise = 0.1;  // smallest noise, in units of the given sigma
 

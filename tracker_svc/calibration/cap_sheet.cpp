@@ -43,8 +43,8 @@ std::string capAt(const optics::CapGeometry& cap, double x, double y) {
   constexpr int kDirections[4][2] = {{0, -1}, {1, 0}, {0, 1}, {-1, 0}};
   for (const auto& direction : kDirections) {
     const double from = rim - kTickIn;
-    const double to =
-        rim + (direction[1] == -1 ? kTickOut : kTickOut / 2);  // the front's tick is longer
+    // the front's tick is longer
+    const double to = rim + (direction[1] == -1 ? kTickOut : kTickOut / 2);
     fmt::format_to(out, "<path d=\"M{:g} {:g}L{:g} {:g}\" {}/>\n", x + direction[0] * from,
                    y + direction[1] * from, x + direction[0] * to, y + direction[1] * to, kLine);
   }

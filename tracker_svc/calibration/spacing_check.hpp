@@ -21,10 +21,10 @@ struct SpacingSettings {
   double place_error = 20e-6;
   double common_error = 0.001;  ///< [1] common relative error of the width of all caps
   double uneven_error = 0.001;  ///< [1/m] slope of the calibration's own scale error
-  double least_shift =
-      0.3e-3;  ///< [m] rms change of positions below which the camera counts as unmoved
-  double most_shift =
-      1.5e-3;  ///< [m] rms error of positions above which the calibration is rejected
+  /// [m] rms change of positions below which the camera counts as unmoved
+  double least_shift = 0.3e-3;
+  /// [m] rms error of positions above which the calibration is rejected
+  double most_shift = 1.5e-3;
 };
 
 /// State of the calibration according to the spacings.

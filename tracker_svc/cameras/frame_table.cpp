@@ -14,8 +14,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view kByteOrderMark =
-    "\xEF\xBB\xBF";  // spreadsheets write it at the start of tables
+// spreadsheets write it at the start of tables
+constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 constexpr const char* kBlanks = " \t\r";
 
 std::vector<std::string> split(const std::string& line) {
@@ -78,8 +78,8 @@ double FrameTable::value(const std::vector<std::string>& cells, std::size_t inde
 }
 
 void FrameTable::add(const std::vector<std::string>& cells) {
-  constexpr double kMost =
-      1e11;  // limit: three thousand years in seconds, more frames than any recording
+  // limit: three thousand years in seconds, more frames than any recording
+  constexpr double kMost = 1e11;
   const double number = value(cells, frame_, "frame");
   const double time = value(cells, time_, "t_s");
   if (number != std::floor(number)) fail("frame: found a fraction, expected a whole number");

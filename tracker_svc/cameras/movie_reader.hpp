@@ -19,8 +19,8 @@ struct MovieInfo {
   bool grey = false;         ///< one channel: needs no conversion
   int rotation = 0;          ///< [deg] rotation applied by players
   std::int64_t claimed = 0;  ///< number of frames in the file's header, 0 if not stated
-  std::int64_t never_shown =
-      0;  ///< number of those that are not displayed, as in a movie cut without re-encoding
+  /// number of those that are not displayed, as in a movie cut without re-encoding
+  std::int64_t never_shown = 0;
   std::vector<std::int64_t> utimes;  ///< [us] of each frame since the first, in order
   std::string warning;               ///< a problem that ffprobe reported
 };

@@ -10,8 +10,8 @@
 namespace lab::cameras {
 namespace {
 
-constexpr const char* kNotThere =
-    ": no camera there";  // marks the state "gone", which is not reported again
+// marks the state "gone", which is not reported again
+constexpr const char* kNotThere = ": no camera there";
 constexpr const char* kPrefix = "v4l2:";
 constexpr std::int64_t kDeviceLook_us = 1'000'000;
 constexpr std::int64_t kSilence_us = 2'000'000;

@@ -32,8 +32,8 @@ constexpr float kClean = 0.25F;  // correlation of residuals below which one lin
 constexpr float kFits = 0.82F;   // and share of the pixels that fit the model
 // [lens blurs] a softer edge may be a light gradient
 constexpr float kSoftEdge = 1.2F;
-constexpr float kMissesEdge =
-    2.5F;                        // [expected deviations] of residuals that indicate another edge
+// [expected deviations] of residuals that indicate another edge
+constexpr float kMissesEdge = 2.5F;
 constexpr float kBetter = 0.9F;  // [1] of the cost, to justify three more unknowns
 
 template <std::size_t kLines>

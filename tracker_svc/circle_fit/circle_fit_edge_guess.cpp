@@ -136,8 +136,8 @@ Surroundings::Surroundings(const Window& window, const Constants& constants, con
 }
 
 bool Surroundings::uneven(float variance) const {
-  constexpr float kBeyondChance =
-      25;  // [variances] the best of many lines gains up to 15 by chance
+  // [variances] the best of many lines gains up to 15 by chance
+  constexpr float kBeyondChance = 25;
   constexpr float kLeastStep = 0.04F;  // [1] of the brighter level
   const EdgeGuess split = oneLine();
   if (!split.good) return true;  // too few pixels to decide

@@ -209,8 +209,8 @@ LAB_INLINE Lanes inverseVarianceOf(const Lanes& value, const Lanes& signal,
                                    const Constants& constants, LaneCounts& counts) {
   const Lanes expected = signal + constants.black;
   const Lanes variance = varianceOf(signal, constants);
-  // Where the model says that the pixel is full, or nearly so, it tells nothing; the model decides,
-  // and not the pixel, since picking by what is to be measured would shift the result.
+  // A saturated pixel is not used. The model's value decides as well as the pixel's, because a
+  // selection by the measured value alone would bias the result.
   const LaneMask some = value != kNoPixel;
   const LaneMask full = some & (expected > kSaturated) & (value > kNearlySaturated);
   const LaneMask use = some & ~full;
@@ -219,6 +219,7 @@ LAB_INLINE Lanes inverseVarianceOf(const Lanes& value, const Lanes& signal,
   return use ? 1.0F / variance : Lanes{};
 }
 
+/// Cost whose derivative is residual times tukeyWeight(), with the cutoff kLimit.
 LAB_INLINE Lanes tukeyCost(const Lanes& square) {
   const Lanes limited = atLeast(1.0F - square * (1.0F / (kLimit * kLimit)), 0.0F);
   return (1.0F - limited * limited * limited) * (kLimit * kLimit / 3.0F);

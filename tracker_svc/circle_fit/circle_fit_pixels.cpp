@@ -14,8 +14,8 @@ namespace {
 // The coarse step uses a narrow margin, because holes further out would attract it.
 constexpr double kRoughReach = 1.8;     // [sigma]
 constexpr std::size_t kMostRows = 200;  // if there are more, every second one is enough, or fewer
-constexpr std::size_t kMostRough =
-    2 * kMostPixels;             // including the padding of runs in that many rows
+// including the padding of runs in that many rows
+constexpr std::size_t kMostRough = 2 * kMostPixels;
 constexpr double kBeyond = 1.0;  // [px] by which the outline may exceed the picture
 // Sparse layout: pixels farther inside only determine black, which is known; pixels farther outside
 // only determine the slope of the light, for which every second row is enough if the margin is

@@ -14,8 +14,8 @@ constexpr float kBand = 1.5F;   // [px] wide
 constexpr float kMostRatio = 0.6F;
 constexpr float kSure = 2.5F;   // [standard errors]
 constexpr int kLeastWhite = 5;  // at most one of this many pixels outside is dark: holes and rims
-constexpr int kMostBad =
-    3;  // number of sectors: glare, debris and light across an edge may affect some
+// number of sectors: glare, debris and light across an edge may affect some
+constexpr int kMostBad = 3;
 
 // Share of the light that pixels return: least squares of value = share * light.
 struct Share {
@@ -86,8 +86,8 @@ bool darkAllAround(const Window& window, const Constants& constants, const Disc&
 
 bool darkInside(const Window& window, const Constants& constants, float sigma) {
   constexpr float kMiddle = 0.4F;  // [radius]
-  constexpr float kShare =
-      0.6F;  // limit for the middle: a bright middle has bright pixels around it
+  // limit for the middle: a bright middle has bright pixels around it
+  constexpr float kShare = 0.6F;
   float inside = 0;
   float outside = 0;
   float inside_count = 0;

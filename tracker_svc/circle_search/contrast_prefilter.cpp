@@ -11,8 +11,8 @@ namespace {
 
 constexpr std::size_t kBits = 64;
 constexpr int kLittle = 2;  // [1] times Levels::faint: white above black in dim light
-constexpr std::size_t kBeside =
-    1;  // padding words before the first and after the last brightest word
+// padding words before the first and after the last brightest word
+constexpr std::size_t kBeside = 1;
 
 /// Larger of the largest byte of `one` and that of `other`, the latter times 256.
 [[gnu::always_inline]] inline int largest(const Bytes& one, const Bytes& other) {

@@ -11,22 +11,22 @@ namespace {
 
 constexpr float kLongSide = 1.1F;  // [big radii] to both sides: elongated
 constexpr float kThin = 0.4F;      // [big diameters] an object narrower than this,
-constexpr float kManyTimes =
-    2.4F;  // [1] and longer than its width by this factor, is a line or the side of a body
-constexpr int kLevelShare =
-    5;  // the outline is where the brightness rises by 1 / 5 of the contrast
-constexpr float kSlopePerShare =
-    2.8F;  // [softness] distance of that level inside the half-way level, per share of the contrast
-constexpr float kSurelySmall =
-    0.85F;  // [1] of the geometric mean of both radii; the inverse for big
+// [1] and longer than its width by this factor, is a line or the side of a body
+constexpr float kManyTimes = 2.4F;
+// the outline is where the brightness rises by 1 / 5 of the contrast
+constexpr int kLevelShare = 5;
+// [softness] distance of that level inside the half-way level, per share of the contrast
+constexpr float kSlopePerShare = 2.8F;
+// [1] of the geometric mean of both radii; the inverse for big
+constexpr float kSurelySmall = 0.85F;
 constexpr float kBlackShare = 0.08F;  // [1] reflectance of black paint over that of white
 constexpr float kMostOval = 0.2F;     // [1] difference between the longest and the shortest radius
 constexpr float kLeastSize = 0.72F;   // [1] of the expected diameter
 constexpr float kMostSize = 1.32F;
 constexpr int kLeastOutlines = 11;       // of 16 directions
 constexpr float kLeastContrast = 0.28F;  // [1] (bright - dark) / (bright + dark) across an outline
-constexpr float kPrior =
-    0.4F;  // [1] weight reduction of an outline at the largest distance from the expected one
+// [1] weight reduction of an outline at the largest distance from the expected one
+constexpr float kPrior = 0.4F;
 constexpr int kLeastAtFirst = 9;
 constexpr int kLeastOnAxes = 5;  // of the first 8 directions
 constexpr int kCentreSteps = 3;

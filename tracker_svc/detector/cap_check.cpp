@@ -23,8 +23,8 @@ constexpr std::array<float, 2> kAtRim = {0.0005F, 0.0014F};     // [m]
 
 constexpr std::size_t kLeastKnown = 3;  // at least one in this many directions must be unsaturated
 
-constexpr float kFaintLight =
-    8;  // [read noise] brightness of a cap below which single pixels are unreliable
+// [read noise] brightness of a cap below which single pixels are unreliable
+constexpr float kFaintLight = 8;
 
 struct Circle {
   std::array<float, kDirections> cos{};

@@ -10,8 +10,8 @@ namespace {
 constexpr double kUsualRatio = 0.08;  // [1] dark / white, of black paint on white
 constexpr double kPaintDoubt = 0.02;  // [1] uncertainty of that ratio
 constexpr double kSure = 3;           // [standard errors]
-const double kSlope =
-    std::sqrt(2 * std::numbers::pi);  // [blurs] contrast over the slope of the outline
+// [blurs] contrast over the slope of the outline
+const double kSlope = std::sqrt(2 * std::numbers::pi);
 
 // [DN] brightness of the circle in excess of that of paint.
 double onTop(const PaintEstimate& look) { return (look.ratio - kUsualRatio) * look.white; }

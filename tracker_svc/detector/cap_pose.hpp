@@ -35,8 +35,8 @@ struct CapPose {
   double y = 0;                        ///< [m]
   double theta = 0;                    ///< [rad] (-pi, pi]
   std::array<double, 6> covariance{};  ///< [m^2, m rad, rad^2] xx, xy, xt, yy, yt, tt
-  double spacing_chi2 =
-      0;  ///< chi^2 of one degree of freedom: measured against known distance of the points
+  /// chi^2 of one degree of freedom: measured against known distance of the points
+  double spacing_chi2 = 0;
 };
 
 /// From the centres of both circles. Their distance is not used.

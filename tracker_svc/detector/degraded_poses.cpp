@@ -15,8 +15,8 @@ namespace {
 constexpr double kRough = 0.003;  // [m] error of a spot's centre
 constexpr double kApart = 1.7;    // [cap radii] between two axes, at least
 constexpr double kScan = 0.05;    // [rad] between tested headings
-constexpr double kLeastShare =
-    0.6;  // of the directions inside the picture in which the rim must be visible
+// of the directions inside the picture in which the rim must be visible
+constexpr double kLeastShare = 0.6;
 constexpr int kLeastDirections = kRimDirections / 3;
 constexpr double kMostSpacingChi2 = 16;  // with one degree of freedom
 constexpr double kMostTurned = 0.1;      // [rad] standard deviation

@@ -100,15 +100,15 @@ const FittedCircles::Circle& FittedCircles::fitFrom(optics::Pixel start, int spo
   return circle;
 }
 
-bool FittedCircles::fitBoth(const CirclePair& couple) {
-  const Circle& big = fit(couple.big, true);
-  const Circle& small = fit(couple.small, false);
+bool FittedCircles::fitBoth(const CirclePair& pair) {
+  const Circle& big = fit(pair.big, true);
+  const Circle& small = fit(pair.small, false);
   const bool big_good = big.fit.fault == FitFault::kNone;
   const bool small_good = small.fit.fault == FitFault::kNone;
   if (big_good == small_good) return big_good;
   // A light edge may have displaced the spot; the good circle predicts where the other one is.
   const Circle& good = big_good ? big : small;
-  const Spot& other = spots_[static_cast<std::size_t>(big_good ? couple.small : couple.big)];
+  const Spot& other = spots_[static_cast<std::size_t>(big_good ? pair.small : pair.big)];
   const std::optional<optics::Place> seen = setup_.camera.toPlane(
       {static_cast<double>(other.x), static_cast<double>(other.y)}, setup_.cap.height);
   if (!seen) return false;
@@ -118,8 +118,7 @@ bool FittedCircles::fitBoth(const CirclePair& couple) {
   const optics::Pixel start = setup_.camera.project(good.place.x + share * dx,
                                                     good.place.y + share * dy, setup_.cap.height);
   if (!picture_.contains(start.x, start.y)) return false;
-  return fitFrom(start, big_good ? couple.small : couple.big, !big_good).fit.fault ==
-         FitFault::kNone;
+  return fitFrom(start, big_good ? pair.small : pair.big, !big_good).fit.fault == FitFault::kNone;
 }
 
 }  // namespace lab::detector

@@ -56,7 +56,7 @@ class FittedCircles {
   const Circle& fitFrom(optics::Pixel start, int spot, bool big, bool glare = false);
   /// Fits both circles of a pair. If one fit fails, it is repeated from where the other circle
   /// predicts it. @return whether both fits succeeded
-  [[nodiscard]] bool fitBoth(const CirclePair& couple);
+  [[nodiscard]] bool fitBoth(const CirclePair& pair);
 
  private:
   static std::size_t index(int spot, bool big) {

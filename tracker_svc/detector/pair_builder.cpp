@@ -47,16 +47,16 @@ void PairBuilder::gather(std::size_t first, std::vector<Rejection>* rejected) {
   // Fits to objects that are no caps are slow. The coarse rim check rejects most of these. For two
   // round circles without other partners the fits are fast and the check after them is enough.
   partners_.assign(circles_.size(), 0);
-  for (const CirclePair& couple : pairs_) {
-    for (const int spot : {couple.big, couple.small}) ++partners_[static_cast<std::size_t>(spot)];
+  for (const CirclePair& pair : pairs_) {
+    for (const int spot : {pair.big, pair.small}) ++partners_[static_cast<std::size_t>(spot)];
   }
   const auto isSure = [&](int spot) {
     const auto at = static_cast<std::size_t>(spot);
     return partners_[at] == 1 &&
            circles_.spots()[at].can_be_big != circles_.spots()[at].can_be_small;
   };
-  std::erase_if(pairs_, [&](CirclePair& couple) {
-    return !(isSure(couple.big) && isSure(couple.small)) && !hasRim(couple, rejected);
+  std::erase_if(pairs_, [&](CirclePair& pair) {
+    return !(isSure(pair.big) && isSure(pair.small)) && !hasRim(pair, rejected);
   });
   std::sort(pairs_.begin(), pairs_.end(), [](const CirclePair& a, const CirclePair& b) {
     return std::tie(a.big, a.small) < std::tie(b.big, b.small);
@@ -88,16 +88,16 @@ optics::Pixel PairBuilder::middleOf(const Spot& big, const Spot& small) const {
           static_cast<double>(big.y - (big.y - small.y) * share)};
 }
 
-bool PairBuilder::hasRim(CirclePair& couple, std::vector<Rejection>* rejected) const {
-  const optics::Pixel middle = middleOf(circles_.spots()[static_cast<std::size_t>(couple.big)],
-                                        circles_.spots()[static_cast<std::size_t>(couple.small)]);
+bool PairBuilder::hasRim(CirclePair& pair, std::vector<Rejection>* rejected) const {
+  const optics::Pixel middle = middleOf(circles_.spots()[static_cast<std::size_t>(pair.big)],
+                                        circles_.spots()[static_cast<std::size_t>(pair.small)]);
   const LocalScale scale = setup_.scale.at(middle.x, middle.y);
   for (const RimSampling look : {RimSampling::kRough, RimSampling::kAll}) {
-    couple.rim = rimContrast(circles_.picture(), middle, scale, setup_.cap, setup_.imaging, look,
-                             kSaturatedWhite);
-    if (couple.rim >= kLeastRim) return true;
+    pair.rim = rimContrast(circles_.picture(), middle, scale, setup_.cap, setup_.imaging, look,
+                           kSaturatedWhite);
+    if (pair.rim >= kLeastRim) return true;
   }
-  if (rejected != nullptr) rejected->push_back({middle, Reason::kNoCap, couple.rim, kLeastRim});
+  if (rejected != nullptr) rejected->push_back({middle, Reason::kNoCap, pair.rim, kLeastRim});
   return false;
 }
 
@@ -139,50 +139,50 @@ void PairBuilder::lookAgain(std::vector<Rejection>* rejected) {
 // than its big one.
 void PairBuilder::settlePairs(std::vector<Rejection>* rejected) {
   clearest_.assign(circles_.size(), 0.0F);
-  for (const CirclePair& couple : pairs_) {
-    for (const int spot : {couple.big, couple.small}) {
+  for (const CirclePair& pair : pairs_) {
+    for (const int spot : {pair.big, pair.small}) {
       float& rim = clearest_[static_cast<std::size_t>(spot)];
-      rim = std::max(rim, couple.rim);
+      rim = std::max(rim, pair.rim);
     }
   }
   doubtful_.clear();
-  std::erase_if(pairs_, [&](const CirclePair& couple) {
-    const float rim = std::max(clearest_[static_cast<std::size_t>(couple.big)],
-                               clearest_[static_cast<std::size_t>(couple.small)]);
-    const float big = circles_.spots()[static_cast<std::size_t>(couple.big)].size;
-    const float small = circles_.spots()[static_cast<std::size_t>(couple.small)].size;
-    const bool is_doubtful = small > big || (rim >= kUsualRim && rim > kClearer * couple.rim);
-    if (is_doubtful) doubtful_.push_back(couple);
+  std::erase_if(pairs_, [&](const CirclePair& pair) {
+    const float rim = std::max(clearest_[static_cast<std::size_t>(pair.big)],
+                               clearest_[static_cast<std::size_t>(pair.small)]);
+    const float big = circles_.spots()[static_cast<std::size_t>(pair.big)].size;
+    const float small = circles_.spots()[static_cast<std::size_t>(pair.small)].size;
+    const bool is_doubtful = small > big || (rim >= kUsualRim && rim > kClearer * pair.rim);
+    if (is_doubtful) doubtful_.push_back(pair);
     return is_doubtful;
   });
   settle(pairs_, rejected);
-  std::erase_if(doubtful_, [&](const CirclePair& couple) {
-    return circles_.isTaken(static_cast<std::size_t>(couple.big)) ||
-           circles_.isTaken(static_cast<std::size_t>(couple.small));
+  std::erase_if(doubtful_, [&](const CirclePair& pair) {
+    return circles_.isTaken(static_cast<std::size_t>(pair.big)) ||
+           circles_.isTaken(static_cast<std::size_t>(pair.small));
   });
   settle(doubtful_, rejected);
 }
 
-void PairBuilder::settle(std::vector<CirclePair>& couples, std::vector<Rejection>* rejected) {
-  std::erase_if(couples, [&](CirclePair& couple) { return !measure(couple, rejected); });
-  couples.resize(choosePairs(couples, static_cast<int>(circles_.size())));
-  for (const CirclePair& couple : couples) {
-    circles_.take(couple.big);
-    circles_.take(couple.small);
-    const Detection pose = poseOf(couple);
+void PairBuilder::settle(std::vector<CirclePair>& pairs, std::vector<Rejection>* rejected) {
+  std::erase_if(pairs, [&](CirclePair& pair) { return !measure(pair, rejected); });
+  pairs.resize(choosePairs(pairs, static_cast<int>(circles_.size())));
+  for (const CirclePair& pair : pairs) {
+    circles_.take(pair.big);
+    circles_.take(pair.small);
+    const Detection pose = poseOf(pair);
     if (!known_.overlaps(pose)) {
       known_.add(pose);
       known_.cover(search_, pose);
     } else if (rejected != nullptr) {
-      rejected->push_back({pose.middle, Reason::kTaken, couple.cost, 0});
+      rejected->push_back({pose.middle, Reason::kTaken, pair.cost, 0});
     }
   }
 }
 
-bool PairBuilder::measure(CirclePair& couple, std::vector<Rejection>* rejected) {
-  if (!circles_.fitBoth(couple)) return false;
-  const FittedCircles::Circle& big = circles_.of(couple.big, true);
-  const FittedCircles::Circle& small = circles_.of(couple.small, false);
+bool PairBuilder::measure(CirclePair& pair, std::vector<Rejection>* rejected) {
+  if (!circles_.fitBoth(pair)) return false;
+  const FittedCircles::Circle& big = circles_.of(pair.big, true);
+  const FittedCircles::Circle& small = circles_.of(pair.small, false);
   const double dx = big.place.x - small.place.x;
   const double dy = big.place.y - small.place.y;
   const double spacing = std::sqrt(dx * dx + dy * dy);
@@ -206,17 +206,16 @@ bool PairBuilder::measure(CirclePair& couple, std::vector<Rejection>* rejected) 
   const double share = setup_.cap.big_offset / setup_.cap.spacing();
   const optics::Pixel middle{big.fit.x - share * (big.fit.x - small.fit.x),
                              big.fit.y - share * (big.fit.y - small.fit.y)};
-  couple.rim =
+  pair.rim =
       rimContrast(circles_.picture(), middle, setup_.scale.at(middle.x, middle.y), setup_.cap,
                   setup_.imaging, RimSampling::kAll, std::min(big.fit.white, small.fit.white));
-  if (couple.rim < kLeastRim) {
+  if (pair.rim < kLeastRim) {
     if (rejected != nullptr) {
-      rejected->push_back({middle, Reason::kNoCap, couple.rim, kLeastRim});
+      rejected->push_back({middle, Reason::kNoCap, pair.rim, kLeastRim});
     }
     return false;
   }
-  couple.cost =
-      static_cast<float>(std::abs(off) / doubt) + std::max(0.0F, 1 - couple.rim / kUsualRim);
+  pair.cost = static_cast<float>(std::abs(off) / doubt) + std::max(0.0F, 1 - pair.rim / kUsualRim);
   return true;
 }
 
@@ -237,9 +236,9 @@ MeasuredPoint PairBuilder::measuredPointOf(const FittedCircles::Circle& circle,
   return out;
 }
 
-Detection PairBuilder::poseOf(const CirclePair& couple) const {
-  const FittedCircles::Circle& big = circles_.of(couple.big, true);
-  const FittedCircles::Circle& small = circles_.of(couple.small, false);
+Detection PairBuilder::poseOf(const CirclePair& pair) const {
+  const FittedCircles::Circle& big = circles_.of(pair.big, true);
+  const FittedCircles::Circle& small = circles_.of(pair.small, false);
   const CapPose pose =
       poseFromCircles(measuredPointOf(big, small), measuredPointOf(small, big), setup_.cap);
   Detection out;
@@ -260,13 +259,13 @@ Detection PairBuilder::poseOf(const CirclePair& couple) const {
   out.used = kUsedBig | kUsedSmall;
   if (big.fit.edge || small.fit.edge) out.used |= kUsedEdge;
   const float clean = 1 / std::max({1.0F, big.fit.residual, small.fit.residual});
-  out.quality = 0.5F + 0.5F * std::min(1.0F, couple.rim / kUsualRim) * std::exp(-couple.cost / 2) *
+  out.quality = 0.5F + 0.5F * std::min(1.0F, pair.rim / kUsualRim) * std::exp(-pair.cost / 2) *
                            std::sqrt(clean);
   return out;
 }
 
-void PairBuilder::settleOne(const CirclePair& couple, std::vector<Rejection>* rejected) {
-  pairs_.assign(1, couple);
+void PairBuilder::settleOne(const CirclePair& pair, std::vector<Rejection>* rejected) {
+  pairs_.assign(1, pair);
   settlePairs(rejected);
 }
 

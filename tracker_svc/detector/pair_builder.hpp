@@ -27,13 +27,13 @@ class PairBuilder {
   /// Fits the collected pairs and adds the best of them to the known caps.
   void settlePairs(std::vector<Rejection>* rejected);
   /// settlePairs() for this pair only.
-  void settleOne(const CirclePair& couple, std::vector<Rejection>* rejected);
+  void settleOne(const CirclePair& pair, std::vector<Rejection>* rejected);
 
   /// Fits both circles, then checks their spacing and the rim around them.
   /// @return whether it is a cap; sets cost and rim
-  [[nodiscard]] bool measure(CirclePair& couple, std::vector<Rejection>* rejected);
+  [[nodiscard]] bool measure(CirclePair& pair, std::vector<Rejection>* rejected);
   /// The pose of a measured pair.
-  [[nodiscard]] Detection poseOf(const CirclePair& couple) const;
+  [[nodiscard]] Detection poseOf(const CirclePair& pair) const;
 
  private:
   /// Approximate image of the axis.
@@ -42,8 +42,8 @@ class PairBuilder {
   /// @return whether they are
   bool addCirclePair(std::size_t big, std::size_t small);
   /// Whether a coarse look shows the rim of a cap around the pair; sets its contrast.
-  [[nodiscard]] bool hasRim(CirclePair& couple, std::vector<Rejection>* rejected) const;
-  void settle(std::vector<CirclePair>& couples, std::vector<Rejection>* rejected);
+  [[nodiscard]] bool hasRim(CirclePair& pair, std::vector<Rejection>* rejected) const;
+  void settle(std::vector<CirclePair>& pairs, std::vector<Rejection>* rejected);
   /// The centre of a circle, its covariance widened by possible glare.
   [[nodiscard]] MeasuredPoint measuredPointOf(const FittedCircles::Circle& circle,
                                               const FittedCircles::Circle& other) const;

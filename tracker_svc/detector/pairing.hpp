@@ -16,8 +16,8 @@ struct CirclePair {
 
 /// Greedy assignment: each circle is in at most one pair, cheapest pairs first; ties go to lower
 /// indices. The other pairs are dropped.
-/// @param couples reordered
+/// @param pairs reordered
 /// @return number of pairs chosen, which are the first ones
-std::size_t choosePairs(std::vector<CirclePair>& couples, int circles);
+std::size_t choosePairs(std::vector<CirclePair>& pairs, int circles);
 
 }  // namespace lab::detector

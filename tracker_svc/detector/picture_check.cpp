@@ -10,8 +10,8 @@ namespace {
 constexpr int kStep = 16;             // [px] every 16th pixel of every 16th row
 constexpr double kFullScale = 255;    // [DN]
 constexpr double kLeastSignal = 1.5;  // [DN] mean above black; a cap needs a few DN of contrast
-constexpr double kSaturatedShare =
-    0.4;                            // share of saturated pixels; below it circles are still black
+// share of saturated pixels; below it circles are still black
+constexpr double kSaturatedShare = 0.4;
 constexpr double kBlind = 10;       // [s] black light in scripts is shorter
 constexpr double kLeastCircle = 2;  // [px] smaller circles cannot be distinguished from dirt
 // [DN] above the assumed black level: black paint in dim light no longer looks black

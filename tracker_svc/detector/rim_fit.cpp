@@ -14,11 +14,11 @@ constexpr double kStep = 0.0006;    // [m]
 constexpr int kRounds = 4;
 constexpr double kLeastContrast = 0.06;  // [1] of a direction; bare floor has 0 +- 0.03
 constexpr double kFullContrast = 0.3;    // [1]
-constexpr double kRadiusError =
-    0.00015;                             // [m] sigma: cutting of the caps, calibration of the scale
+// [m] sigma: cutting of the caps, calibration of the scale
+constexpr double kRadiusError = 0.00015;
 constexpr double kModelError = 0.00015;  // [m] per direction
-constexpr double kFarFirst =
-    0.0015;  // [m] from the circle, at which a direction is excluded, in the first iteration
+// [m] from the circle, at which a direction is excluded, in the first iteration
+constexpr double kFarFirst = 0.0015;
 constexpr double kFarLast = 0.0006;    // [m] and in the last
 constexpr double kLikeNeighbours = 3;  // neighbouring directions with correlated errors
 constexpr double kFloor = 0.00008;     // [m] of the centre, along each axis

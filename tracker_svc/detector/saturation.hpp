@@ -4,9 +4,9 @@
 namespace lab::detector {
 
 inline constexpr float kMaxDn = 255;  ///< largest pixel value
-inline constexpr float kSaturated =
-    253;  ///< [DN] expected value above which a pixel is saturated, or nearly so
-inline constexpr float kNearlySaturated =
-    240;  ///< [DN] lowest value of a clipped pixel, including noise
+/// [DN] expected value above which a pixel is saturated, or nearly so
+inline constexpr float kSaturated = 253;
+/// [DN] lowest value of a clipped pixel, including noise
+inline constexpr float kNearlySaturated = 240;
 
 }  // namespace lab::detector

@@ -14,8 +14,8 @@ namespace {
 
 constexpr int kCell = 32;       // [px] between nodes
 constexpr double kStep = 0.01;  // [m] for second derivatives
-constexpr float kLargestJump =
-    4.0F;  // factor from the median beyond which a scale is outside the arena
+// factor from the median beyond which a scale is outside the arena
+constexpr float kLargestJump = 4.0F;
 
 /// The numbers of a LocalScale in groups of four, for SIMD.
 struct Fours {

@@ -276,14 +276,14 @@ int UnpairedCircles::pairBeside(int spot, bool big, double theta,
     other.can_be_big = !big;
     other.can_be_small = big;
     circles_.add(other);
-    CirclePair couple{big ? spot : partner, big ? partner : spot, 0, 0};
+    CirclePair pair{big ? spot : partner, big ? partner : spot, 0, 0};
     ++fits;
     if (circles_.fitFrom(start, partner, !big, true).fit.fault == FitFault::kNone &&
-        pairs_.measure(couple, nullptr) && couple.rim > leastRim(couple) &&
+        pairs_.measure(pair, nullptr) && pair.rim > leastRim(pair) &&
         std::abs(distance(circle, circles_.of(partner, !big).place) - setup_.cap.spacing()) <
             kMostOff) {
       const std::size_t before = known_.size();
-      pairs_.settleOne(couple, rejected);
+      pairs_.settleOne(pair, rejected);
       if (known_.size() > before) return fits - 1;
       circles_.release(spot);
     }
@@ -293,12 +293,11 @@ int UnpairedCircles::pairBeside(int spot, bool big, double theta,
 }
 
 // In dim light, noise gives some rim contrast in the best of many directions.
-float UnpairedCircles::leastRim(const CirclePair& couple) const {
+float UnpairedCircles::leastRim(const CirclePair& pair) const {
   constexpr double kPairs = 24;  // pixel pairs whose median is the rim contrast
-  const double white =
-      std::max(0.5 * static_cast<double>(circles_.of(couple.big, true).fit.white +
-                                         circles_.of(couple.small, false).fit.white),
-               1.0);
+  const double white = std::max(0.5 * static_cast<double>(circles_.of(pair.big, true).fit.white +
+                                                          circles_.of(pair.small, false).fit.white),
+                                1.0);
   const double noise = std::sqrt(setup_.imaging.read_noise * setup_.imaging.read_noise + 1.0 / 12 +
                                  setup_.imaging.shot_gain * white);
   const double error = 1.25 * noise / (2 * white) / std::sqrt(kPairs);

@@ -46,7 +46,7 @@ class UnpairedCircles {
   [[nodiscard]] std::optional<optics::Place> placeAside(optics::Place rough, bool big) const;
   /// @return number of fits that led to no cap
   int pairBeside(int spot, bool big, double theta, std::vector<Rejection>* rejected);
-  [[nodiscard]] float leastRim(const CirclePair& couple) const;
+  [[nodiscard]] float leastRim(const CirclePair& pair) const;
 
   const DetectorSetup& setup_;
   FittedCircles& circles_;

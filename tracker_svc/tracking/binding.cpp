@@ -11,8 +11,8 @@ constexpr double kSlice = 0.1;  // [s] shortest slice; with slow cameras a slice
 constexpr double kLongestSlice = 0.35;  // [s] in a longer one a robot may turn too far
 constexpr double kPatience = 1.1;       // [s] reports are at most a second late
 constexpr double kSilence = 1.5;        // [s] after which a silent robot is not waited for
-constexpr double kSecondPart =
-    2.5;  // [ln] a change inside a slice affects two slices: the second counts less
+// [ln] a change inside a slice affects two slices: the second counts less
+constexpr double kSecondPart = 2.5;
 const double kLogTwoPi = std::log(2 * std::numbers::pi);
 constexpr double kHighestFree = 60;  // [ln] limit, so that later contradictions count
 constexpr double kHighestBound = 30;

@@ -16,10 +16,10 @@ constexpr double kPlaceSlack = 0.003;  // [m] error of a place, from noise and c
 constexpr double kTouch = 0.006;       // [m] gap below which two caps may touch
 constexpr double kLost = 0.5;          // [s] without detection
 constexpr double kLostReach = 0.15;    // [m]
-constexpr double kShownFaster =
-    2;  // [1] times the highest mean speed so far: a robot may have been held by a wall
-constexpr double kStride =
-    0.5;  // [s] over which a mean speed is taken, to average the noise of places
+// [1] times the highest mean speed so far: a robot may have been held by a wall
+constexpr double kShownFaster = 2;
+// [s] over which a mean speed is taken, to average the noise of places
+constexpr double kStride = 0.5;
 constexpr double kBriefly = 1;       // [s] for which a track with few detections is kept at least
 constexpr double kOutside = 0.3;     // [m] beyond the walls nothing is tracked
 constexpr double kNewCaps = 1e-3;    // [1/s] rate at which caps are put into the arena

@@ -22,10 +22,10 @@ struct SliceMotion {
   double duration = 0;      ///< [s]
   double variance = 0;      ///< [m^2] of each travel, from the detections
   double foreign = 0;       ///< [ln 1/m^2] density if the cap belongs to no robot
-  double speed_change_log_ratio =
-      0;  ///< [ln] likelihood of constant speeds over that of this motion, as a loss
-  bool touching =
-      false;  ///< whether a wall or another cap is so close that it may have been held up
+  /// [ln] likelihood of constant speeds over that of this motion, as a loss
+  double speed_change_log_ratio = 0;
+  /// whether a wall or another cap is so close that it may have been held up
+  bool touching = false;
 };
 
 /// Prior over wheel motion, from recent reports of all robots.
@@ -56,8 +56,8 @@ class MotionPrior {
   double left_left_ = 0;
   double left_right_ = 0;
   double right_right_ = 0;
-  double changes_ =
-      1;  ///< number of slices with changed speeds, and of all slices, with a weak prior
+  /// number of slices with changed speeds, and of all slices, with a weak prior
+  double changes_ = 1;
   double slices_ = 20;
   double together_ = 0;  ///< share of the robots that changed speeds in this slice, minus one robot
 };
@@ -122,8 +122,8 @@ struct IdentityEvidence {
   double begin_variance = 0;
   bool begin_touching = false;
   Wheels speeds;  ///< [m/s] in the last slice
-  double speed_change_log_ratio =
-      0;                 ///< [ln] loss of likelihood by a change of speeds in the last slice
+  /// [ln] loss of likelihood by a change of speeds in the last slice
+  double speed_change_log_ratio = 0;
   int candidate = -1;    ///< robot that it is about to be bound to
   int confirmed = 0;     ///< number of slices that confirmed it
   bool proven = false;   ///< bound manually, or beyond doubt since

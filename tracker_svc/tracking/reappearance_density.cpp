@@ -9,8 +9,8 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kFree = 0.4;  // [1] probability that it drove as reckoned; low in a crowd
-constexpr double kHeldUp =
-    0.59;  // [1] probability that it was in contact; used if its wheel motion is known
+// [1] probability that it was in contact; used if its wheel motion is known
+constexpr double kHeldUp = 0.59;
 constexpr double kAnywhere = 0.01;    // [1]
 constexpr double kByHand = 1e-4;      // [1]
 constexpr double kSlack = 0.02;       // [m]

@@ -53,7 +53,6 @@ Score scoreOf(int cameras, int caps, int boards, double corners) {
 }
 
 // For n cameras with about 3 degrees of freedom each, the mean of z^2 is 1 +- sqrt(2 / 3n).
-// 3n).
 
 TEST(CameraFit, FindsCamerasFromCornersAndCaps) {
   const Score score = scoreOf(12, 400, 0, 0.2);

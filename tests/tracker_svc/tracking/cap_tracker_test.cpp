@@ -76,8 +76,8 @@ TEST(CapTracker, DegradedPosesAreNotUsedForMotion) {
     CapTracker dut({}, {1, 2});
     for (int k = 0; k < 400; ++k) {
       const double time = 0.02 * k;
-      const double turn =
-          time > 1 ? (time - 1) * 2 : 0;  // one robot turns on the spot, the other stands
+      // one robot turns on the spot, the other stands
+      const double turn = time > 1 ? (time - 1) * 2 : 0;
       const double wheel = time > 1 ? 2 * 0.075 / 2 : 0;
       const std::vector<WheelReport> reports{{1, time, -wheel, wheel}, {2, time, 0, 0}};
       dut.take(reports);
