@@ -104,7 +104,7 @@ std::optional<std::vector<calibration::ToneObservation>> filmStaircase(
             });
       });
   for (const std::string& fault : launched.outcome.faults) fmt::print("marked   {}\n", fault);
-  if (problem.empty()) return pictures.sights();
+  if (problem.empty()) return pictures.observations();
   fmt::print("camera   {}\n", problem);
   return std::nullopt;
 }

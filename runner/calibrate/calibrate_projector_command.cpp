@@ -199,8 +199,8 @@ ExitCode calibrateProjector(const CalibrateProjectorOptions& options) {
     return launched.outcome.closed_early ? kMarked : kFailed;
   }
   fmt::print("{}", countText(reader.count()));
-  return conclude(calibration::fitProjector(reader.sights(), view.plane, camera.error), view.plane,
-                  camera.calibration.id, options);
+  return conclude(calibration::fitProjector(reader.observations(), view.plane, camera.error),
+                  view.plane, camera.calibration.id, options);
 }
 
 }  // namespace lab::runner

@@ -248,7 +248,7 @@ TEST(ExperimentFile, FindsImagesInItsFolder) {
   writeText(folder / "dot.pgm", "P5 1 1 255\nx");
   EXPECT_EQ(problemsOfFile(folder / "x.toml"), "none");
   writeText(folder / "dot.pgm", "no image");
-  EXPECT_THAT(problemsOfFile(folder / "x.toml"), HasSubstr("found \"dot.pgm\" (is no image"));
+  EXPECT_THAT(problemsOfFile(folder / "x.toml"), HasSubstr("found \"dot.pgm\" (is not an image"));
 }
 
 }  // namespace

@@ -112,7 +112,7 @@ TEST_F(TrackCommand, ReadsAFilmThatWasEncodedForTheEye) {
   EXPECT_EQ(track(options_), kDone);
   EXPECT_THAT(testing::internal::GetCapturedStdout(),
               AllOf(HasSubstr("with a gamma of 2.2"),
-                    HasSubstr("at 3 of 3 places caps show only so"), Not(HasSubstr("from frame"))));
+                    HasSubstr("at 3 of 3 places caps are found only with it"), Not(HasSubstr("from frame"))));
   EXPECT_EQ(linesIn(textOf(options_.out)), 1 + 5 * 3);
 }
 
@@ -373,7 +373,7 @@ TEST_F(TrackCommand, SaysWhichPicturesItFoundWhereItReadsNone) {
   fs::create_directory(folder_ / "scans");
   for (const char* name : {"scans/a1.tif", "scans/a2.TIF", "scans/notes.txt"}) write(name, "x");
   options_.source = (folder_ / "scans").string();
-  EXPECT_THAT(problem(), AllOf(HasSubstr("found no pictures"), HasSubstr("but 2 of .tif; ffmpeg")));
+  EXPECT_THAT(problem(), AllOf(HasSubstr("found no pictures"), HasSubstr("but 2 of .tif; convert")));
 }
 
 TEST_F(TrackCommand, SaysInHowManyFramesMoreWereFoundThanThereAreRobots) {

@@ -1,63 +1,66 @@
-// What a candidate is: its outline, and its centre.
+#include "tracker_svc/circle_search/outline_fitter.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstring>
 #include <numbers>
 
-#include "tracker_svc/circle_search/circle_search.hpp"
-
 namespace lab::detector {
 namespace {
 
-constexpr float kLongSide = 1.1F;       // [big radii] to both sides: something long
-constexpr float kThin = 0.4F;           // [big diameters] what is no wider, and
-constexpr float kManyTimes = 2.4F;      // [1] so much longer, is the side of a body or a line
-constexpr int kLevelShare = 5;          // the outline is taken where this share of white is reached
-constexpr float kSlopePerShare = 2.8F;  // [softness] of how far inside of the half-way that is
-constexpr float kSurelySmall = 0.85F;   // [1] of the mean of both radii, and its inverse for big
-constexpr float kBlackShare = 0.08F;    // [1] of the light that black sends back, of white's
-constexpr float kMostOval = 0.2F;       // [1] between the longest and the shortest radius
-constexpr float kLeastSize = 0.72F;     // [1] of the expected diameter
+constexpr float kLongSide = 1.1F;  // [big radii] to both sides: elongated
+constexpr float kThin = 0.4F;      // [big diameters] an object narrower than this,
+// [1] and longer than its width by this factor, is a line or the side of a body
+constexpr float kManyTimes = 2.4F;
+// the outline is where the brightness rises by 1 / 5 of the contrast
+constexpr int kLevelShare = 5;
+// [softness] distance of that level inside the half-way level, per share of the contrast
+constexpr float kSlopePerShare = 2.8F;
+// [1] of the geometric mean of both radii; the inverse for big
+constexpr float kSurelySmall = 0.85F;
+constexpr float kBlackShare = 0.08F;  // [1] reflectance of black paint over that of white
+constexpr float kMostOval = 0.2F;     // [1] difference between the longest and the shortest radius
+constexpr float kLeastSize = 0.72F;   // [1] of the expected diameter
 constexpr float kMostSize = 1.32F;
 constexpr int kLeastOutlines = 11;       // of 16 directions
 constexpr float kLeastContrast = 0.28F;  // [1] (bright - dark) / (bright + dark) across an outline
-constexpr float kPrior = 0.4F;  // [1] how much less an outline far from the expected counts
+// [1] weight reduction of an outline at the largest distance from the expected one
+constexpr float kPrior = 0.4F;
 constexpr int kLeastAtFirst = 9;
 constexpr int kLeastOnAxes = 5;  // of the first 8 directions
 constexpr int kCentreSteps = 3;
 constexpr int kWeighSteps = 8;
-constexpr int kLanes = 8;  // directions looked along at once
-constexpr int kMostSamples = 48;
+constexpr int kLanes = 8;  // directions processed in parallel
 
 using Floats = float __attribute__((vector_size(4 * kLanes)));
 using Ints = std::int32_t __attribute__((vector_size(4 * kLanes)));
 
-/// Where the contrast along eight directions is largest.
+/// Position of the largest contrast along eight directions.
 struct Outlines {
   float at[kLanes];        // [samples]
   float contrast[kLanes];  // [1] times the prior
   float white[kLanes];     // [DN]
 };
 
-/// @param rays [bytes] to the samples of one direction each; the next samples are `kSkip` later
+/// @param rays [bytes] to one sample in each direction; the next samples are `skip` later
 /// @param prior by sample
-/// @param softer [DN] added to the brightness that a contrast is divided by
+/// @param softer [DN] added to the brightness that the contrast is divided by
 __attribute__((target_clones("avx2", "default"))) void lookAlong(const std::uint8_t* middle,
                                                                  const std::int32_t* rays, int skip,
                                                                  int samples, const float* prior,
                                                                  float softer, Outlines& outlines) {
-  std::int32_t pixels[kMostSamples][kLanes];
+  std::int32_t pixels[kRaySamples][kLanes];
   for (int i = 0; i < samples; ++i, rays += skip) {
     for (int k = 0; k < kLanes; ++k) pixels[i][k] = middle[rays[k]];
   }
-  Floats along[4];  // the last four
+  Floats along[4];  // the last four samples
   for (int i = 0; i < 4; ++i) {
     Ints there;
     std::memcpy(&there, pixels[i], sizeof there);
     along[i] = __builtin_convertvector(there, Floats);
   }
-  // The largest contrast, without a division for each sample.
+  // Compares ratios by cross-multiplication, to avoid a division per sample.
   Floats best{};
   Floats best_sum = Floats{} + 1;
   Ints best_at{};
@@ -87,17 +90,17 @@ __attribute__((target_clones("avx2", "default"))) void lookAlong(const std::uint
   std::memcpy(outlines.white, &white, sizeof white);
 }
 
-/// Half the width of the circle with this radius at a distance from its middle; -1: none.
+/// Half the chord of a circle at a distance from its centre; -1 if there is none.
 int halfWidth(float square, int distance) {
   const float rest = square - static_cast<float>(distance * distance);
   return rest < 0 ? -1 : static_cast<int>(std::sqrt(rest));
 }
 
-/// What is inside of a circle, and in the ring between it and a larger one.
+/// Sums over a disc, and over the ring between it and a larger disc.
 struct Sums {
   int inside = 0;  // [DN]
   int inside_count = 0;
-  int moment_x = 0;  // [DN px] of what is inside
+  int moment_x = 0;  // [DN px] first moment of the disc
   int moment_y = 0;
   int rim = 0;  // [DN]
   int rim_count = 0;
@@ -128,13 +131,42 @@ Sums sumAround(const std::uint8_t* middle, std::ptrdiff_t stride, float inner, i
   return sums;
 }
 
+// Opposite directions one after the other, the four axes first: most clutter is rejected by these.
+constexpr int kOrder[kRayDirections] = {0, 8, 4, 12, 2, 10, 6, 14, 1, 9, 5, 13, 3, 11, 7, 15};
+
 }  // namespace
 
-bool CircleSearch::weigh(const Plane& plane, const Candidate& candidate, Spot& spot) const {
+OutlineFitter::OutlineFitter(const optics::Imaging& imaging, const GreyLevels& levels)
+    : read_noise_(static_cast<float>(imaging.read_noise)),
+      levels_(levels),
+      softness_(static_cast<float>(std::sqrt(imaging.blur * imaging.blur + optics::kPixelBox))) {
+  for (std::size_t i = 0; i < kRayDirections; ++i) {
+    const double angle = 2 * std::numbers::pi * kOrder[i] / kRayDirections;
+    cos_[i] = static_cast<float>(std::cos(angle));
+    sin_[i] = static_cast<float>(std::sin(angle));
+  }
+}
+
+void OutlineFitter::aim(Plane& plane, const optics::GreyView& view) const {
+  const bool same = plane.view.stride == view.stride && !plane.rays.empty();
+  plane.view = view;
+  if (same) return;
+  plane.rays.clear();
+  for (int r = 0; r < kRaySamples; ++r) {
+    for (std::size_t k = 0; k < kRayDirections; ++k) {
+      const long dx = std::lround(static_cast<float>(r) * cos_[k]);
+      const long dy = std::lround(static_cast<float>(r) * sin_[k]);
+      plane.rays.push_back(static_cast<std::int32_t>(dy * view.stride + dx));
+    }
+  }
+}
+
+bool OutlineFitter::weigh(const Plane& plane, const Candidate& candidate, int reach,
+                          Spot& spot) const {
   const Sizes& sizes = candidate.sizes;
   const float inner = sizes.big + softness_;
   const int outer = std::max<int>(candidate.to.across, static_cast<int>(inner + 2));
-  const auto black = static_cast<float>(black_);
+  const auto black = static_cast<float>(levels_.black);
   const float least =
       kLeastSize * kLeastSize * std::numbers::pi_v<float> * sizes.small * sizes.small;
   auto x = static_cast<float>(candidate.x);
@@ -146,12 +178,12 @@ bool CircleSearch::weigh(const Plane& plane, const Candidate& candidate, Spot& s
     const int cx = static_cast<int>(std::lround(x));
     const int cy = static_cast<int>(std::lround(y));
     const int moved = std::max(std::abs(cx - candidate.x), std::abs(cy - candidate.y));
-    if (moved + outer > reach_) return false;
+    if (moved + outer > reach) return false;
     const Sums sums = sumAround(plane.view.row(cy) + cx, plane.view.stride, inner, outer);
     if (sums.rim_count == 0) return false;
     white = static_cast<float>(sums.rim) / static_cast<float>(sums.rim_count) - black;
     const float contrast = (1 - kBlackShare) * white;
-    if (contrast < static_cast<float>(noise_) / 2) return false;
+    if (contrast < static_cast<float>(levels_.noise) / 2) return false;
     area = ((white + black) * static_cast<float>(sums.inside_count) -
             static_cast<float>(sums.inside)) /
            contrast;
@@ -171,31 +203,32 @@ bool CircleSearch::weigh(const Plane& plane, const Candidate& candidate, Spot& s
   return true;
 }
 
-bool CircleSearch::settle(const Plane& plane, const Candidate& candidate, Spot& spot) {
+bool OutlineFitter::settle(const Plane& plane, const Candidate& candidate, Spot& spot,
+                           std::vector<RejectedSpot>* rejected) const {
   const auto x = static_cast<float>(candidate.x);
   const auto y = static_cast<float>(candidate.y);
   Spot big;
   Spot small;
   const int as_big = centre(plane, x, y, candidate.sizes.big, big);
-  const int as_small = as_big < kDirections ? centre(plane, x, y, candidate.sizes.small, small) : 0;
+  const int as_small =
+      as_big < kRayDirections ? centre(plane, x, y, candidate.sizes.small, small) : 0;
   const int most = std::max(as_big, as_small);
   if (most < kLeastOutlines) {
-    if (rejected_spots_ != nullptr && most > kDirections / 2) {
-      rejected_spots_->push_back({x, y, static_cast<float>(most) / kDirections,
-                                  static_cast<float>(kLeastOutlines) / kDirections});
+    if (rejected != nullptr && most > kRayDirections / 2) {
+      rejected->push_back({x, y, static_cast<float>(most) / kRayDirections,
+                           static_cast<float>(kLeastOutlines) / kRayDirections});
     }
     return false;
   }
   spot = as_big >= as_small ? big : small;
   spot.size = as_big >= as_small ? candidate.sizes.big : candidate.sizes.small;
-  // What a light edge leaves of an outline says little about its size; the fit will tell.
+  // With light edges the visible outline does not determine the size; both sizes are fitted.
   spot.can_be_big = true;
   spot.can_be_small = true;
   return true;
 }
 
-CircleSearch::Shape CircleSearch::shapeAround(const Plane& plane, const Candidate& candidate,
-                                              Spot& spot) const {
+Shape OutlineFitter::shapeAround(const Plane& plane, const Candidate& candidate, Spot& spot) const {
   constexpr int kAxes = 4;
   constexpr int kStepX[kAxes] = {1, 0, 1, 1};
   constexpr int kStepY[kAxes] = {0, 1, 1, -1};
@@ -203,15 +236,15 @@ CircleSearch::Shape CircleSearch::shapeAround(const Plane& plane, const Candidat
                                     std::numbers::sqrt2_v<float>};
   const Sizes& sizes = candidate.sizes;
   const std::uint8_t* start = plane.view.row(candidate.y) + candidate.x;
-  // Low, so that the dim side of a light edge still counts as white; no lower than noise allows.
+  // A low level, so that the dim side of a light edge still counts as white, but above the noise.
   const int contrast = candidate.white - candidate.dark;
   const int level =
-      candidate.dark + std::max(contrast / kLevelShare, std::min(contrast / 2, noise_));
+      candidate.dark + std::max(contrast / kLevelShare, std::min(contrast / 2, levels_.noise));
   const float share = static_cast<float>(level - candidate.dark) / static_cast<float>(contrast);
   const float inside = (0.5F - share) * kSlopePerShare * softness_;
   const float longest = 2 * sizes.big * kMostSize + 1;
   const float reach = longest + 1;
-  // From the start to where the picture crosses the level; `reach` where it does not.
+  // Distance from the start to where the picture crosses the level; `reach` if it does not.
   const auto walk = [&](int dx, int dy, float length) {
     const int most = static_cast<int>(reach / length);
     const std::ptrdiff_t to = dy * plane.view.stride + dx;
@@ -246,7 +279,7 @@ CircleSearch::Shape CircleSearch::shapeAround(const Plane& plane, const Candidat
     shift[axis] = (ahead - behind) / 2;
   }
   if (open) return Shape::kOther;
-  // A chord's middle is the foot of the perpendicular from the centre.
+  // The middle of a chord is the foot of the perpendicular from the centre.
   const float diagonal = std::numbers::sqrt2_v<float> / 2;
   const float cx = (shift[0] + diagonal * (shift[2] + shift[3])) / 2;
   const float cy = (shift[1] + diagonal * (shift[2] - shift[3])) / 2;
@@ -267,25 +300,25 @@ CircleSearch::Shape CircleSearch::shapeAround(const Plane& plane, const Candidat
   const float between = std::sqrt(sizes.big * sizes.small);
   spot.can_be_big = size > between * kSurelySmall;
   spot.can_be_small = size < between / kSurelySmall;
-  spot.white = static_cast<float>(candidate.white - black_);
+  spot.white = static_cast<float>(candidate.white - levels_.black);
   spot.size = size;
   const bool fits = size > kLeastSize * sizes.small && size < kMostSize * sizes.big;
   return fits ? Shape::kRound : Shape::kOther;
 }
 
-CircleSearch::Ring CircleSearch::lookAround(const Plane& plane, float x, float y, float radius,
-                                            float slack) const {
+OutlineFitter::Ring OutlineFitter::lookAround(const Plane& plane, float x, float y, float radius,
+                                              float slack) const {
   Ring ring;
   const int from = std::max(0, static_cast<int>(radius - slack - 2));
   const int samples =
-      std::min(kMostSamples - from, static_cast<int>(std::ceil(radius + slack + 2)) - from + 1);
-  const float softer = 4 * static_cast<float>(imaging_.read_noise) - 4 * static_cast<float>(black_);
-  float prior[kMostSamples];
+      std::min(kRaySamples - from, static_cast<int>(std::ceil(radius + slack + 2)) - from + 1);
+  const float softer = 4 * read_noise_ - 4 * static_cast<float>(levels_.black);
+  float prior[kRaySamples];
   for (int i = 0; i < samples; ++i) {
     const float off = (static_cast<float>(from + i - 2) - radius) / (slack + 1);
     prior[i] = 1 - kPrior * off * off;
   }
-  // The rays begin in the middle of a pixel.
+  // The rays start at the centre of a pixel.
   const int middle_x = static_cast<int>(x + 0.5F);
   const int middle_y = static_cast<int>(y + 0.5F);
   const std::uint8_t* middle = plane.view.row(middle_y) + middle_x;
@@ -295,10 +328,10 @@ CircleSearch::Ring CircleSearch::lookAround(const Plane& plane, float x, float y
   float ce = 0;
   float se = 0;
   float white = 0;
-  for (std::size_t first = 0; first < kDirections; first += kLanes) {
+  for (std::size_t first = 0; first < kRayDirections; first += kLanes) {
     Outlines outlines;
-    const std::size_t ray = static_cast<std::size_t>(from) * kDirections + first;
-    lookAlong(middle, plane.rays.data() + ray, kDirections, samples, prior, softer, outlines);
+    const std::size_t ray = static_cast<std::size_t>(from) * kRayDirections + first;
+    lookAlong(middle, plane.rays.data() + ray, kRayDirections, samples, prior, softer, outlines);
     bool missing = false;
     for (std::size_t i = 0; i < kLanes; ++i) {
       const std::size_t k = first + i;
@@ -323,11 +356,11 @@ CircleSearch::Ring CircleSearch::lookAround(const Plane& plane, float x, float y
   if (ring.outlines < 4 || determinant < 1) return ring;
   ring.dx = static_cast<float>(middle_x) - x + (ss * ce - cs * se) / determinant;
   ring.dy = static_cast<float>(middle_y) - y + (cc * se - cs * ce) / determinant;
-  ring.white = white / static_cast<float>(ring.outlines) - static_cast<float>(black_);
+  ring.white = white / static_cast<float>(ring.outlines) - static_cast<float>(levels_.black);
   return ring;
 }
 
-int CircleSearch::centre(const Plane& plane, float x, float y, float radius, Spot& spot) const {
+int OutlineFitter::centre(const Plane& plane, float x, float y, float radius, Spot& spot) const {
   float slack = 0.65F * radius + 0.5F;
   Ring ring;
   const float begin_x = x;
@@ -344,25 +377,15 @@ int CircleSearch::centre(const Plane& plane, float x, float y, float radius, Spo
   spot.x = x;
   spot.y = y;
   spot.white = ring.white;
-  // Open to both sides: something long. A light edge leaves out one side only.
+  // Open to both sides: elongated. A light edge removes the outline on one side only.
   return ring.open == 0 ? ring.outlines : 0;
 }
 
-std::optional<Spot> CircleSearch::centredAs(const Spot& spot, bool big) {
-  const float x = spot.x + static_cast<float>(padding_);
-  const float y = spot.y + static_cast<float>(padding_);
-  const auto word = std::min(static_cast<std::size_t>(spot.x) / kWord, word_starts_.size() - 1);
-  const Sizes& sizes = sizes_[static_cast<std::size_t>(y) / kBand * word_starts_.size() + word];
-  const Plane& plane = planeAt(static_cast<int>(x), static_cast<int>(y), reach_);
-  Spot out;
-  if (sizes.big <= 0 || centre(plane, x, y, big ? sizes.big : sizes.small, out) < kLeastOutlines) {
-    return std::nullopt;
-  }
-  out.x -= static_cast<float>(padding_);
-  out.y -= static_cast<float>(padding_);
-  out.can_be_big = big;
-  out.can_be_small = !big;
-  return out;
+std::optional<Spot> OutlineFitter::centredAt(const Plane& plane, float x, float y,
+                                             float radius) const {
+  Spot spot;
+  if (centre(plane, x, y, radius, spot) < kLeastOutlines) return std::nullopt;
+  return spot;
 }
 
 }  // namespace lab::detector

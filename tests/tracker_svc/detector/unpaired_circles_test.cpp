@@ -1,5 +1,5 @@
-/// Caps of which the search sees one circle only: the other one lies in the dark, across a light
-/// edge, or in a reflection.
+/// Caps of which the search finds only one circle: the other one is in the dark, crossed by a light
+/// edge, or under a reflection.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -40,7 +40,7 @@ struct Scene {
     return image;
   }
 
-  /// How many of the robots are found; nothing else may be.
+  /// Number of robots found; other detections are errors.
   [[nodiscard]] int found() const {
     Detector detector(optics::CameraModel(settings.camera), settings.cap, settings.imaging);
     const optics::GreyImage image = paint();
@@ -59,7 +59,7 @@ struct Scene {
   }
 };
 
-TEST(LoneCircle, LeadsToTheOneAcrossALightEdge) {
+TEST(LoneCircle, IsPairedWithACircleAcrossALightEdge) {
   int found = 0;
   for (const std::uint64_t seed : {1U, 2U, 3U, 4U, 5U, 6U}) {
     Scene scene(40, 720, seed, 0.12);
@@ -81,7 +81,7 @@ TEST(LoneCircle, LeadsToTheOneAcrossALightEdge) {
   EXPECT_EQ(found, 240);
 }
 
-TEST(LoneCircle, LeadsToTheOneThatTheDarkHides) {
+TEST(LoneCircle, IsPairedWithACircleInTheDark) {
   int found = 0;
   for (const std::uint64_t seed : {1U, 2U, 3U}) {
     Scene scene(40, 720, seed, 0.02);
@@ -98,11 +98,11 @@ TEST(LoneCircle, LeadsToTheOneThatTheDarkHides) {
     }
     found += scene.found();
   }
-  EXPECT_GE(found, 119);  // both circles of one of them are cut in two, half of each in the dark
+  EXPECT_GE(found, 119);  // both circles of one robot are crossed by an edge and half in the dark
 }
 
-TEST(LoneCircle, IsNoReasonToLookForHours) {
-  // A thousand black discs without partners, no cap among them.
+TEST(LoneCircle, IsSearchedForALimitedTime) {
+  // A thousand black discs without partners and without caps.
   Scene scene(0, 720, 1, 1);
   for (double x = 0.03; x < 1.18; x += 0.03) {
     for (double y = 0.03; y < 0.88; y += 0.03) {
@@ -112,7 +112,7 @@ TEST(LoneCircle, IsNoReasonToLookForHours) {
   EXPECT_EQ(scene.found(), 0);
 }
 
-TEST(Black, MayBeAnyLevelOfTheCamera) {
+TEST(Black, MayBeAnyBlackLevelOfTheCamera) {
   for (const double black : {0.0, 8.0, 16.0, 24.0}) {
     Scene scene(40, 720, 5, 0);
     scene.settings.imaging.black = black;
@@ -120,7 +120,7 @@ TEST(Black, MayBeAnyLevelOfTheCamera) {
   }
 }
 
-TEST(LoneCircle, LeadsToTheOneUnderLightThatComesOnTop) {
+TEST(LoneCircle, IsPairedWithACircleUnderGlare) {
   int found = 0;
   for (const double strength : {0.2, 0.3, 0.4}) {
     Scene scene(8, 720, 7, 0.35);
@@ -136,9 +136,9 @@ TEST(LoneCircle, LeadsToTheOneUnderLightThatComesOnTop) {
   EXPECT_EQ(found, 24);
 }
 
-// The light of the fit that was taken is what circle and white are held against, not the light of
-// the one that was tried last.
-TEST(LightEdges, AreJudgedByTheFitThatWasTaken) {
+// Contrasts must be computed with the light of the accepted fit, not with that of the last one
+// tried.
+TEST(LightEdges, AreEvaluatedWithTheAcceptedFit) {
   struct Case {
     sim::PaintedRobot robot;
     double x, y, angle;  // of the stripes
@@ -163,7 +163,7 @@ TEST(LightEdges, AreJudgedByTheFitThatWasTaken) {
   }
 }
 
-TEST(CapCheck, IsSureInTheDark) {
+TEST(CapCheck, IsReliableInDimLight) {
   const Scene scene(0, 720, 3, 0);
   const optics::GreyImage image = scene.paint();
   const optics::CameraModel model(scene.settings.camera);
@@ -180,7 +180,8 @@ TEST(CapCheck, IsSureInTheDark) {
     }
   }
   ASSERT_GT(count, 300);
-  // 0.05 makes a cap: three standard deviations. Of so many their own error is 4 %.
+  // The threshold of 0.05 must be three standard deviations; the estimate itself has an error of 4
+  // %.
   EXPECT_LT(std::sqrt(squares / count), 0.05 / 3 * 1.12);
 }
 
