@@ -2,16 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 
 #include "analyzer/curves/statistics.hpp"
 #include "analyzer/laws/numerics.hpp"
+#include "common/math/units.hpp"
 
 namespace lab::analysis {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+using units::kNan;
+
 constexpr double kBlocksPerLag = 5;
 constexpr std::size_t kEnoughBlocks = 12;
 constexpr double kTrustedBlocks = 180;  // lags beyond track / 180 need more than blocks

@@ -1,12 +1,12 @@
 #pragma once
 
-#include <limits>
 #include <vector>
 
 #include "analyzer/bootstrap/curve_covariance.hpp"
 #include "analyzer/curves/estimates.hpp"
 #include "analyzer/curves/msd_accumulator.hpp"
 #include "analyzer/laws.hpp"
+#include "common/math/units.hpp"
 
 namespace lab::analysis {
 
@@ -40,7 +40,7 @@ struct CurveOptions {
   const SimulatedCurves* films = nullptr;
   /// m^2: 4 sigma^2 of the tracker as a fit of the law has it, and its error. Taken out where the
   /// film has no headings that would tell it; nan: not known, and then nothing is judged.
-  double offset = std::numeric_limits<double>::quiet_NaN();
+  double offset = units::kNan;
   double offset_sigma = 0;
 };
 

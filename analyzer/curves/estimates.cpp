@@ -2,17 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include "analyzer/curves/lags.hpp"
 #include "analyzer/curves/statistics.hpp"
 #include "analyzer/laws/numerics.hpp"
+#include "common/math/units.hpp"
 
 namespace lab::analysis {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+using units::kNan;
+
 constexpr double kBlocksPerReach = 5;  // how much longer than its lags a block must be
 constexpr double kFilmsPerSlope = 20;  // how much longer than the slope's lags a film must be
 constexpr double kManyBlocks = 1e9;

@@ -2,13 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+
+#include "common/math/units.hpp"
 
 namespace lab::analysis {
 namespace {
 
 constexpr int kSearch = 8;  // slots
-constexpr double kLost = std::numeric_limits<double>::quiet_NaN();
+constexpr double kLost = units::kNan;
 
 }  // namespace
 

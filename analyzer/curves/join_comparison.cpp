@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+
+#include "common/math/units.hpp"
 
 namespace lab::analysis {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+using units::kNan;
+
 constexpr double kLongest = 20;     // s
 constexpr double kBlockInLags = 5;  // of the longest lag
 constexpr std::size_t kLeastBlocks = 8;

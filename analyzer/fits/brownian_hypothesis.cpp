@@ -5,16 +5,17 @@
 #include <cmath>
 #include <cstdarg>
 #include <cstdio>
-#include <limits>
 
 #include "analyzer/bootstrap/kurtosis_bootstrap.hpp"
-#include "analyzer/bp_kurtosis.hpp"
 #include "analyzer/curves/estimates.hpp"
+#include "analyzer/laws/bp_kurtosis.hpp"
+#include "common/math/units.hpp"
 
 namespace lab::analysis {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+using units::kNan;
+
 constexpr double kShare = 1.0 / 40;  // of the film, that the longest lag may be
 constexpr int kFirstHolds = 2;       // the shortest lag
 constexpr int kIsotropicHolds = 10;  // below, even an isotropic robot's draws are not Gaussian

@@ -4,14 +4,15 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <limits>
 
 #include "analyzer/curves/statistics.hpp"
+#include "common/math/units.hpp"
 
 namespace lab::analysis {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+using units::kNan;
+
 constexpr double kFewestDraws = 100;  // draws of the noise, or tumbles, for a fit
 constexpr double kFurthest = 1.6;     // factor e^1.6 = 5 off the program: not its motion
 constexpr double kLeastPivot = 1e-9;  // of the correlation matrix

@@ -3,17 +3,18 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "analyzer/curves/estimates.hpp"
 #include "analyzer/curves/statistics.hpp"
 #include "analyzer/fits/fit_plan.hpp"
 #include "analyzer/laws/numerics.hpp"
+#include "common/math/units.hpp"
 
 namespace lab::analysis {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+using units::kNan;
+
 constexpr double kFilmsPerLag = 36;    // longer lags are too skewed
 constexpr double kFilmsPerTrack = 3;   // of the longest lag simulated
 constexpr double kSimulatedLags = 12;  // the simulated film is so many of its longest lags

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <span>
 
+#include "analyzer/curves/statistics.hpp"
 #include "analyzer/runs/segmented_track.hpp"
 
 namespace lab::analysis {
@@ -29,9 +30,8 @@ double roughNoise(std::span<const TrackBin> bins) {
   if (squares.empty()) {
     return 0;
   }
-  const auto middle = squares.begin() + static_cast<std::ptrdiff_t>(squares.size() / 2);
-  std::nth_element(squares.begin(), middle, squares.end());
-  return std::sqrt(*middle / (2 * std::numbers::ln2));  // the median of two squares' sum
+  // The sum of two squares of normal deviates has the median 2 ln 2.
+  return std::sqrt(medianOf(squares) / (2 * std::numbers::ln2));
 }
 
 }  // namespace

@@ -2,13 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
+
+#include "analyzer/curves/statistics.hpp"
+#include "common/math/units.hpp"
 
 namespace lab::analysis::cut {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+using units::kNan;
+
 constexpr double kStepErrors = 7;       // below which a step is none
 constexpr double kStraddle = 0.05;      // of a bin's way: what averaging over an edge leaves
 constexpr std::size_t kEnoughBins = 7;  // to do without two
@@ -87,12 +90,10 @@ Measured ScaleSums::tumble() const {
   if (tumbles.empty()) {
     return {kNan, kNan, kNan, 0};
   }
-  std::vector<double> sorted = tumbles;
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-  std::nth_element(sorted.begin(), middle, sorted.end());
-  const double median = *middle;
+  std::vector<double> durations = tumbles;
+  const double median = medianOf(durations);
   Mean mean;
-  for (const double duration : sorted) {
+  for (const double duration : durations) {
     if (std::abs(duration / median - 1) < kTumbleScatter) {
       mean.add(duration);
     }

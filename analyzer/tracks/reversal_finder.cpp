@@ -5,13 +5,16 @@
 #include <numbers>
 #include <optional>
 
+#include "analyzer/curves/statistics.hpp"
 #include "analyzer/laws/numerics.hpp"
 #include "analyzer/tracks/flip_filter.hpp"
+#include "common/math/units.hpp"
 
 namespace lab::analysis {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+using units::kNan;
+
 constexpr double kSpeedTolerance = 0.1;  // share: calibration of wheels and camera
 constexpr double kLeastSpeed = 0.01;     // m/s, of an estimated speed
 constexpr double kSureTime = 2.0;        // s of straight even motion that show a speed
@@ -25,12 +28,7 @@ constexpr double kDistanceMargin = 1.1;  // timers and wheels are not exact
 constexpr double kHeldEdge = 0.04;       // s: what is held may be another speed sooner or later
 constexpr double kMadToSigma = 1.4826;
 
-double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
+double medianOrZero(std::vector<double> values) { return values.empty() ? 0 : medianOf(values); }
 
 /// Even motion along a straight line.
 struct Line {
@@ -110,7 +108,7 @@ class Finder {
         sideways.push_back(std::abs(b.x - 2 * a.x + c.x) / std::sqrt(6.0));
       }
     }
-    found_.sigma = std::max(kLeastSigma, kMadToSigma * median(std::move(sideways)));
+    found_.sigma = std::max(kLeastSigma, kMadToSigma * medianOrZero(std::move(sideways)));
   }
 
   [[nodiscard]] Line fit(std::size_t begin, std::size_t end) const {
@@ -209,7 +207,7 @@ class Finder {
     for (const Stretch& one : stretches) {
       if (timeOf(one) > longest / 2) speeds.push_back(fit(one.begin, one.end).speed());
     }
-    return speeds.empty() ? kNan : median(speeds);
+    return speeds.empty() ? kNan : medianOf(speeds);
   }
 
   [[nodiscard]] double framePeriod() const {
@@ -391,7 +389,7 @@ double headingNoise(const std::vector<TrackPoint>& track) {
     scatter.push_back(
         std::abs(wrapped(track[i].theta - 2 * track[i - 1].theta + track[i - 2].theta)));
   }
-  return kMadToSigma * median(std::move(scatter)) / std::sqrt(6);  // 1 + 4 + 1 variances
+  return kMadToSigma * medianOrZero(std::move(scatter)) / std::sqrt(6);  // 1 + 4 + 1 variances
 }
 
 TrackFindings examineTrack(std::vector<TrackPoint>& track, const ReversalSearch& search) {

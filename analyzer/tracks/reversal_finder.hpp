@@ -1,20 +1,20 @@
 #pragma once
 
 #include <cstddef>
-#include <limits>
 #include <utility>
 #include <vector>
 
 #include "analyzer/laws.hpp"
 #include "analyzer/tracks/track_stitcher.hpp"
+#include "common/math/units.hpp"
 
 namespace lab::analysis {
 
 /// What a reversal looks like. SI units.
 struct ReversalSearch {
-  bool wanted = true;  ///< False: headings are mended, and nothing is searched for.
-  double speed = std::numeric_limits<double>::quiet_NaN();  ///< m/s; nan: taken from the track.
-  double max_distance = 0.4;                                ///< m
+  bool wanted = true;          ///< False: headings are mended, and nothing is searched for.
+  double speed = units::kNan;  ///< m/s; nan: taken from the track.
+  double max_distance = 0.4;   ///< m
   double least_time = 0.4;     ///< Shorter ones are not told from free motion, s.
   double sense_distance = 0;   ///< See senseDistance(); 0: head and tail are alike.
   bool one_way = false;        ///< The program never drives backward: only reversals do.

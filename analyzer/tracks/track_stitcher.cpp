@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "analyzer/laws/numerics.hpp"
+#include "common/math/units.hpp"
 
 namespace lab::analysis {
 namespace {
@@ -418,7 +419,7 @@ void TrackStitcher::append(TrackPoint point, const Context& context, double gap,
     sample_.theta += wrapped(point.theta - last_->theta);
   }
   if (!config_.headings) {
-    sample_.theta = std::numeric_limits<double>::quiet_NaN();
+    sample_.theta = units::kNan;
     ++sample_.angular_segment;
   }
   cut_ = false;

@@ -2,12 +2,12 @@
 
 #include <cstdint>
 #include <deque>
-#include <limits>
 #include <optional>
 #include <utility>
 #include <vector>
 
 #include "analyzer/tracks/flip_filter.hpp"
+#include "common/math/units.hpp"
 
 namespace lab::analysis {
 
@@ -35,8 +35,8 @@ struct RobotTelemetry {
   double reversal_end = 0;          ///< Of the last reversal, s; ignored while reversing.
   /// How far the last reversal went, m, where a camera has measured it (ReversalFinder); nan: the
   /// free motion around it is bridged at the held wheel speeds.
-  double reversal_dx = std::numeric_limits<double>::quiet_NaN();
-  double reversal_dy = std::numeric_limits<double>::quiet_NaN();
+  double reversal_dx = units::kNan;
+  double reversal_dy = units::kNan;
   bool reversing = false;
   double v_l = 0;                 ///< The program's held wheel speeds, also while
   double v_r = 0;                 ///< reversing, m/s.
@@ -101,13 +101,13 @@ struct Piece {
   std::int64_t frames = 0;
   PieceEnd reason = PieceEnd::kEnd;
   /// Of the reversal that ended it, where it was joined; else nan.
-  double reversal_start = std::numeric_limits<double>::quiet_NaN();  ///< s.
-  double reversal_end = std::numeric_limits<double>::quiet_NaN();    ///< s.
-  double dx = std::numeric_limits<double>::quiet_NaN();              ///< Taken out of the track, m.
-  double dy = std::numeric_limits<double>::quiet_NaN();              ///< m.
+  double reversal_start = units::kNan;  ///< s.
+  double reversal_end = units::kNan;    ///< s.
+  double dx = units::kNan;              ///< Taken out of the track, m.
+  double dy = units::kNan;              ///< m.
   /// What the heading turned between the frames around it, rad. It stays in the track: the robot
   /// keeps its heading while it reverses, and free motion up to the frames turned it.
-  double rotation = std::numeric_limits<double>::quiet_NaN();
+  double rotation = units::kNan;
 };
 
 /// What happened to the frames, over all programs.

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <string>
 
-#include "analyzer/phased_noise.hpp"
+#include "analyzer/laws/phased_noise.hpp"
 #include "tests/support/reference_table.hpp"
 
 namespace lab::analysis::laws_test {

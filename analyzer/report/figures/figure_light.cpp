@@ -165,17 +165,18 @@ FigureScript lightAndPrograms(const RunRecord& record) {
       as_strips ? strips(record, axis, script.script) : counts(record, axis, script.script);
   const int strip_height =
       as_strips ? std::clamp(static_cast<int>(record.robots.size()) * 16, 40, 340) : 260;
-  const int height = 340 + strip_height;
+  const int height = 300 + strip_height;
   const auto screen = [height](int pixels_from_bottom) {
     return static_cast<double>(pixels_from_bottom) / height;
   };
-  script.script += style::preamble(script.figure.name, 900, height, style::kPage_cm);
+  script.script += style::preamble(script.figure.name, 1080, height, style::kPage_cm);
   script.script += fmt::format(
-      "set multiplot\nset lmargin at screen 0.10\nset rmargin at screen 0.86\n"
+      "set multiplot\nset lmargin at screen (on_paper ? 0.10 : 0.075)\nset rmargin at screen "
+      "(on_paper ? 0.86 : 0.93)\n"
       "set xrange [0:{:.7g}]\nset yrange [-0.04:1.04]\nset ytics 0.25\n"
       "set tmargin at screen {:.4f}\nset bmargin at screen {:.4f}\n"
       "set format x ''\nset ylabel 'light' offset 0.5\nunset key\n",
-      duration / axis.scale, screen(height - 14), screen(160 + strip_height));
+      duration / axis.scale, screen(height - 14), screen(140 + strip_height));
   script.script += bands(record);
   script.script +=
       "plot $light using 1:2:3 with filledcurves fs solid 0.35 noborder lc rgb '#E69F00', "
@@ -185,7 +186,7 @@ FigureScript lightAndPrograms(const RunRecord& record) {
   script.script += fmt::format(
       "set tmargin at screen {:.4f}\nset bmargin at screen {:.4f}\nset xlabel 'time ({})'\n"
       "set key at screen 0.48,screen {:.4f} center top horizontal\n",
-      screen(80 + strip_height), screen(80), axis.unit, screen(134 + strip_height));
+      screen(80 + strip_height), screen(80), axis.unit, screen(124 + strip_height));
   if (programs.empty()) {
     script.script += "set yrange [0:1]\nunset ytics\nplot NaN notitle\n";
   } else if (as_strips) {

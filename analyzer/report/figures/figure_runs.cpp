@@ -3,8 +3,8 @@
 #include <numbers>
 
 #include "analyzer/report/figures/figure_files.hpp"
+#include "analyzer/report/figures/figure_scripts.hpp"
 #include "analyzer/report/figures/gnuplot.hpp"
-#include "analyzer/report/sections/run_section.hpp"
 #include "common/text/format.hpp"
 
 namespace lab::report {

@@ -23,8 +23,14 @@ struct FigureScript {
 [[nodiscard]] FigureScript trajectoryByProgram(const RunRecord& record);
 [[nodiscard]] FigureScript lightAndPrograms(const RunRecord& record);
 [[nodiscard]] FigureScript speedTraces(const RunRecord& record);
+/// The MSD of all programs in one picture, each with its exact law.
+[[nodiscard]] FigureScript msdOverview(const std::vector<Finding>& findings);
 [[nodiscard]] FigureScript msdFigure(const Finding& finding);
 [[nodiscard]] FigureScript angularMsdFigure(const Finding& finding);
+/// The distribution of run times, with a logarithmic density axis. The finding must have runs.
+[[nodiscard]] FigureScript runTimesFigure(const Finding& finding);
+/// The histogram of tumble angles. The finding must have runs.
+[[nodiscard]] FigureScript turnsFigure(const Finding& finding);
 
 namespace style {
 

@@ -50,6 +50,17 @@ void latencyRow(Table& table, const char* name, const Percentiles& percentiles) 
              milliseconds(percentiles.max)});
 }
 
+/// A figure with its caption, or the sentence in its place.
+std::string figureHtml(const Figure& figure) {
+  if (figure.svg.empty()) {
+    return fmt::format("<p class=\"soft\">{}</p>\n", escapeHtml(figure.sentence));
+  }
+  // Ids within the page must differ: file names of figures do.
+  return fmt::format("<figure>{}<figcaption><b>{}.</b> {}</figcaption></figure>\n",
+                     inlineSvg(figure.svg, figure.name + "_"), escapeHtml(figure.title),
+                     escapeHtml(figure.caption));
+}
+
 }  // namespace
 
 Table::Table(const std::vector<std::string>& columns) {
@@ -105,28 +116,35 @@ std::string warnings(const RunRecord& record) {
   return html.empty() ? html : "<div class=\"warn\">\n" + html + "</div>\n";
 }
 
-std::string figureSection(const std::vector<Figure>& figures) {
-  std::string html =
-      "<h2>Figures</h2>\n<p>In the curves, points are measured and bars are one standard error. "
-      "The "
-      "solid line is the exact law of what the robot executes, with the tracker’s noise; dashed is "
-      "the paper’s formula. Below each, deviations from the exact law in standard errors: a "
-      "measured "
-      "point beyond 4 is a disagreement. Neighbouring lags share their data and wander together. "
-      "Hollow points are not judged: too few independent windows, or selected by the light.</p>\n"
-      "<div class=\"figures\">\n";
+std::string openingFigures(const std::vector<Figure>& figures,
+                           const std::vector<std::string>& names) {
+  std::string html;
   std::string sentences;
-  int number = 0;
-  for (const Figure& figure : figures) {
-    if (figure.svg.empty()) {
-      sentences += fmt::format("<p class=\"soft\">{}</p>\n", escapeHtml(figure.sentence));
-      continue;
-    }
-    html += fmt::format("<figure>{}<figcaption><b>{}.</b> {}</figcaption></figure>\n",
-                        inlineSvg(figure.svg, fmt::format("f{}_", ++number)),
-                        escapeHtml(figure.title), escapeHtml(figure.caption));
+  for (const std::string& name : names) {
+    const auto found = std::find_if(figures.begin(), figures.end(),
+                                    [&](const Figure& figure) { return figure.name == name; });
+    if (found == figures.end()) continue;
+    (found->svg.empty() ? sentences : html) += figureHtml(*found);
   }
-  return html + "</div>\n" + sentences;
+  return (html.empty() ? html : "<div class=\"opening\">\n" + html + "</div>\n") + sentences;
+}
+
+std::string otherFigures(const std::vector<Figure>& figures,
+                         const std::vector<std::string>& opening) {
+  std::string html;
+  std::string sentences;
+  for (const Figure& figure : figures) {
+    if (std::find(opening.begin(), opening.end(), figure.name) != opening.end()) continue;
+    (figure.svg.empty() ? sentences : html) += figureHtml(figure);
+  }
+  if (html.empty() && sentences.empty()) return {};
+  return "<h2>More figures</h2>\n<p>In the curves, points are measured and bars are one standard "
+         "error. The solid line is the exact law of the program, with the tracker’s noise; the "
+         "dashed line is the paper’s formula. Below each curve are the deviations from the exact "
+         "law in standard errors: a measured point beyond 4 is a disagreement. Neighbouring lags "
+         "share their data and are correlated. Hollow points are not judged: they have too few "
+         "independent windows, or the light selects them.</p>\n<div class=\"figures\">\n" +
+         html + "</div>\n" + sentences;
 }
 
 std::string lightSteps(const RunRecord& record) {
@@ -218,6 +236,27 @@ std::string losses(const RunRecord& record) {
     html += heard.text();
   }
   return html;
+}
+
+std::string links(const RunRecord& record) {
+  if (record.links.empty()) return {};
+  const auto inMilliseconds = [](double seconds) {
+    return std::isfinite(seconds) ? fmt::format("{:.2f}", seconds * 1e3) : std::string("–");
+  };
+  Table table({"host", "other host", ">messages", ">lost", ">came twice", ">too late", ">not taken",
+               ">interruptions", ">its clock (ms)", ">round trip (ms)", ""});
+  for (const LinkRecord& link : record.links) {
+    table.row({escapeHtml(link.host), escapeHtml(link.peer), groupedText(link.received),
+               groupedText(link.lost), groupedText(link.repeated), groupedText(link.stale),
+               groupedText(link.timeouts), std::to_string(link.interruptions),
+               inMilliseconds(link.lowest_offset) + " to " + inMilliseconds(link.highest_offset),
+               inMilliseconds(link.round_trip), escapeHtml(link.trouble)});
+  }
+  return "<h2>Between hosts</h2>\n" + table.text() +
+         "<p class=\"soft\">Of the messages that the other host sent here: came twice ones were "
+         "dropped, as were commands that came too late. Not taken: what DDS could not send in "
+         "time, "
+         "to any host. Its clock: ahead of this host’s, over the run.</p>\n";
 }
 
 std::string poseSource(const RunRecord& record) {

@@ -13,10 +13,13 @@ namespace lab::report::html {
 /// What the reader must know before anything else: faults, marks, a run cut short. Empty: nothing.
 [[nodiscard]] std::string warnings(const RunRecord& record);
 
-/// Measured values, their intervals, what was programmed, and how.
-[[nodiscard]] std::string estimateTable(const std::vector<analysis::Estimate>& estimates);
-[[nodiscard]] std::string verdicts(const std::vector<Finding>& findings);
-[[nodiscard]] std::string figureSection(const std::vector<Figure>& figures);
+/// The figures that open the page, by the names of their files; those that are missing are left
+/// out.
+[[nodiscard]] std::string openingFigures(const std::vector<Figure>& figures,
+                                         const std::vector<std::string>& names);
+/// All figures but those that open the page.
+[[nodiscard]] std::string otherFigures(const std::vector<Figure>& figures,
+                                       const std::vector<std::string>& opening);
 [[nodiscard]] std::string lightSteps(const RunRecord& record);
 [[nodiscard]] std::string robots(const RunRecord& record);
 [[nodiscard]] std::string losses(const RunRecord& record);

@@ -8,6 +8,7 @@
 #include <limits>
 #include <utility>
 
+#include "analyzer/curves/statistics.hpp"
 #include "analyzer/report_error.hpp"
 
 namespace lab::report {
@@ -119,9 +120,7 @@ class Collector {
     }
     if (periods.empty()) return;
     std::vector<double> sorted = periods;
-    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-    std::nth_element(sorted.begin(), middle, sorted.end());
-    file_.frame_period = *middle;
+    file_.frame_period = analysis::medianOf(sorted);
     constexpr double kShortest = 0.9e-6;  // a utime knows no less than a microsecond
     if (file_.frame_period < kShortest) {
       fail(1, fmt::format("{}: found {} s from frame to frame, expected 1e-6 s or more{}",

@@ -3,11 +3,12 @@
 
 #include <cstdint>
 #include <lab/link_status_t.hpp>
-#include <limits>
 #include <map>
 #include <string>
 #include <utility>
 #include <vector>
+
+#include "common/math/units.hpp"
 
 namespace lab::report {
 
@@ -18,14 +19,14 @@ struct LinkRecord {
   std::int64_t received = 0;
   std::int64_t lost = 0;
   std::int64_t repeated = 0;
-  std::int64_t stale = 0;     ///< commands that came too late
-  std::int64_t clashing = 0;  ///< of a sender that another host brings
-  std::int64_t timeouts = 0;  ///< that DDS could not take, to any host
-  int interruptions = 0;      ///< how often it was joined and then was not
-  double lowest_offset = std::numeric_limits<double>::quiet_NaN();   ///< [s] its clock minus ours
-  double highest_offset = std::numeric_limits<double>::quiet_NaN();  ///< [s]
-  double round_trip = std::numeric_limits<double>::quiet_NaN();      ///< [s] as said last
-  std::string trouble;                                               ///< as said last that was any
+  std::int64_t stale = 0;               ///< commands that came too late
+  std::int64_t clashing = 0;            ///< of a sender that another host brings
+  std::int64_t timeouts = 0;            ///< that DDS could not take, to any host
+  int interruptions = 0;                ///< how often it was joined and then was not
+  double lowest_offset = units::kNan;   ///< [s] its clock minus ours
+  double highest_offset = units::kNan;  ///< [s]
+  double round_trip = units::kNan;      ///< [s] as said last
+  std::string trouble;                  ///< as said last that was any
 };
 
 /// Collects LINK_STATUS.

@@ -6,6 +6,7 @@
 
 #include "analyzer/report/figures/figure_files.hpp"
 #include "analyzer/report/figures/gnuplot.hpp"
+#include "analyzer/report/reproduction/reproduction_paths.hpp"
 #include "common/math/units.hpp"
 #include "common/text/format.hpp"
 

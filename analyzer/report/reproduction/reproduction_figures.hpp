@@ -13,22 +13,4 @@ namespace lab::report {
 [[nodiscard]] std::vector<FigureScript> panelFigures(const std::vector<PaperPanel>& panels,
                                                      const Reproduction& reproduction);
 
-namespace panels {
-
-/// Size of every panel [px].
-inline constexpr int kWidth = 480;
-inline constexpr int kHeight = 460;
-
-/// One series of a panel: colour and symbol tell it apart, each by itself.
-struct SeriesStyle {
-  std::string_view colour;
-  int symbol;       ///< gnuplot's, filled
-  int open_symbol;  ///< the same, hollow
-};
-[[nodiscard]] SeriesStyle look(std::size_t series, std::size_t of);
-
-[[nodiscard]] FigureScript trajectory(const PaperPanel& panel, const SetData& set);
-[[nodiscard]] FigureScript runsAndTumbles(const PaperPanel& panel, const SetData& set);
-
-}  // namespace panels
 }  // namespace lab::report

@@ -1,11 +1,11 @@
-// Panels that show one film: its track, its speed.
+#include "analyzer/report/reproduction/reproduction_paths.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "analyzer/report/figures/figure_files.hpp"
 #include "analyzer/report/figures/gnuplot.hpp"
-#include "analyzer/report/reproduction/reproduction_figures.hpp"
 #include "common/text/format.hpp"
 
 namespace lab::report::panels {

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "analyzer/report/html/html_sections.hpp"
+#include "analyzer/report/html/html_verdicts.hpp"
 #include "common/text/format.hpp"
 #include "common/text/json_number.hpp"
 

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "analyzer/report/html/html_sections.hpp"
+#include "common/calibration/light_margins.hpp"
 #include "common/math/units.hpp"
 #include "common/text/format.hpp"
 
@@ -12,20 +13,6 @@ namespace lab::report {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-calibration::LightFit toFit(const LightCalibration& calibration) {
-  calibration::LightFit fit;
-  fit.gamma = calibration.gamma;
-  fit.vignetting = calibration.vignetting;
-  fit.scale = calibration.scale;
-  fit.ambient = calibration.ambient;
-  fit.residual = calibration.residual;
-  for (const auto& [robot, gains] : calibration.gains) {
-    fit.gains[{robot, true}] = gains.front;
-    fit.gains[{robot, false}] = gains.back;
-  }
-  return fit;
-}
 
 double centimetres(double metres) { return metres / units::kCentimetre; }
 
@@ -51,16 +38,6 @@ std::string placeTable(const calibration::BandMargin& band, const LightBand& lim
 }
 
 }  // namespace
-
-std::vector<calibration::BandMargin> lightMargins(const LightCalibration& calibration,
-                                                  const Experiment& experiment) {
-  std::vector<calibration::BandLimits> bands;
-  for (const LightBand& band : experiment.light_table.bands) {
-    bands.push_back({band.program, band.low, band.high});
-  }
-  return calibration::bandMargins(toFit(calibration), bands, experiment.arena_width,
-                                  experiment.arena_height);
-}
 
 std::string html::lightBands(const RunRecord& record) {
   if (!record.light_calibration || !record.experiment) return {};

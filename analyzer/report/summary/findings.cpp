@@ -36,8 +36,7 @@ std::string paperFormula(analysis::ProgramKind kind) {
   }
 }
 
-/// The estimate that says most about a model.
-std::string_view telling(analysis::ProgramKind kind) {
+std::string_view characteristicName(analysis::ProgramKind kind) {
   switch (kind) {
     case analysis::ProgramKind::kBp:
       return "D_t";
@@ -61,11 +60,11 @@ std::string uniqueFile(const std::vector<Finding>& before, const std::string& na
   return file;
 }
 
-std::string nameOf(const RunRecord& record, const program_t& program) {
-  for (const RunProgram& known : record.programs) {
-    if (sameProgram(known.program, program)) return known.name;
-  }
-  return modelName(program.kind);
+int keyOf(const RunRecord& record, const program_t& program) {
+  const auto known =
+      std::find_if(record.programs.begin(), record.programs.end(),
+                   [&](const RunProgram& one) { return sameProgram(one.program, program); });
+  return known == record.programs.end() ? -1 : static_cast<int>(known - record.programs.begin());
 }
 
 /// "D_r = 0.748 rad²/s (95 %: 0.736 to 0.760; programmed 0.75)"
@@ -105,7 +104,9 @@ std::vector<Finding> findingsOf(const RunRecord& record) {
   for (const analysis::FeedResult& result : record.results) {
     if (result.result.robot == analysis::kPool) {
       Finding finding;
-      finding.name = nameOf(record, result.program);
+      finding.key = keyOf(record, result.program);
+      finding.name = finding.key < 0 ? std::string(modelName(result.program.kind))
+                                     : record.programNameOf(finding.key);
       const bool none = result.result.law.kind == analysis::ProgramKind::kNone;
       finding.model = none ? "program not given" : modelName(result.program.kind);
       finding.file = uniqueFile(findings, finding.name);
@@ -188,6 +189,14 @@ std::vector<std::string> reservations(const ProgramResult& result) {
         fmt::format("{:.2g}", std::sqrt(noise) / 2 * kCm)));
   }
   return remarks;
+}
+
+const Estimate* characteristicEstimate(const ProgramResult& result) {
+  const auto found =
+      std::find_if(result.estimates.begin(), result.estimates.end(), [&](const Estimate& one) {
+        return one.name == characteristicName(result.law.kind) && std::isfinite(one.value);
+      });
+  return found == result.estimates.end() ? nullptr : &*found;
 }
 
 std::string paperComparison(const ProgramResult& result) {
@@ -280,11 +289,8 @@ std::vector<std::string> headlines(const RunRecord& record) {
       line += fmt::format(", at most {:.1f} standard errors over {}",
                           std::abs(result.verdict.max_z), countText(result.verdict.judged, "lag"));
     }
-    for (const Estimate& estimate : result.estimates) {
-      const bool tells = estimate.name == telling(result.law.kind);
-      if (selected || !tells || !std::isfinite(estimate.value)) continue;
-      line += "; " + estimateText(estimate);
-    }
+    const Estimate* estimate = selected ? nullptr : characteristicEstimate(result);
+    if (estimate != nullptr) line += "; " + estimateText(*estimate);
     lines.push_back(line);
   }
   const bool any = !findings.empty();

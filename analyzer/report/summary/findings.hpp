@@ -10,6 +10,7 @@ namespace lab::report {
 
 /// One program of the run.
 struct Finding {
+  int key = -1;       ///< index of the program in RunRecord::programs; -1: not one of them
   std::string name;   ///< of the program
   std::string model;  ///< "ABP"
   std::string file;   ///< word for names of files, different for each program
@@ -28,6 +29,11 @@ struct Finding {
 
 /// Reservations and remarks, a sentence each: contacts, reversals, selection, lost frames, noise.
 [[nodiscard]] std::vector<std::string> reservations(const analysis::ProgramResult& result);
+
+/// The estimate that characterises the model: D_t (BP), gamma (RTP), D_r (ABP), else v. nullptr if
+/// it was not estimated.
+[[nodiscard]] const analysis::Estimate* characteristicEstimate(
+    const analysis::ProgramResult& result);
 
 /// How far the paper's formula is from the exact law and from the measurement, or an empty text
 /// where it has none.

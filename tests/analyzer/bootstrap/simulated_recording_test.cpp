@@ -6,7 +6,7 @@
 #include <stdexcept>
 
 #include "analyzer/bootstrap/curve_covariance.hpp"
-#include "analyzer/observation.hpp"
+#include "analyzer/laws/observation.hpp"
 #include "tests/analyzer/paper_programs.hpp"
 #include "tests/analyzer/recording_ensemble.hpp"
 

@@ -4,15 +4,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <set>
 #include <vector>
 
+#include "common/math/units.hpp"
+
 namespace lab::analysis {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+using units::kNan;
 constexpr double kSpeed = 0.03;  // m/s
 
 /// A robot that drives straight along x at 3 cm/s, filmed at 50 frames/s, telemetry at 25 Hz.

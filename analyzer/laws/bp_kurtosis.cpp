@@ -1,4 +1,4 @@
-#include "analyzer/bp_kurtosis.hpp"
+#include "analyzer/laws/bp_kurtosis.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "analyzer/observation.hpp"
+#include "analyzer/laws/observation.hpp"
 
 #include <gtest/gtest.h>
 

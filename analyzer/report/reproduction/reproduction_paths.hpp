@@ -1,0 +1,25 @@
+/// Panels that show a single recording (its path, its speed), and what all panels share.
+#pragma once
+
+#include "analyzer/report/figures/figure_scripts.hpp"
+#include "analyzer/report/reproduction/reproduction_data.hpp"
+#include "analyzer/report/reproduction/reproduction_plan.hpp"
+
+namespace lab::report::panels {
+
+/// Size of every panel [px].
+inline constexpr int kWidth = 480;
+inline constexpr int kHeight = 460;
+
+/// Colour and symbol of one series of a panel. Each alone identifies the series.
+struct SeriesStyle {
+  std::string_view colour;
+  int symbol;       ///< gnuplot's, filled
+  int open_symbol;  ///< the same, hollow
+};
+[[nodiscard]] SeriesStyle seriesStyle(std::size_t series, std::size_t of);
+
+[[nodiscard]] FigureScript trajectory(const PaperPanel& panel, const SetData& set);
+[[nodiscard]] FigureScript runsAndTumbles(const PaperPanel& panel, const SetData& set);
+
+}  // namespace lab::report::panels
