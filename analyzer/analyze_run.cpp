@@ -123,9 +123,10 @@ AnalyzedRun analyzeRun(const fs::path& run_or_log, const fs::path& out_directory
 AnalyzedRun analyzePoses(const fs::path& file, const fs::path& out_directory,
                          const PoseFileOptions& poses, const PoseProgram& program,
                          const AnalyzeOptions& options) {
-  const PoseFile film = readPoses(file, poses);
-  return writeResults(poseRun(film, file.stem().string(), program, {options.depth, options.stitch}),
-                      out_directory, options.figures);
+  const PoseFile recording = readPoses(file, poses);
+  return writeResults(
+      poseRun(recording, file.stem().string(), program, {options.depth, options.stitch}),
+      out_directory, options.figures);
 }
 
 }  // namespace lab::report

@@ -24,7 +24,7 @@ struct WrittenReproduction {
 };
 
 /// Writes reproduction.html, estimates.csv and every panel as SVG, PDF and CSV into the folder, to
-/// the same bytes for the same films.
+/// the same bytes for the same recordings.
 /// @throws ReportError when gnuplot is missing or the folder cannot be written.
 [[nodiscard]] WrittenReproduction writeReproduction(const std::filesystem::path& out,
                                                     const std::vector<PaperPanel>& panels,

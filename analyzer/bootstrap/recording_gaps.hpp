@@ -1,5 +1,5 @@
-/// What a measured film lacks, so that simulated ones can lack it too: curves err together by which
-/// windows they are made of.
+/// What a measured recording lacks, so that simulated ones can lack it too: curves err together by
+/// which windows they are made of.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@
 
 namespace lab::analysis {
 
-/// How long the segments of a film are, which no window leaves: their numbers by length.
+/// How long the segments of a recording are, which no window leaves: their numbers by length.
 class SegmentLengths {
  public:
   void add(double frames);
@@ -54,14 +54,14 @@ struct RecordingGaps {
   [[nodiscard]] double covered(double lag) const { return cut ? segments.covered(lag) : 1; }
 };
 
-/// What there is of a simulated film: for each frame the stretch in which it lies, which windows do
-/// not leave. -1: the frame is missing.
+/// What there is of a simulated recording: for each frame the stretch in which it lies, which
+/// windows do not leave. -1: the frame is missing.
 struct RecordingStretches {
   std::vector<int> of_places;
   std::vector<int> of_headings;  ///< Across longer gaps a heading is ambiguous.
 };
 
-/// @param frame_period of the measured film, s
+/// @param frame_period of the measured recording, s
 /// @param period of the simulated one, s, with so many frames
 [[nodiscard]] RecordingStretches drawStretches(const RecordingGaps& gaps, double frame_period,
                                                double period, std::size_t frames,

@@ -8,7 +8,8 @@
 
 namespace lab::analysis {
 
-/// xoshiro256++ seeded by SplitMix64 (Blackman and Vigna 2019): the generator of simulated films.
+/// xoshiro256++ seeded by SplitMix64 (Blackman and Vigna 2019): the generator of simulated
+/// recordings.
 class Random {
  public:
   explicit Random(std::uint64_t seed);
@@ -23,7 +24,8 @@ class Random {
   std::array<std::uint64_t, 4> state_{};
 };
 
-/// What a film shows: the free process of a program (see ExactLaw) without walls, seen by a camera.
+/// What a recording shows: the free process of a program (see ExactLaw) without walls, seen by a
+/// camera.
 struct RecordingPlan {
   ProgramLaw law;          ///< Must have a law.
   double duration = 0;     ///< s.
@@ -35,15 +37,15 @@ struct RecordingPlan {
   double exposure = 0;
 };
 
-/// The poses of a film, one a frame; headings unwrapped. SI units.
+/// The poses of a recording, one a frame; headings unwrapped. SI units.
 struct RecordingPoses {
   std::vector<double> x;
   std::vector<double> y;
   std::vector<double> theta;
 };
 
-/// The frames of a film: exact arcs from event to event, stationary from the first frame on, the
-/// observation phase uniformly random. The same plan and seed give the same bits. Throws
+/// The frames of a recording: exact arcs from event to event, stationary from the first frame on,
+/// the observation phase uniformly random. The same plan and seed give the same bits. Throws
 /// std::invalid_argument for a program without a law, or a duration or period that is not positive.
 void simulateRecording(const RecordingPlan& plan, std::uint64_t seed, RecordingPoses& poses);
 

@@ -21,8 +21,8 @@ struct LagSums {
   LagSums& operator-=(const LagSums& other);
 };
 
-/// Everything that one block of free time adds to the sums. The statistics of a film are the sums
-/// over its blocks; their scatter gives the error bars.
+/// Everything that one block of free time adds to the sums. The statistics of a recording are the
+/// sums over its blocks; their scatter gives the error bars.
 struct BlockSums {
   double time = 0;            ///< Observed free time, s.
   std::vector<LagSums> lags;  ///< One a lag of the grid.
@@ -61,7 +61,7 @@ struct BlockData {
   [[nodiscard]] double lagTime(std::size_t i, const BlockSums& total) const;
 };
 
-/// What these films lack.
+/// What these recordings lack.
 /// @param total data.total()
 [[nodiscard]] RecordingGaps gapsOf(const BlockData& data, const BlockSums& total);
 

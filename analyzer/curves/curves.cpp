@@ -15,9 +15,9 @@ using units::kNan;
 
 constexpr double kBlocksPerLag = 5;
 constexpr std::size_t kEnoughBlocks = 12;
-constexpr double kTrustedBlocks = 180;  // lags beyond track / 180 need more than blocks
-constexpr double kFilmsPerLag = 20;     // lags beyond film / 20 are too skewed to judge
-constexpr double kMinDraws = 100;       // draws or tumbles for any verdict
+constexpr double kTrustedBlocks = 180;    // lags beyond track / 180 need more than blocks
+constexpr double kRecordingsPerLag = 20;  // lags beyond recording / 20 are too skewed to judge
+constexpr double kMinDraws = 100;         // draws or tumbles for any verdict
 constexpr double kLimitZ = 4;
 constexpr int kMinJudged = 5;
 constexpr double kManyBlocks = 1e9;
@@ -139,7 +139,7 @@ double drawsSeen(const ProgramLaw& law, double observed) {
 double modelMsdError(const ExactLaw& law, double tau, double observed) {
   const ProgramLaw& p = law.program();
   if (p.kind == ProgramKind::kRtp) {
-    // The share of run time in the film scatters too.
+    // The share of run time in the recording scatters too.
     const double cycle = 1 / p.gamma + p.tau_t;
     return std::sqrt((2 * tau / 3 + p.tau_t * p.tau_t / cycle) / observed);
   }
@@ -180,9 +180,9 @@ Curves curves(const ProgramLaw& law, const BlockData& data, const CurveOptions& 
   const auto tracks = static_cast<double>(data.tracks.size());
   const double segments = std::max(tracks, total.segments);
   const RecordingGaps gaps = gapsOf(data, total);
-  const auto film_error = [&](bool angular, double tau) {
-    return options.films != nullptr && kTrustedBlocks * tau > observed / tracks
-               ? relativeError(*options.films, angular, tau, observed, segments)
+  const auto recording_error = [&](bool angular, double tau) {
+    return options.recordings != nullptr && kTrustedBlocks * tau > observed / tracks
+               ? relativeError(*options.recordings, angular, tau, observed, segments)
                : kNan;
   };
 
@@ -207,7 +207,7 @@ Curves curves(const ProgramLaw& law, const BlockData& data, const CurveOptions& 
       const double seen = std::max(covered * observed, tau);
       const double model = expected * (angular ? modelAngularError(exact, tau, seen)
                                                : modelMsdError(exact, tau, seen));
-      const double simulated = film_error(angular, tau);
+      const double simulated = recording_error(angular, tau);
       p.noise = p.value - means[2 * n + column];
       if (std::isfinite(simulated)) {
         error.raw = simulated * (expected + p.noise);
@@ -230,7 +230,7 @@ Curves curves(const ProgramLaw& law, const BlockData& data, const CurveOptions& 
           error.freedom);
       p.selection_biased = options.unbiased_lag > 0 && tau > options.unbiased_lag;
       p.judged = enough_draws && noise_known && !p.selection_biased && std::isfinite(p.z) &&
-                 covered >= kLeastCovered && kFilmsPerLag * tau <= covered * observed;
+                 covered >= kLeastCovered && kRecordingsPerLag * tau <= covered * observed;
       return p;
     };
     const CurvePoint msd_point = point(false);

@@ -35,16 +35,16 @@ struct CurveOptions {
   double systematic_floor = 0.002;  ///< Share of the law below which no deviation counts.
   double speed_tolerance = 0.05;    ///< Share by which the speed may be off as a calibration.
   double unbiased_lag = 0;          ///< Longer lags are selected by the outcome, s; 0: none is.
-  /// Films of the program, or none. With them the errors of lags beyond a 180th of a track, where
-  /// blocks are too short (they give up to 36 % too little), are those of the films.
-  const SimulatedCurves* films = nullptr;
+  /// Recordings of the program, or none. With them the errors of lags beyond a 180th of a track,
+  /// where blocks are too short (they give up to 36 % too little), are those of the recordings.
+  const SimulatedCurves* recordings = nullptr;
   /// m^2: 4 sigma^2 of the tracker as a fit of the law has it, and its error. Taken out where the
-  /// film has no headings that would tell it; nan: not known, and then nothing is judged.
+  /// recording has no headings that would tell it; nan: not known, and then nothing is judged.
   double offset = units::kNan;
   double offset_sigma = 0;
 };
 
-/// The relative standard error of the MSD over one film of length `observed` (s) that the law
+/// The relative standard error of the MSD over one recording of length `observed` (s) that the law
 /// itself predicts: sqrt(2 tau / 3T) in 2D, sqrt(4 tau / 3T) for motion along one axis, plus the
 /// scatter of the draws at short lags. Needed where blocks are too short or too few to tell.
 [[nodiscard]] double modelMsdError(const ExactLaw& law, double tau, double observed);
@@ -55,8 +55,8 @@ struct CurveOptions {
 /// law at the measured speed if that is within speed_tolerance of the programmed one, with the
 /// tracker's noise removed and the systematic floor added to the error. Where the law predicts its
 /// own error (everywhere but in the ABP's MSD) the error behind z is never below it, since blocks
-/// of a film that fluctuates low also scatter little; a deviation in terms of few blocks is turned
-/// into the normal deviate that is as improbable.
+/// of a recording that fluctuates low also scatter little; a deviation in terms of few blocks is
+/// turned into the normal deviate that is as improbable.
 [[nodiscard]] Curves curves(const ProgramLaw& law, const BlockData& data,
                             const CurveOptions& options);
 
@@ -72,8 +72,8 @@ struct Verdict {
 };
 
 /// The lags are strongly correlated, so that the sum of z^2 means nothing; the largest |z| does. It
-/// exceeds 3.2 in 1 % of films of the true law: agreement means below 4. Undecided with fewer than
-/// five judged lags.
+/// exceeds 3.2 in 1 % of recordings of the true law: agreement means below 4. Undecided with fewer
+/// than five judged lags.
 [[nodiscard]] Verdict judge(const Curves& curves);
 
 }  // namespace lab::analysis

@@ -15,7 +15,8 @@ namespace {
 using units::kNan;
 
 constexpr double kBlocksPerReach = 5;  // how much longer than its lags a block must be
-constexpr double kFilmsPerSlope = 20;  // how much longer than the slope's lags a film must be
+constexpr double kRecordingsPerSlope =
+    20;  // how much longer than the slope's lags a recording must be
 constexpr double kManyBlocks = 1e9;
 constexpr double kCorrectionShare = 0.1;  // of a correction counted as its own uncertainty
 
@@ -35,10 +36,10 @@ double persistenceTime(const ProgramLaw& law) {
   return kNan;
 }
 
-/// What the law itself says about the relative error of a quantity in a film of length T, for films
-/// too short to tell: draws are independent from hold to hold, and the difference of two lags has
-/// twice the error of the mean square of the draws (kurtosis of the uniform distribution 9/5, of
-/// the sum of two 2.4).
+/// What the law itself says about the relative error of a quantity in a recording of length T, for
+/// recordings too short to tell: draws are independent from hold to hold, and the difference of two
+/// lags has twice the error of the mean square of the draws (kurtosis of the uniform distribution
+/// 9/5, of the sum of two 2.4).
 double modelError(const ProgramLaw& law, Quantity quantity, double observed) {
   const double draws = law.epsilon > 0 ? observed / law.epsilon : kNan;
   switch (quantity) {
@@ -65,8 +66,8 @@ double modelError(const ProgramLaw& law, Quantity quantity, double observed) {
 }
 
 /// The 95 % interval: Student's t unless sigma does not come from the blocks' scatter
-/// (known_error). Positive quantities that are mean squares (scale) have relative errors: a film
-/// that fluctuates low also scatters less, which a symmetric interval would miss.
+/// (known_error). Positive quantities that are mean squares (scale) have relative errors: a
+/// recording that fluctuates low also scatters less, which a symmetric interval would miss.
 void setInterval(Estimate& estimate, double degrees_of_freedom, bool known_error, bool scale) {
   const double half =
       studentQuantile(known_error ? kManyBlocks : degrees_of_freedom) * estimate.sigma;
@@ -114,7 +115,7 @@ Estimator::Estimator(const ProgramLaw& law, const BlockData& data) : law_(law) {
   slope_begin_ = nearestLag(data.lags, 5 * persistence / data.frame_period);
   slope_end_ = nearestLag(data.lags, 10 * persistence / data.frame_period);
   const bool reached = lag_times_[slope_end_] > 8 * persistence && slope_end_ > slope_begin_;
-  const bool enough = kFilmsPerSlope * lag_times_[slope_end_] <= data.observed();
+  const bool enough = kRecordingsPerSlope * lag_times_[slope_end_] <= data.observed();
   slope_time_ = reached && enough ? lag_times_[slope_end_] - lag_times_[slope_begin_] : 0;
 }
 

@@ -25,10 +25,10 @@ struct JoinLag {
 /// Windows within pieces are those that met no wall, so that both sets differ even where every join
 /// is perfect: robots that drive straight, fast and toward the wall are in the windows that
 /// straddle a join. With p their share of the windows, whole - within = p (straddling - within),
-/// and in walled films of all four programs the MSD and the angular MSD of straddling windows, of
-/// up to a quarter of the mean piece, are between 0 and kSelection times those of the others. That
-/// much is not held against the joins; what a defect adds is the square of the misplaced length,
-/// which at short lags is many times the square of what is driven in the lag.
+/// and in walled recordings of all four programs the MSD and the angular MSD of straddling windows,
+/// of up to a quarter of the mean piece, are between 0 and kSelection times those of the others.
+/// That much is not held against the joins; what a defect adds is the square of the misplaced
+/// length, which at short lags is many times the square of what is driven in the lag.
 struct JoinComparison {
   std::int64_t joins = 0;
   double mean_piece = 0;   ///< Free time per piece, s.

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kFirstBlock = 0.25;  // s
 constexpr double kLongestStep = 0.3;  // s between frames that still counts as observed
-constexpr double kLongestGap = 2;     // s of one that is counted: the film goes on after it
+constexpr double kLongestGap = 2;     // s of one that is counted: the recording goes on after it
 constexpr double kSameTime = 1e-3;    // frame periods: a reversal may last a whole number of them
 constexpr int kFraction = 24;         // bits of a slot behind the point
 constexpr std::size_t kBegin = FrameHistory::kHistory;

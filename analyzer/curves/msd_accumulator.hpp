@@ -12,8 +12,8 @@
 
 namespace lab::analysis {
 
-/// MSD and angular MSD of one robot and program, online, in less than 50 kB however long the film
-/// and its lags are: a multi-tau scheme that leaves frames out and never averages them.
+/// MSD and angular MSD of one robot and program, online, in less than 50 kB however long the
+/// recording and its lags are: a multi-tau scheme that leaves frames out and never averages them.
 ///
 /// Overlapping windows; a window needs its two end frames and lies in one segment. Within a piece
 /// it joins frames that are exactly a lag apart. From 16 frames on only some windows count

@@ -1,6 +1,6 @@
 /// Which windows of a lag count: below 16 frames all, from there on one every (lag/16 to lag/8)
 /// frames, chosen by the golden ratio so that no program's clock can lock to the choice. Measured
-/// curves and those of simulated films go by the same choice, as curves err together by it.
+/// curves and those of simulated recordings go by the same choice, as curves err together by it.
 #pragma once
 
 #include <bit>

@@ -16,14 +16,14 @@ namespace {
 
 using units::kNan;
 
-constexpr double kShare = 1.0 / 40;  // of the film, that the longest lag may be
+constexpr double kShare = 1.0 / 40;  // of the recording, that the longest lag may be
 constexpr int kFirstHolds = 2;       // the shortest lag
 constexpr int kIsotropicHolds = 10;  // below, even an isotropic robot's draws are not Gaussian
 constexpr double kIsotropic = 2;
 constexpr double kRejects = 0.01;
-constexpr double kSmallestP = 1e-12;     // nobody knows the tails farther
-constexpr double kLongestFilm = 4096;    // s, of the simulated ones; beyond, errors are scaled
-constexpr double kLengthsPerOctave = 2;  // of simulated films: robots of one run share theirs
+constexpr double kSmallestP = 1e-12;        // nobody knows the tails farther
+constexpr double kLongestRecording = 4096;  // s, of the simulated ones; beyond, errors are scaled
+constexpr double kLengthsPerOctave = 2;  // of simulated recordings: robots of one run share theirs
 
 /// What the tracker's noise adds to the MSD, m^2; 0 where it cannot be told.
 double noiseOffset(const ProgramLaw& law, const BlockData& data) {
@@ -31,12 +31,12 @@ double noiseOffset(const ProgramLaw& law, const BlockData& data) {
   return offset > 0 ? offset : 0;
 }
 
-double filmLength(double observed) {
+double recordingLength(double observed) {
   const double octave = std::round(std::log2(observed) * kLengthsPerOctave) / kLengthsPerOctave;
-  return std::min(kLongestFilm, std::exp2(octave));
+  return std::min(kLongestRecording, std::exp2(octave));
 }
 
-/// The deviation of every lag and what a film of the hypothesis makes of the largest.
+/// The deviation of every lag and what a recording of the hypothesis makes of the largest.
 /// @param from the first lag that is asked
 KurtosisAnswer ask(const ProgramLaw& law, KurtosisHypothesis hypothesis, double observed,
                    const std::vector<int>& holds, std::size_t from,
@@ -46,16 +46,17 @@ KurtosisAnswer ask(const ProgramLaw& law, KurtosisHypothesis hypothesis, double 
   if (from >= lags.size()) return answer;
   const bool own = hypothesis == KurtosisHypothesis::kProgram;
   const std::vector<int> asked(holds.begin() + static_cast<std::ptrdiff_t>(from), holds.end());
-  const double length = filmLength(observed);
-  const KurtosisBootstrap& films = kurtosisBootstrap(law, hypothesis, asked, length);
+  const double length = recordingLength(observed);
+  const KurtosisBootstrap& recordings = kurtosisBootstrap(law, hypothesis, asked, length);
   const BpKurtosis exact(law.V, law.wheel_base, law.epsilon);
   double largest = 0;
   for (std::size_t i = from; i < lags.size(); ++i) {
     KurtosisPoint& lag = lags[i];
-    // Of the films' deviation from the expectation the part of a film of this length.
-    const double of_films = own ? exact.kurtosis(asked[i - from] * films.period) : kIsotropic;
-    const double bias = (films.mean[i - from] - of_films) * length / observed;
-    const double sigma = films.sigma[i - from] * std::sqrt(length / observed);
+    // Of the recordings' deviation from the expectation the part of a recording of this length.
+    const double of_recordings =
+        own ? exact.kurtosis(asked[i - from] * recordings.period) : kIsotropic;
+    const double bias = (recordings.mean[i - from] - of_recordings) * length / observed;
+    const double sigma = recordings.sigma[i - from] * std::sqrt(length / observed);
     const double z = (lag.kurtosis - (own ? lag.exact : kIsotropic) - bias) / sigma;
     if (own) lag.sigma = sigma;
     (own ? lag.z_exact : lag.z_isotropic) = z;
@@ -63,12 +64,14 @@ KurtosisAnswer ask(const ProgramLaw& law, KurtosisHypothesis hypothesis, double 
     largest = std::abs(z);
     answer.tau = lag.tau;
   }
-  const auto count = static_cast<double>(films.largest.size());
+  const auto count = static_cast<double>(recordings.largest.size());
   const auto above = static_cast<double>(
-      films.largest.end() - std::lower_bound(films.largest.begin(), films.largest.end(), largest));
+      recordings.largest.end() -
+      std::lower_bound(recordings.largest.begin(), recordings.largest.end(), largest));
   answer.p = (above + 1) / (count + 1);
   if (above == 0) {
-    // Beyond all films: as if the lags were independent and normal, which they are to one side.
+    // Beyond all recordings: as if the lags were independent and normal, which they are to one
+    // side.
     const double tail = static_cast<double>(asked.size()) * std::erfc(largest / std::sqrt(2.0));
     answer.p = std::max(kSmallestP, std::min(answer.p, tail));
   }
@@ -119,8 +122,8 @@ std::optional<BrownianTest> testBrownian(const ProgramLaw& law, const BlockData&
   const BpKurtosis exact(law.V, law.wheel_base, law.epsilon);
   const double offset = noiseOffset(law, data);
   const BlockSums total = data.total();
-  // Pools are longer than the films that are simulated for them.
-  const double longest = kShare * std::min(observed, filmLength(observed));
+  // Pools are longer than the recordings that are simulated for them.
+  const double longest = kShare * std::min(observed, recordingLength(observed));
   BrownianTest test;
   std::vector<int> holds;
   std::size_t isotropic_from = 0;

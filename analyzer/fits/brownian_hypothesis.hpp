@@ -11,10 +11,11 @@ namespace lab::analysis {
 
 /// One lag of the test; pure numbers but for tau.
 struct KurtosisPoint {
-  double tau = 0;          ///< s.
-  double kurtosis = 0;     ///< <r^4> / <r^2>^2 as measured; a short film's mean is a little lower.
-  double sigma = 0;        ///< Standard error under the programmed law, from simulated films.
-  double exact = 0;        ///< Expected of the programmed law as seen with the tracker's noise.
+  double tau = 0;  ///< s.
+  double kurtosis =
+      0;             ///< <r^4> / <r^2>^2 as measured; a short recording's mean is a little lower.
+  double sigma = 0;  ///< Standard error under the programmed law, from simulated recordings.
+  double exact = 0;  ///< Expected of the programmed law as seen with the tracker's noise.
   double z_isotropic = 0;  ///< Deviation from Brownian motion in the plane; nan: not asked.
   double z_exact = 0;      ///< Deviation from the programmed law, both in standard deviations.
 };
@@ -35,8 +36,8 @@ struct BrownianTest {
   std::string text;                 ///< The verdict in words.
 };
 
-/// For the BP alone, and where some octave is shorter than a fortieth of the film; else nothing.
-/// Simulates films (KurtosisBootstrap), so for Depth::kFull.
+/// For the BP alone, and where some octave is shorter than a fortieth of the recording; else
+/// nothing. Simulates recordings (KurtosisBootstrap), so for Depth::kFull.
 [[nodiscard]] std::optional<BrownianTest> testBrownian(const ProgramLaw& law,
                                                        const BlockData& data);
 

@@ -17,7 +17,7 @@ constexpr double kFewestDraws = 100;  // draws of the noise, or tumbles, for a f
 constexpr double kFurthest = 1.6;     // factor e^1.6 = 5 off the program: not its motion
 constexpr double kLeastPivot = 1e-9;  // of the correlation matrix
 constexpr int kMostIterations = 30;
-constexpr int kFilmsPerColumn = 4;  // for a covariance
+constexpr int kRecordingsPerColumn = 4;  // for a covariance
 constexpr double kConverged = 1e-9;
 
 using Matrix = Eigen::MatrixXd;
@@ -57,8 +57,8 @@ struct Column {
   double tau = 0;
   bool angular = false;
   double value = 0;
-  double joined = 1;         ///< Share of the offset.
-  std::size_t in_films = 0;  ///< Column of the simulated curves.
+  double joined = 1;              ///< Share of the offset.
+  std::size_t in_recordings = 0;  ///< Column of the simulated curves.
 };
 
 class Fit {
@@ -103,23 +103,23 @@ class Fit {
     covariance_ = Matrix::Identity(index(columns()), index(columns()));
   }
 
-  /// The covariance of deviations, from films at (about) the present parameters. The reference
-  /// becomes their law: one that followed this film's fluctuations would weigh with them.
-  void setCovariance(const SimulatedCurves& films) {
+  /// The covariance of deviations, from recordings at (about) the present parameters. The reference
+  /// becomes their law: one that followed this recording's fluctuations would weigh with them.
+  void setCovariance(const SimulatedCurves& recordings) {
     const Eigen::Index n = index(columns());
     Matrix& deviations = deviations_;
-    deviations.resize(films.films, n);
+    deviations.resize(recordings.recordings, n);
     for (Eigen::Index j = 0; j < n; ++j) {
       const Column& c = columns_[static_cast<std::size_t>(j)];
-      const double scale =
-          errorScale(films, curves_.observed, curves_.segments, c.tau) / films.law[c.in_films];
-      for (int film = 0; film < films.films; ++film) {
-        deviations(film, j) = scale * films.value(film, c.in_films);
+      const double scale = errorScale(recordings, curves_.observed, curves_.segments, c.tau) /
+                           recordings.law[c.in_recordings];
+      for (int recording = 0; recording < recordings.recordings; ++recording) {
+        deviations(recording, j) = scale * recordings.value(recording, c.in_recordings);
       }
     }
     deviations.rowwise() -= deviations.colwise().mean().eval();
     for (Eigen::Index j = 0; j < n; ++j) {
-      reference_(j) = films.law[columns_[static_cast<std::size_t>(j)].in_films];
+      reference_(j) = recordings.law[columns_[static_cast<std::size_t>(j)].in_recordings];
     }
     systematic_ = Vector::Zero(n);
     for (Eigen::Index j = 0; j < n; ++j) {
@@ -128,7 +128,7 @@ class Fit {
       const double motion = 1 - offset() * c.joined / reference_(j);
       systematic_(j) = std::pow(options_.systematic_floor * motion, 2);
     }
-    covariance_ = deviations.transpose() * deviations / (films.films - 1);
+    covariance_ = deviations.transpose() * deviations / (recordings.recordings - 1);
     covariance_.diagonal() += systematic_;
     regularise();
   }
@@ -157,7 +157,7 @@ class Fit {
     return true;  // to a small part of a standard error: the step shrinks at every turn
   }
 
-  void report(LawFit& fit, int films) const;
+  void report(LawFit& fit, int recordings) const;
 
  private:
   static Eigen::Index index(std::size_t i) { return static_cast<Eigen::Index>(i); }
@@ -235,18 +235,18 @@ class Fit {
     return leastSquares(sensitivity, sensitivity.colwise().norm(), whitening);
   }
 
-  /// The covariance of the parameters, by cross-validation: the scatter of films under weights made
-  /// from the others. It holds what a covariance from few and skewed films costs, which
+  /// The covariance of the parameters, by cross-validation: the scatter of recordings under weights
+  /// made from the others. It holds what a covariance from few and skewed recordings costs, which
   /// (J^T S^-1 J)^-1 leaves out.
   [[nodiscard]] Matrix parameterErrors() const {
     constexpr Eigen::Index kFolds = 5;
-    const Eigen::Index films = deviations_.rows();
-    const auto n = static_cast<double>(films);
+    const Eigen::Index recordings = deviations_.rows();
+    const auto n = static_cast<double>(recordings);
     const Matrix sum = deviations_.transpose() * deviations_;
     Matrix errors = Matrix::Zero(index(parameters_), index(parameters_));
     for (Eigen::Index fold = 0; fold < kFolds; ++fold) {
-      const Eigen::Index first = fold * films / kFolds;
-      const Eigen::Index count = (fold + 1) * films / kFolds - first;
+      const Eigen::Index first = fold * recordings / kFolds;
+      const Eigen::Index count = (fold + 1) * recordings / kFolds - first;
       const Matrix left_out = deviations_.middleRows(first, count);
       Matrix rest = (sum - left_out.transpose() * left_out) / (n - 1 - static_cast<double>(count));
       rest.diagonal() += systematic_;
@@ -269,7 +269,7 @@ class Fit {
   bool regularised_ = false;
   Vector theta_;  ///< ln(parameter / programmed), then the offsets.
   Vector reference_;
-  Matrix deviations_;  ///< Of the films, relative, scaled to the measured time; one a row.
+  Matrix deviations_;  ///< Of the recordings, relative, scaled to the measured time; one a row.
   Vector systematic_;  ///< Variances.
   Matrix covariance_;
   Matrix jacobian_;
@@ -308,16 +308,16 @@ Estimate positiveEstimate(const char* name, const char* unit, double value, doub
           value * factor, theory, kNan,  std::move(note)};
 }
 
-void Fit::report(LawFit& fit, int films) const {
+void Fit::report(LawFit& fit, int recordings) const {
   const Eigen::LLT<Matrix> factor(covariance_);
   const Vector left = residuals();
-  const double n = films - 1;
+  const double n = recordings - 1;
   const Matrix errors = parameterErrors();
   const double quantile = studentQuantile(n);
 
   fit.law = law();
   fit.angular = angular_;
-  fit.films = films;
+  fit.recordings = recordings;
   fit.regularised = regularised_;
   fit.freedom = static_cast<int>(columns() - parameters_);
   fit.chi2 = factor.matrixL().solve(left).squaredNorm();
@@ -378,7 +378,7 @@ std::string obstacle(const ProgramLaw& law, const MeasuredCurves& curves, const 
   if (draws < kFewestDraws) {
     return "only " + std::to_string(static_cast<int>(draws)) + " " +
            (isHeldNoise(law.kind) ? "draws of the noise" : "tumbles") +
-           " in the time observed; a fit needs 100: film for longer";
+           " in the time observed; a fit needs 100: record for longer";
   }
   const std::vector<Free> free = freeParameters(law, options.free_tumble_time);
   for (const Free& parameter : free) {
@@ -392,7 +392,7 @@ std::string obstacle(const ProgramLaw& law, const MeasuredCurves& curves, const 
     return "only " + std::to_string(seen) + " lags between a frame and " +
            std::to_string(static_cast<int>(std::ceil(longestChange(law)))) +
            " s were observed; a fit needs " + std::to_string(free.size() + 2) +
-           ": film longer pieces or at a higher rate";
+           ": record longer pieces or at a higher rate";
   }
   const auto last = std::find_if(plan.lags.rbegin(), plan.lags.rend(),
                                  [&](std::size_t lag) { return std::isfinite(curves.msd[lag]); });
@@ -419,7 +419,7 @@ LawFit fitLaw(const ProgramLaw& law, const MeasuredCurves& curves, const FitOpti
   const char* failed =
       "the curves are not like the program's: no parameters within a factor of 5 "
       "of the programmed ones describe them";
-  SimulatedCurves films;
+  SimulatedCurves recordings;
   if (given == nullptr) {
     for (int round = 0; round < 3; ++round) {
       if (!fit.solve()) {
@@ -427,15 +427,16 @@ LawFit fitLaw(const ProgramLaw& law, const MeasuredCurves& curves, const FitOpti
         return result;
       }
       if (round == 2) break;
-      films = simulateForFit(fit.law(), fit.offset(), fit.angularOffset(), curves, plan, options);
-      if (films.films < kFilmsPerColumn * static_cast<int>(fit.columns())) {
+      recordings =
+          simulateForFit(fit.law(), fit.offset(), fit.angularOffset(), curves, plan, options);
+      if (recordings.recordings < kRecordingsPerColumn * static_cast<int>(fit.columns())) {
         result.refusal =
-            "too few of the segments are as long as the lags: avoid contacts, or film longer";
+            "too few of the segments are as long as the lags: avoid contacts, or record longer";
         return result;
       }
-      fit.setCovariance(films);
+      fit.setCovariance(recordings);
     }
-    given = &films;
+    given = &recordings;
   } else {
     fit.setCovariance(*given);
     if (!fit.solve()) {
@@ -443,9 +444,9 @@ LawFit fitLaw(const ProgramLaw& law, const MeasuredCurves& curves, const FitOpti
       return result;
     }
   }
-  fit.report(result, given->films);
+  fit.report(result, given->recordings);
   result.recording_duration = given->duration;
-  if (used != nullptr && given == &films) *used = std::move(films);
+  if (used != nullptr && given == &recordings) *used = std::move(recordings);
   return result;
 }
 

@@ -19,12 +19,12 @@ namespace lab::analysis {
 /// wheel base and, usually, tau_t, as programmed: an error of the robot's clock is not in the
 /// intervals. Lags: some ten from max(a frame, epsilon/5) to 8
 /// epsilon (RTP: of the shorter and the longer of 1/gamma and tau_t). The covariance is that of
-/// films simulated at the fitted point: once at the least-squares fit, once more at the first
+/// recordings simulated at the fitted point: once at the least-squares fit, once more at the first
 /// generalised one; the systematic floor is added to the MSD's diagonal.
 ///
-/// Intervals are Student's t in the logarithm. The errors are cross-validated: the scatter of films
-/// under weights made from the other films, so that they hold what a covariance known from a finite
-/// number of skewed films costs.
+/// Intervals are Student's t in the logarithm. The errors are cross-validated: the scatter of
+/// recordings under weights made from the other recordings, so that they hold what a covariance
+/// known from a finite number of skewed recordings costs.
 struct LawFit {
   std::string refusal;               ///< Why there is no fit; empty: there is one.
   std::vector<Estimate> parameters;  ///< Free ones, then tracker offsets.
@@ -36,7 +36,7 @@ struct LawFit {
   double chi2 = 0;
   int freedom = 0;                ///< Degrees of freedom of chi2.
   double p_value = 0;             ///< Of chi2, by Hotelling's distribution.
-  int films = 0;                  ///< Behind the covariance.
+  int recordings = 0;             ///< Behind the covariance.
   double recording_duration = 0;  ///< s.
   /// Largest deviation of a parameter from the ordinary least squares' one, in the standard errors
   /// that this difference has if law and covariance are right. Above 4 do not trust the fit.
@@ -49,8 +49,8 @@ struct LawFit {
   [[nodiscard]] bool fitted() const { return refusal.empty(); }
 };
 
-/// Fits. With `given` (films of the same program on the same lag grid) nothing is simulated; films
-/// that were simulated are left in `used`, if asked for.
+/// Fits. With `given` (recordings of the same program on the same lag grid) nothing is simulated;
+/// recordings that were simulated are left in `used`, if asked for.
 [[nodiscard]] LawFit fitLaw(const ProgramLaw& law, const MeasuredCurves& curves,
                             const FitOptions& options, const SimulatedCurves* given = nullptr,
                             SimulatedCurves* used = nullptr);

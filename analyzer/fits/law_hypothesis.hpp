@@ -27,7 +27,7 @@ struct MeasuredCurves {
 [[nodiscard]] MeasuredCurves measuredCurves(const ProgramLaw& law, const BlockData& data);
 
 /// Whether the curves are those of a law whose parameters are known: the Mahalanobis distance on
-/// octave lags with the covariance of simulated films.
+/// octave lags with the covariance of simulated recordings.
 struct LawTest {
   std::vector<double> lags;  ///< s.
   double distance2 = 0;      ///< Squared.
@@ -43,12 +43,12 @@ enum class TestedLaw {
   kPaper,     ///< The paper's eq. 4, 5 or 6, MSD alone.
 };
 
-/// Octave lags from about epsilon/2 (RTP: half the shorter of 1/gamma and tau_t) to the film's 36th
-/// part at most, of those measured; films at the programmed parameters as long as the lags need.
-/// The speed (v, va) is free within `tolerance`, as it may be a matter of calibration; else as
-/// programmed.
+/// Octave lags from about epsilon/2 (RTP: half the shorter of 1/gamma and tau_t) to the recording's
+/// 36th part at most, of those measured; recordings at the programmed parameters as long as the
+/// lags need. The speed (v, va) is free within `tolerance`, as it may be a matter of calibration;
+/// else as programmed.
 [[nodiscard]] SimulatedCurves simulateForTest(const ProgramLaw& law, const MeasuredCurves& curves,
-                                              int films, std::uint64_t seed);
+                                              int recordings, std::uint64_t seed);
 
 struct TestOptions {
   double systematic_floor = 0.002;  ///< Share of the law; of each lag by itself.

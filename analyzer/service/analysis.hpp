@@ -35,7 +35,7 @@ struct AnalysisConfig {
   CurveOptions curves;
   bool compare_joins = false;  ///< Fills ProgramResult::joins; doubles the work of a frame.
   /// Fills ProgramResult::runs. Keeps up to 20 places a second of every RTP, 3 MB an hour, so it is
-  /// for films that end, not for live displays.
+  /// for recordings that end, not for live displays.
   bool find_runs = false;
   bool samples_only = false;  ///< Tracks are stitched and passed on; there are no results.
   bool without_law =
@@ -68,7 +68,7 @@ class Analysis {
 
   /// Says whether the light depends on place. Then a robot leaves its program by where it goes, and
   /// the windows of lags comparable to its stay are selected by the motion: lags above 0.1 of the
-  /// median stay are marked and get no verdict. Once set for a film it stays.
+  /// median stay are marked and get no verdict. Once set for a recording it stays.
   void setSpatialLight(bool spatial) { spatial_light_ = spatial_light_ || spatial; }
 
   /// Every sample that enters the statistics, for trajectory files.

@@ -19,7 +19,7 @@ namespace lab::analysis {
 /// How much is made of the data.
 enum class Depth {
   kLive,  ///< What sums give at once: curves, block errors, estimates. Online and offline alike.
-  kFull,  ///< Besides, what needs simulated films: fits of the exact law and their intervals.
+  kFull,  ///< Besides, what needs simulated recordings: fits of the exact law and their intervals.
 };
 
 inline constexpr int kPool = -1;  ///< In place of a robot: all robots that ran the program.

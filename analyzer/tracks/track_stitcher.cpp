@@ -32,7 +32,8 @@ double endOf(const RobotTelemetry& t) {
 }
 
 /// The run time at a frame between two messages. A message's age would be one of 20 ms at the end
-/// of every stay in the program and not at its beginning, 0.1 % of the speed of a film of 30 s.
+/// of every stay in the program and not at its beginning, 0.1 % of the speed of a recording of 30
+/// s.
 double runTimeAt(double time, const RobotTelemetry& before, const RobotTelemetry& next) {
   // Where a program begins in between, run time grows on one side of the beginning only.
   double begin = before.time;

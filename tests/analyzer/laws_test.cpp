@@ -97,7 +97,7 @@ TEST(PhasedNoise, ManyPhasesAreARandomOne) {
 }
 
 TEST(PhasedNoise, LockedClocksSeeAnotherLaw) {
-  // Figure 3b filmed at 10 frames a second: one phase.
+  // Figure 3b recorded at 10 frames a second: one phase.
   const HeldNoise noise = HeldNoise::uniformWheels(0.01, 0.1, 0.075, 0.1);
   const PhasedNoise dut(noise);
   const auto msd = [&](double first) {

@@ -104,7 +104,7 @@ class Collector {
           first->line,
           fmt::format("{}: found {} twice, and not alike, in frame {}, expected every robot once a "
                       "frame; so it is with {} of {} poses. Do two robots bear one number, or "
-                      "frames of two films?",
+                      "frames of two recordings?",
                       names_.id, first->pose.robot, first->frame, file_.contradicted, all));
     }
     rows_ = std::move(kept);
@@ -126,7 +126,7 @@ class Collector {
       fail(1, fmt::format("{}: found {} s from frame to frame, expected 1e-6 s or more{}",
                           names_.time, file_.frame_period, names_.time_hint));
     }
-    // A film of which every n-th picture was tracked is whole.
+    // A recording of which every n-th picture was tracked is whole.
     const std::int64_t span = file_.frames.back().frame - file_.frames.front().frame;
     file_.missing_frames =
         span / least_step + 1 - static_cast<std::int64_t>(file_.frames.size()) - file_.bad_times;

@@ -10,7 +10,7 @@
 
 namespace lab::report {
 
-/// What the robots of a film were programmed to do, all of them, all the time.
+/// What the robots of a recording were programmed to do, all of them, all the time.
 struct PoseProgram {
   std::string model;  ///< "abp", "noisy_abp", "bp", "rtp" as in experiment files; empty: unknown
   std::vector<std::string> set;  ///< key=value: of the program (v_cm_s=5), or of an experiment file

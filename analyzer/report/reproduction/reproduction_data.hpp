@@ -1,4 +1,4 @@
-/// What the films of the paper's programs gave, as far as its figures need it.
+/// What the recordings of the paper's programs gave, as far as its figures need it.
 #pragma once
 
 #include <filesystem>
@@ -29,11 +29,11 @@ struct CorrelationPoint {
   double sigma = 0;
 };
 
-/// One film of one program.
+/// One recording of one program.
 struct RecordingData {
   analysis::ProgramResult result;
   std::vector<std::string> faults;  ///< of the run; empty: none
-  std::vector<PathPoint> path;      ///< the whole film, thinned
+  std::vector<PathPoint> path;      ///< the whole recording, thinned
   std::vector<PathPoint> close_up;  ///< some seconds of it, every frame
   std::vector<CorrelationPoint> correlation;
   double fitted_length = 0;        ///< [cm] of exp(-l/L) fitted to the correlation
@@ -42,7 +42,7 @@ struct RecordingData {
   std::vector<double> run_times;  ///< [s] complete ones
 };
 
-/// What a film is read for besides its curves and estimates.
+/// What a recording is read for besides its curves and estimates.
 struct RecordingContents {
   bool path = false;
   bool correlation = false;
@@ -57,10 +57,10 @@ struct RecordingContents {
 [[nodiscard]] RecordingData readRecording(const std::filesystem::path& run,
                                           const RecordingContents& wants, analysis::Depth depth);
 
-/// All films of one program: one, or the members of an ensemble.
+/// All recordings of one program: one, or the members of an ensemble.
 struct SetData {
   PaperSet set;
-  std::vector<RecordingData> films;
+  std::vector<RecordingData> recordings;
 };
 
 }  // namespace lab::report

@@ -9,7 +9,7 @@
 namespace lab::report {
 
 /// One script a panel ("fig2b"), a column of a journal wide, with what it draws as CSV. A panel
-/// whose films hold nothing to draw has a sentence in its place.
+/// whose recordings hold nothing to draw has a sentence in its place.
 [[nodiscard]] std::vector<FigureScript> panelFigures(const std::vector<PaperPanel>& panels,
                                                      const Reproduction& reproduction);
 

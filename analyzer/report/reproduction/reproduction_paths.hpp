@@ -11,14 +11,6 @@ namespace lab::report::panels {
 inline constexpr int kWidth = 480;
 inline constexpr int kHeight = 460;
 
-/// Colour and symbol of one series of a panel. Each alone identifies the series.
-struct SeriesStyle {
-  std::string_view colour;
-  int symbol;       ///< gnuplot's, filled
-  int open_symbol;  ///< the same, hollow
-};
-[[nodiscard]] SeriesStyle seriesStyle(std::size_t series, std::size_t of);
-
 [[nodiscard]] FigureScript trajectory(const PaperPanel& panel, const SetData& set);
 [[nodiscard]] FigureScript runsAndTumbles(const PaperPanel& panel, const SetData& set);
 

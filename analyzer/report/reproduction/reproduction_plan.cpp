@@ -13,9 +13,9 @@ namespace {
 
 using units::kCentimetre;
 
-constexpr double kHour = 3600;      // [s]
-constexpr double kShortFilm = 180;  // [s] figure 4b
-constexpr double kFps = 50;         // 3b and gamma = 3 need as much; the others may have it
+constexpr double kHour = 3600;           // [s]
+constexpr double kShortRecording = 180;  // [s] figure 4b
+constexpr double kFps = 50;              // 3b and gamma = 3 need as much; the others may have it
 constexpr std::uint64_t kMembers = 1000;
 constexpr std::uint64_t kSeeds = kMembers * 1000;
 
@@ -300,7 +300,7 @@ std::string experimentText(const PaperSet& set, const RecordingOptions& options)
       // A robot on the wire cannot tell a wall from a robot; alone it need not.
       "[reversal]\non = \"{}\"\ndistance_cm = 40\n"
       "[camera]\nfps = {}\nposition_noise_cm = 0.03\nheading_noise_deg = 0.6\n",
-      set.id, seed, set.short_recording ? kShortFilm : options.hours * kHour, set.program.name,
+      set.id, seed, set.short_recording ? kShortRecording : options.hours * kHour, set.program.name,
       options.through_firmware ? "firmware" : "sim", set.program.name, parameters(set.program),
       options.through_firmware ? "any" : "walls", kFps);
 }

@@ -10,7 +10,7 @@
 
 namespace lab::report {
 
-/// A program of the paper's with its parameters, filmed on its own.
+/// A program of the paper's with its parameters, recorded on its own.
 struct PaperSet {
   int number = 0;                ///< place in the list of all sets, from which its seeds derive
   std::string id;                ///< "abp_eps0.5_eta3": of its runs and in tables
@@ -19,7 +19,7 @@ struct PaperSet {
 };
 
 enum class PanelKind {
-  kTrajectory,   ///< one film's path with a part of it enlarged
+  kTrajectory,   ///< one recording's path with a part of it enlarged
   kMsd,          ///< MSD against lag; `points` as an inset
   kAngularMsd,   ///< angular MSD against lag; `points` as an inset
   kPersistence,  ///< L_s against eta, C(l) as an inset
@@ -58,14 +58,14 @@ struct PaperPanel {
 [[nodiscard]] std::vector<PaperPanel> choosePanels(std::string_view list);
 
 struct RecordingOptions {
-  double hours = 1;        ///< of every film but the short one
+  double hours = 1;        ///< of every recording but the short one
   std::uint64_t seed = 1;  ///< of the whole reproduction
   int member = 0;          ///< of an ensemble
   bool through_firmware = false;
 };
 
-/// The experiment that films the set, as an experiment file: one robot, walls with reversals, clock
-/// errors and PWM steps as the simulator gives them, a good camera's tracking errors.
+/// The experiment that records the set, as an experiment file: one robot, walls with reversals,
+/// clock errors and PWM steps as the simulator gives them, a good camera's tracking errors.
 [[nodiscard]] std::string experimentText(const PaperSet& set, const RecordingOptions& options);
 
 }  // namespace lab::report

@@ -24,13 +24,13 @@ using units::kPercents;
 
 constexpr double kFloor = 0.002;  // share of the law below which no deviation counts
 constexpr double kAgreeZ = 4;
-constexpr double kRejects = 1e-3;  // p of a formula that a film rejects
+constexpr double kRejects = 1e-3;  // p of a formula that a recording rejects
 constexpr int kMinJudged = 5;
 
-const ProgramResult& resultOf(const SetData& set) { return set.films.front().result; }
+const ProgramResult& resultOf(const SetData& set) { return set.recordings.front().result; }
 
-const std::vector<CurvePoint>& pointsOf(const RecordingData& film, bool angular) {
-  return angular ? film.result.curves.angular_msd : film.result.curves.msd;
+const std::vector<CurvePoint>& pointsOf(const RecordingData& recording, bool angular) {
+  return angular ? recording.result.curves.angular_msd : recording.result.curves.msd;
 }
 
 const Estimate* find(const std::vector<Estimate>& estimates, const std::string& name) {
@@ -54,8 +54,8 @@ double speedScale(const ProgramResult& result) {
 double scaleOf(const SetData& set, bool angular) {
   if (angular) return 1;
   double sum = 0;
-  for (const RecordingData& film : set.films) sum += speedScale(film.result);
-  return sum / static_cast<double>(set.films.size());
+  for (const RecordingData& recording : set.recordings) sum += speedScale(recording.result);
+  return sum / static_cast<double>(set.recordings.size());
 }
 
 struct Scatter {
@@ -119,13 +119,13 @@ void addDeviations(const SetData& set, bool angular, double from, Deviations& al
 
 const SetData* findSet(const Reproduction& reproduction, const std::string& id) {
   const auto found = reproduction.find(id);
-  return found == reproduction.end() || found->second.films.empty() ? nullptr : &found->second;
+  return found == reproduction.end() || found->second.recordings.empty() ? nullptr : &found->second;
 }
 
-std::string filmWord(const SetData& set) {
-  return set.films.size() > 1
-             ? fmt::format("{} films", set.films.size())
-             : fmt::format("this film of {}", durationText(resultOf(set).observed));
+std::string recordingWord(const SetData& set) {
+  return set.recordings.size() > 1
+             ? fmt::format("{} recordings", set.recordings.size())
+             : fmt::format("this recording of {}", durationText(resultOf(set).observed));
 }
 
 /// Curves against both laws.
@@ -151,7 +151,7 @@ PanelVerdict judgeCurves(const PaperPanel& panel, const std::vector<const SetDat
     all.judged += own.judged;
     const std::string label = sets.size() > 1 ? curveLabel(panel, set->set) + ": " : "";
     const auto& fit = resultOf(*set).fit;
-    const bool single = set->films.size() == 1;
+    const bool single = set->recordings.size() == 1;
     if (single && fit && fit->exact && std::isfinite(fit->exact->p_value)) {
       exact_p.push_back(fmt::format("{}{}", label, probability(fit->exact->p_value)));
     }
@@ -244,34 +244,34 @@ PanelVerdict judgeRuns(const std::vector<const SetData*>& sets) {
   }
   verdict.max_z = std::abs(gamma->value - gamma->theory) / gamma->sigma;
   verdict.exact = verdict.max_z < kAgreeZ ? VerdictKind::kAgrees : VerdictKind::kDisagrees;
-  verdict.exact_text =
-      fmt::format("γ = {} /s, 95 % from {} to {}, z = {:.1f}, from {}",
-                  valueText(gamma->value, gamma->sigma), valueText(gamma->low95, gamma->sigma),
-                  valueText(gamma->high95, gamma->sigma), verdict.max_z, filmWord(*sets.front()));
+  verdict.exact_text = fmt::format(
+      "γ = {} /s, 95 % from {} to {}, z = {:.1f}, from {}", valueText(gamma->value, gamma->sigma),
+      valueText(gamma->low95, gamma->sigma), valueText(gamma->high95, gamma->sigma), verdict.max_z,
+      recordingWord(*sets.front()));
   return verdict;
 }
 
 }  // namespace
 
 std::vector<CurvePoint> curveOf(const SetData& set, bool angular) {
-  std::vector<CurvePoint> curve = pointsOf(set.films.front(), angular);
-  if (set.films.size() < 2) return curve;
-  for (const RecordingData& film : set.films) {
-    curve.resize(std::min(curve.size(), pointsOf(film, angular).size()));
+  std::vector<CurvePoint> curve = pointsOf(set.recordings.front(), angular);
+  if (set.recordings.size() < 2) return curve;
+  for (const RecordingData& recording : set.recordings) {
+    curve.resize(std::min(curve.size(), pointsOf(recording, angular).size()));
   }
-  const auto films = static_cast<double>(set.films.size());
+  const auto recordings = static_cast<double>(set.recordings.size());
   for (std::size_t i = 0; i < curve.size(); ++i) {
     CurvePoint& mean = curve[i];
     std::vector<double> values;
     std::vector<double> off;
     mean.tau = mean.noise = mean.exact = mean.paper = mean.windows = 0;
-    for (const RecordingData& film : set.films) {
-      const CurvePoint& point = pointsOf(film, angular)[i];
-      const double scale = angular ? 1 : speedScale(film.result);
-      mean.tau += point.tau / films;
-      mean.noise += point.noise / films;
-      mean.exact += point.exact / films;
-      mean.paper += point.paper / films;
+    for (const RecordingData& recording : set.recordings) {
+      const CurvePoint& point = pointsOf(recording, angular)[i];
+      const double scale = angular ? 1 : speedScale(recording.result);
+      mean.tau += point.tau / recordings;
+      mean.noise += point.noise / recordings;
+      mean.exact += point.exact / recordings;
+      mean.paper += point.paper / recordings;
       mean.windows += point.windows;
       mean.judged = mean.judged && point.judged;
       values.push_back(point.value);
@@ -282,7 +282,7 @@ std::vector<CurvePoint> curveOf(const SetData& set, bool angular) {
     mean.value = value.mean;
     mean.sigma = value.error;
     mean.z = analysis::normalDeviate(
-        deviation.mean / std::hypot(deviation.error, kFloor * mean.exact), films - 1);
+        deviation.mean / std::hypot(deviation.error, kFloor * mean.exact), recordings - 1);
   }
   return curve;
 }
@@ -293,13 +293,13 @@ double paperDeviation(const SetData& set, const CurvePoint& point, bool angular)
 }
 
 std::optional<Estimate> estimateOf(const SetData& set, const std::string& name) {
-  if (set.films.size() > 1) {
+  if (set.recordings.size() > 1) {
     const Estimate* first = find(resultOf(set).estimates, name);
     if (first == nullptr) return std::nullopt;
     Estimate mean = *first;
     std::vector<double> values;
-    for (const RecordingData& film : set.films) {
-      const Estimate* one = find(film.result.estimates, name);
+    for (const RecordingData& recording : set.recordings) {
+      const Estimate* one = find(recording.result.estimates, name);
       if (one != nullptr && std::isfinite(one->value)) values.push_back(one->value);
     }
     if (values.size() < 2) return std::nullopt;
@@ -310,7 +310,7 @@ std::optional<Estimate> estimateOf(const SetData& set, const std::string& name) 
     mean.sigma = scatter.error;
     mean.low95 = scatter.mean - half;
     mean.high95 = scatter.mean + half;
-    mean.note = fmt::format("mean of {} films; {}", values.size(), mean.note);
+    mean.note = fmt::format("mean of {} recordings; {}", values.size(), mean.note);
     return mean;
   }
   const ProgramResult& result = resultOf(set);
@@ -345,7 +345,7 @@ std::vector<Estimate> estimatesOf(const SetData& set) {
     const auto best = estimateOf(set, name);
     if (!best) continue;
     all.push_back(*best);
-    if (set.films.size() > 1) continue;
+    if (set.recordings.size() > 1) continue;
     const Estimate* live = find(resultOf(set).estimates, name);
     if (live != nullptr && live->note != best->note && std::isfinite(live->value)) {
       all.push_back(*live);

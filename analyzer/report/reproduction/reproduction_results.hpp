@@ -1,4 +1,4 @@
-/// The films of a reproduction judged: against the exact law, and against the paper's formula.
+/// The recordings of a reproduction judged: against the exact law, and against the paper's formula.
 #pragma once
 
 #include <map>
@@ -13,8 +13,8 @@ namespace lab::report {
 /// By id of the set.
 using Reproduction = std::map<std::string, SetData, std::less<>>;
 
-/// The measured curve of a set, SI units: that of its film, or the mean of an ensemble with the
-/// standard error of its scatter. z is as analysis::curves() has it, with Student's t of the
+/// The measured curve of a set, SI units: that of its recording, or the mean of an ensemble with
+/// the standard error of its scatter. z is as analysis::curves() has it, with Student's t of the
 /// members turned into a normal deviate.
 [[nodiscard]] std::vector<analysis::CurvePoint> curveOf(const SetData& set, bool angular);
 

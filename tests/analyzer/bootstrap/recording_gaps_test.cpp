@@ -20,7 +20,7 @@ TEST(SegmentLengths, TellHowManyWindowsOfALagAreLeft) {
   EXPECT_EQ(dut.covered(2000), 0);
 }
 
-TEST(RecordingGaps, AreInSimulatedFilmsAsInTheMeasuredOne) {
+TEST(RecordingGaps, AreInSimulatedRecordingsAsInTheMeasuredOne) {
   RecordingGaps gaps;
   gaps.lost = 0.2;
   gaps.lost_length = 3;

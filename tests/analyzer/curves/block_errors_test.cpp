@@ -45,18 +45,19 @@ TEST(Jackknife, GivesTheTrueErrorForUnequalBlocks) {
   std::normal_distribution<double> normal;
   double variance = 0;
   double claimed = 0;
-  const int films = 4000;
-  for (int film = 0; film < films; ++film) {
+  const int recordings = 4000;
+  for (int recording = 0; recording < recordings; ++recording) {
     std::vector<BlockSums> blocks;
     for (int i = 0; i < 20; ++i) {
       const double time = 1 + i % 4;
       blocks.push_back(block(time, time + std::sqrt(time) * normal(random)));
     }
     const Replicates dut = jackknife(blocks, meanSpeed);
-    variance += std::pow(dut.values[0] - 1, 2) / films;
-    claimed += std::pow(dut.sigma(0), 2) / films;
+    variance += std::pow(dut.values[0] - 1, 2) / recordings;
+    claimed += std::pow(dut.sigma(0), 2) / recordings;
   }
-  EXPECT_NEAR(claimed / variance, 1, 0.1);  // the scatter of a variance over 4000 films is 2.2 %
+  EXPECT_NEAR(claimed / variance, 1,
+              0.1);  // the scatter of a variance over 4000 recordings is 2.2 %
 }
 
 TEST(Jackknife, ClaimsNothingFromASingleBlock) {

@@ -12,24 +12,24 @@ namespace {
 
 /// Every join misplaces what follows by `defect` (m).
 JoinComparison compared(const ProgramLaw& law, double defect, bool join = true) {
-  WalkerRecording film;
-  film.law = law;
-  film.duration = 1800;
-  film.fps = 9.97;
-  film.sigma = 0.0005;
-  film.sigma_theta = 0.0175;
-  film.walls = true;
-  film.seed = 11;
+  WalkerRecording recording;
+  recording.law = law;
+  recording.duration = 1800;
+  recording.fps = 9.97;
+  recording.sigma = 0.0005;
+  recording.sigma_theta = 0.0175;
+  recording.walls = true;
+  recording.seed = 11;
   StitcherConfig config;
   config.join = join;
   TrackStitcher stitcher(config);
   std::vector<Sample> samples;
-  Walker walker(film);
+  Walker walker(recording);
   walker.on_frame = [&](const TrackPoint& point) { stitcher.addFrame(point, samples); };
   walker.on_telemetry = [&](const RobotTelemetry& told) { stitcher.addTelemetry(told, samples); };
   walker.run();
   stitcher.flush(samples);
-  JoinAccumulator watch(1 / film.fps, 100);
+  JoinAccumulator watch(1 / recording.fps, 100);
   double offset = 0;
   Sample last;
   last.segment = -1;

@@ -310,8 +310,8 @@ TEST(MsdAccumulator, SubsamplesLongLagsWithoutPreference) {
       const Sample& b = track.samples()[j];
       every += std::pow(b.x - a.x, 2) + std::pow(b.y - a.y, 2);
     }
-    const double film_error = std::sqrt(2.0 * lags[i] / 3 / 60000);
-    EXPECT_NEAR(total.lags[i].r2 / windows / (every / all), 1, 0.25 * film_error);
+    const double recording_error = std::sqrt(2.0 * lags[i] / 3 / 60000);
+    EXPECT_NEAR(total.lags[i].r2 / windows / (every / all), 1, 0.25 * recording_error);
   }
 }
 

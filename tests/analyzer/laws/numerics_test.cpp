@@ -100,7 +100,7 @@ TEST(LagGrid, IsAscendingWholeAndHoldsTheHoldTime) {
   }
 }
 
-TEST(LagGrid, HoldsOneLagEvenForTheShortestFilm) {
+TEST(LagGrid, HoldsOneLagEvenForTheShortestRecording) {
   EXPECT_EQ(makeLagGrid(0.1, 0.05, abpLaw(3, 0.5)), std::vector<int>{1});
   EXPECT_EQ(makeLagGrid(0.1, 0.35, rtpLaw(1, 0.5)), (std::vector<int>{1, 2, 3}));
 }

@@ -13,13 +13,13 @@
 namespace lab::analysis {
 namespace {
 
-RunRecording film(double gamma, double fps, double duration, std::uint64_t seed) {
-  RunRecording film;
-  film.law = rtpLaw(gamma, 0.5);
-  film.fps = fps;
-  film.duration = duration;
-  film.seed = seed;
-  return film;
+RunRecording recording(double gamma, double fps, double duration, std::uint64_t seed) {
+  RunRecording recording;
+  recording.law = rtpLaw(gamma, 0.5);
+  recording.fps = fps;
+  recording.duration = duration;
+  recording.seed = seed;
+  return recording;
 }
 
 double totalOf(const FoundRuns& found) {
@@ -32,11 +32,12 @@ class FrameRates : public testing::TestWithParam<double> {};
 
 TEST_P(FrameRates, EveryTumbleIsCountedAndAllRunTimeIsFound) {
   for (const double gamma : {1.0, 3.0}) {
-    const RunRecording plan = film(gamma, GetParam(), 1200, 5);
+    const RunRecording plan = recording(gamma, GetParam(), 1200, 5);
     TrueRuns truth;
     const FoundRuns dut = findRuns(plan, recordRuns(plan, &truth));
 
-    // The film's ends are a tumble or two's uncertainty; a thousandth of them may be misjudged.
+    // The recording's ends are a tumble or two's uncertainty; a thousandth of them may be
+    // misjudged.
     EXPECT_NEAR(static_cast<double>(dut.tumbles), static_cast<double>(truth.turns.size()),
                 1 + 0.001 * static_cast<double>(truth.turns.size()));
     EXPECT_NEAR(totalOf(dut) / truth.run_time, 1, 0.003);
@@ -51,7 +52,7 @@ INSTANTIATE_TEST_SUITE_P(Fps, FrameRates, testing::Values(9.94, 24.9, 49.7, 99.4
 TEST(RunFinder, FindsARunShorterThanAFrame) {
   // 0.5 s of standing, 60 ms of running, 0.5 s of standing: at 10 frames a second no frame need see
   // it move.
-  RunRecording plan = film(3, 9.94, 300, 3);
+  RunRecording plan = recording(3, 9.94, 300, 3);
   int drawn = 0;
   plan.run = [&drawn](std::mt19937_64&) { return ++drawn % 2 == 0 ? 0.09 : 1.0; };
   const FoundRuns dut = findRuns(plan, recordRuns(plan));
@@ -67,7 +68,7 @@ TEST(RunFinder, FindsARunShorterThanAFrame) {
 }
 
 TEST(RunFinder, CountsTwoTumblesInARowWithoutARun) {
-  RunRecording plan = film(3, 24.9, 300, 4);
+  RunRecording plan = recording(3, 24.9, 300, 4);
   int drawn = 0;
   plan.run = [&drawn](std::mt19937_64&) { return ++drawn % 3 == 0 ? 0.001 : 0.5; };
   TrueRuns truth;
@@ -78,7 +79,7 @@ TEST(RunFinder, CountsTwoTumblesInARowWithoutARun) {
 }
 
 TEST(RunFinder, SeesATumbleThatDoesNotTurn) {
-  RunRecording plan = film(3, 24.9, 300, 4);
+  RunRecording plan = recording(3, 24.9, 300, 4);
   plan.turn = [](std::mt19937_64&) { return 0.0; };
   TrueRuns truth;
   const FoundRuns dut = findRuns(plan, recordRuns(plan, &truth));
@@ -87,7 +88,7 @@ TEST(RunFinder, SeesATumbleThatDoesNotTurn) {
 }
 
 TEST(RunFinder, TellsTheTurnOfEachTumble) {
-  RunRecording plan = film(1, 49.7, 300, 4);
+  RunRecording plan = recording(1, 49.7, 300, 4);
   plan.turn = [](std::mt19937_64&) { return -2.0; };
   const FoundRuns dut = findRuns(plan, recordRuns(plan));
 
@@ -101,7 +102,7 @@ TEST(RunFinder, TellsTheTurnOfEachTumble) {
 }
 
 TEST(RunFinder, TakesDirectionsForHeadingsWhereThereAreNone) {
-  const RunRecording plan = film(1, 49.7, 300, 4);
+  const RunRecording plan = recording(1, 49.7, 300, 4);
   TrueRuns truth;
   std::vector<Sample> samples = recordRuns(plan, &truth);
   for (Sample& sample : samples) sample.theta = std::nan("");
@@ -114,7 +115,7 @@ TEST(RunFinder, TakesDirectionsForHeadingsWhereThereAreNone) {
 }
 
 TEST(RunFinder, MeasuresWhatTheProgrammedScalesOnlyHintAt) {
-  RunRecording plan = film(2, 24.9, 900, 6);
+  RunRecording plan = recording(2, 24.9, 900, 6);
   plan.speed_factor = 0.9;
   plan.tumble_factor = 1.15;
   TrueRuns truth;
@@ -126,7 +127,7 @@ TEST(RunFinder, MeasuresWhatTheProgrammedScalesOnlyHintAt) {
 }
 
 TEST(RunFinder, BearsLostFrames) {
-  RunRecording plan = film(3, 24.9, 900, 7);
+  RunRecording plan = recording(3, 24.9, 900, 7);
   plan.missing = 0.05;
   TrueRuns truth;
   const FoundRuns dut = findRuns(plan, recordRuns(plan, &truth));
@@ -136,7 +137,7 @@ TEST(RunFinder, BearsLostFrames) {
 }
 
 TEST(RunFinder, CutsOffRunsAtTheEndsOfSegmentsAndAtGaps) {
-  const RunRecording plan = film(1, 24.9, 3600, 8);
+  const RunRecording plan = recording(1, 24.9, 3600, 8);
   std::vector<Sample> samples = recordRuns(plan);
   for (Sample& sample : samples) {
     sample.segment = static_cast<int>(sample.time / 7.3);
@@ -153,7 +154,7 @@ TEST(RunFinder, CutsOffRunsAtTheEndsOfSegmentsAndAtGaps) {
 }
 
 TEST(RunFinder, RefusesTooFewFramesInATumble) {
-  RunRecording plan = film(1, 5, 60, 8);
+  RunRecording plan = recording(1, 5, 60, 8);
   const FoundRuns dut = findRuns(plan, recordRuns(plan));
 
   EXPECT_FALSE(dut.resolved);

@@ -12,7 +12,7 @@
 namespace lab::analysis {
 namespace {
 
-/// The messages of a film in their order, to be fed to an Analysis.
+/// The messages of a recording in their order, to be fed to an Analysis.
 struct Recording {
   struct Event {
     bool is_frame = false;
@@ -23,13 +23,13 @@ struct Recording {
 };
 
 Recording record(const ProgramLaw& law, double duration, std::uint64_t seed) {
-  WalkerRecording film;
-  film.law = law;
-  film.duration = duration;
-  film.walls = true;
-  film.seed = seed;
+  WalkerRecording recording;
+  recording.law = law;
+  recording.duration = duration;
+  recording.walls = true;
+  recording.seed = seed;
   Recording recording;
-  Walker walker(film);
+  Walker walker(recording);
   walker.on_frame = [&](const TrackPoint& point) { recording.events.push_back({true, point, {}}); };
   walker.on_telemetry = [&](const RobotTelemetry& telemetry) {
     recording.events.push_back({false, {}, telemetry});

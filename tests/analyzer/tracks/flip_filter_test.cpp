@@ -98,12 +98,12 @@ TEST(SenseDistance, IsTheLikelihoodRatioOfTheNoisyDrive) {
 }
 
 /// Frames of a walker whose tracker confuses the ends: 1 % single frames, and every 40 s one
-/// stretch of 5 s; the film begins with the tail.
-StitchedRecording stitchFlipped(const WalkerRecording& film, bool flips) {
+/// stretch of 5 s; the recording begins with the tail.
+StitchedRecording stitchFlipped(const WalkerRecording& recording, bool flips) {
   StitchedRecording result;
   TrackStitcher stitcher{StitcherConfig{}};
-  Walker walker(film);
-  std::mt19937_64 random(film.seed + 77);
+  Walker walker(recording);
+  std::mt19937_64 random(recording.seed + 77);
   std::bernoulli_distribution single(0.01);
   walker.on_frame = [&](TrackPoint point) {
     const bool stretch = std::fmod(point.time, 40) < 5;
@@ -113,7 +113,7 @@ StitchedRecording stitchFlipped(const WalkerRecording& film, bool flips) {
     stitcher.addFrame(point, result.samples);
   };
   walker.on_telemetry = [&](RobotTelemetry telemetry) {
-    telemetry.sense_distance = senseDistance(film.law);
+    telemetry.sense_distance = senseDistance(recording.law);
     stitcher.addTelemetry(telemetry, result.samples);
   };
   walker.run();
@@ -123,45 +123,45 @@ StitchedRecording stitchFlipped(const WalkerRecording& film, bool flips) {
   return result;
 }
 
-class FlippedFilm : public testing::TestWithParam<ProgramLaw> {};
+class FlippedRecording : public testing::TestWithParam<ProgramLaw> {};
 
-TEST_P(FlippedFilm, HasTheRotationOfTheTrueOne) {
-  constexpr int kFilms = 16;
+TEST_P(FlippedRecording, HasTheRotationOfTheTrueOne) {
+  constexpr int kRecordings = 16;
   EnsembleCurves curves;
-  for (int i = 0; i < kFilms; ++i) {
-    WalkerRecording film;
-    film.law = GetParam();
-    film.duration = 300;
-    film.fps = 24.3;
-    film.walls = true;
-    film.seed = 300U + static_cast<unsigned>(i);
-    const StitchedRecording dut = stitchFlipped(film, true);
-    const StitchedRecording truth = stitchFlipped(film, false);
+  for (int i = 0; i < kRecordings; ++i) {
+    WalkerRecording recording;
+    recording.law = GetParam();
+    recording.duration = 300;
+    recording.fps = 24.3;
+    recording.walls = true;
+    recording.seed = 300U + static_cast<unsigned>(i);
+    const StitchedRecording dut = stitchFlipped(recording, true);
+    const StitchedRecording truth = stitchFlipped(recording, false);
     EXPECT_EQ(dut.tally.segments, truth.tally.segments);
     EXPECT_EQ(dut.samples.size(), truth.samples.size());
     EXPECT_GT(dut.counters.flips, 0.1 * static_cast<double>(dut.counters.frames));
     EXPECT_LE(dut.counters.sense_turns, 1);
     EXPECT_EQ(truth.counters.flips, 0);
-    curves.add(analyseRecording(film, dut, 20));
+    curves.add(analyseRecording(recording, dut, 20));
   }
-  expectUnbiased(curves.msd, kFilms, "MSD");
-  expectUnbiased(curves.angular, kFilms, "angular MSD");
+  expectUnbiased(curves.msd, kRecordings, "MSD");
+  expectUnbiased(curves.angular, kRecordings, "angular MSD");
 }
 
-TEST_P(FlippedFilm, DrivesForwardAgainOnceTheMotionHasTold) {
-  WalkerRecording film;
-  film.law = GetParam();
-  film.duration = 120;
-  const StitchedRecording dut = stitchFlipped(film, true);
-  const StitchedRecording truth = stitchFlipped(film, false);
+TEST_P(FlippedRecording, DrivesForwardAgainOnceTheMotionHasTold) {
+  WalkerRecording recording;
+  recording.law = GetParam();
+  recording.duration = 120;
+  const StitchedRecording dut = stitchFlipped(recording, true);
+  const StitchedRecording truth = stitchFlipped(recording, false);
   ASSERT_EQ(dut.samples.size(), truth.samples.size());
   const double turned = dut.samples.back().theta - truth.samples.back().theta;
-  if (senseDistance(film.law) == 0) return;  // both ends are alike
+  if (senseDistance(recording.law) == 0) return;  // both ends are alike
   EXPECT_NEAR(std::remainder(turned, 2 * kPi), 0, 1e-9);
   EXPECT_EQ(dut.counters.sense_turns, 1);
 }
 
-INSTANTIATE_TEST_SUITE_P(Programs, FlippedFilm,
+INSTANTIATE_TEST_SUITE_P(Programs, FlippedRecording,
                          testing::Values(abpLaw(3, 0.5), noisyLaw(0.01, 0.1, 0.1),
                                          noisyLaw(0, 0.07, 0.2), rtpLaw(1, 0.5)));
 

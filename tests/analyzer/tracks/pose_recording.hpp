@@ -11,15 +11,15 @@
 
 namespace lab::analysis {
 
-/// A film of which only the poses are known.
+/// A recording of which only the poses are known.
 struct PoseRecording {
   std::vector<TrackPoint> track;
   std::vector<FoundReversal> truth;
 };
 
-inline PoseRecording posesOf(const WalkerRecording& film) {
+inline PoseRecording posesOf(const WalkerRecording& recording) {
   PoseRecording result;
-  Walker walker(film);
+  Walker walker(recording);
   walker.on_frame = [&](const TrackPoint& point) {
     result.track.push_back(point);
     result.track.back().sigma = 0;  // a CSV file says nothing of it
@@ -38,11 +38,13 @@ inline PoseRecording posesOf(const WalkerRecording& film) {
 }
 
 /// Stitched by what the poses tell alone.
-inline StitchedRecording stitchPoses(const WalkerRecording& film, std::vector<TrackPoint> track,
+inline StitchedRecording stitchPoses(const WalkerRecording& recording,
+                                     std::vector<TrackPoint> track,
                                      TrackFindings* findings = nullptr) {
   StitchedRecording result;
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  TrackFindings found = examineTrack(track, reversalSearch(film.law, film.walls ? nan : 0.1, 0.4));
+  TrackFindings found =
+      examineTrack(track, reversalSearch(recording.law, recording.walls ? nan : 0.1, 0.4));
   if (findings != nullptr) *findings = found;
   TrackStitcher stitcher{StitcherConfig{}};
   ReversalReporter teller(found.reversals);
@@ -50,7 +52,7 @@ inline StitchedRecording stitchPoses(const WalkerRecording& film, std::vector<Tr
     RobotTelemetry telemetry;
     telemetry.time = point.time;
     telemetry.program = 0;
-    telemetry.sense_distance = senseDistance(film.law);
+    telemetry.sense_distance = senseDistance(recording.law);
     teller.tell(telemetry);
     telemetry.run_time = point.time - teller.removed();
     stitcher.addTelemetry(telemetry, result.samples);
@@ -63,16 +65,17 @@ inline StitchedRecording stitchPoses(const WalkerRecording& film, std::vector<Tr
 }
 
 /// The exact law plus what the tracker's noise adds; the heading noise to the angular MSD.
-inline double withNoise(const WalkerRecording& film, double exact, bool angular) {
-  return exact + (angular ? 2 * film.sigma_theta * film.sigma_theta : 4 * film.sigma * film.sigma);
+inline double withNoise(const WalkerRecording& recording, double exact, bool angular) {
+  return exact + (angular ? 2 * recording.sigma_theta * recording.sigma_theta
+                          : 4 * recording.sigma * recording.sigma);
 }
 
-inline void expectUnbiasedWithNoise(const WalkerRecording& film, const EnsembleCurves& curves,
-                                    double films) {
+inline void expectUnbiasedWithNoise(const WalkerRecording& recording, const EnsembleCurves& curves,
+                                    double recordings) {
   for (const bool angular : {false, true}) {
     for (const LagScatter& lag : angular ? curves.angular : curves.msd) {
-      if (lag.value.n != films) continue;
-      const double expected = withNoise(film, lag.exact, angular);
+      if (lag.value.n != recordings) continue;
+      const double expected = withNoise(recording, lag.exact, angular);
       EXPECT_LT(std::abs(lag.value.z(expected)), 4)
           << (angular ? "angular MSD" : "MSD") << " at " << lag.tau
           << " s: " << lag.value.mean() / expected;

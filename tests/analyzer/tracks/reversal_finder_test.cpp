@@ -23,15 +23,15 @@ struct Case {
 };
 
 WalkerRecording walled(const Case& one, double duration, unsigned seed) {
-  WalkerRecording film;
-  film.law = one.law;
-  film.fps = one.fps;
-  film.duration = duration;
-  film.sigma = 0.0005;
-  film.sigma_theta = 0.0175;
-  film.walls = true;
-  film.seed = seed;
-  return film;
+  WalkerRecording recording;
+  recording.law = one.law;
+  recording.fps = one.fps;
+  recording.duration = duration;
+  recording.sigma = 0.0005;
+  recording.sigma_theta = 0.0175;
+  recording.walls = true;
+  recording.seed = seed;
+  return recording;
 }
 
 class PosesAlone : public testing::TestWithParam<Case> {};
@@ -43,13 +43,13 @@ TEST_P(PosesAlone, TellTheReversalsAndTheirTimes) {
   Scatter start;
   Scatter end;
   for (unsigned seed = 0; seed < 3; ++seed) {
-    const WalkerRecording film = walled(GetParam(), 900, 7000 + seed);
-    PoseRecording poses = posesOf(film);
-    const TrackFindings dut = examineTrack(poses.track, reversalSearch(film.law, 0.1, 0.4));
-    EXPECT_NEAR(dut.sigma, film.sigma, 0.1 * film.sigma);
+    const WalkerRecording recording = walled(GetParam(), 900, 7000 + seed);
+    PoseRecording poses = posesOf(recording);
+    const TrackFindings dut = examineTrack(poses.track, reversalSearch(recording.law, 0.1, 0.4));
+    EXPECT_NEAR(dut.sigma, recording.sigma, 0.1 * recording.sigma);
     std::size_t next = 0;
     for (const FoundReversal& real : poses.truth) {
-      // Shorter ones go a few millimetres, and the last one may outlast the film.
+      // Shorter ones go a few millimetres, and the last one may outlast the recording.
       if (real.end < real.start + 0.5) continue;
       truth += 1;
       while (next < dut.reversals.size() && dut.reversals[next].end < real.start) {
@@ -72,15 +72,15 @@ TEST_P(PosesAlone, TellTheReversalsAndTheirTimes) {
 }
 
 TEST_P(PosesAlone, AreUnbiasedOnceStitched) {
-  constexpr int kFilms = 12;
+  constexpr int kRecordings = 12;
   EnsembleCurves curves;
-  for (unsigned i = 0; i < kFilms; ++i) {
-    const WalkerRecording film = walled(GetParam(), 600, 8000 + i);
-    const StitchedRecording stitched = stitchPoses(film, posesOf(film).track);
+  for (unsigned i = 0; i < kRecordings; ++i) {
+    const WalkerRecording recording = walled(GetParam(), 600, 8000 + i);
+    const StitchedRecording stitched = stitchPoses(recording, posesOf(recording).track);
     EXPECT_EQ(stitched.counters.jumps, 0);
-    curves.add(analyseRecording(film, stitched));
+    curves.add(analyseRecording(recording, stitched));
   }
-  expectUnbiasedWithNoise(walled(GetParam(), 600, 0), curves, kFilms);
+  expectUnbiasedWithNoise(walled(GetParam(), 600, 0), curves, kRecordings);
 }
 
 INSTANTIATE_TEST_SUITE_P(Programs, PosesAlone,
@@ -94,28 +94,28 @@ INSTANTIATE_TEST_SUITE_P(Programs, PosesAlone,
                          [](const auto& parameter) { return parameter.param.name; });
 
 TEST(ReversalFinder, TakesTheSpeedFromTheTrack) {
-  const WalkerRecording film = walled({"", abpLaw(1, 0.25), 24.3}, 900, 5);
-  PoseRecording poses = posesOf(film);
+  const WalkerRecording recording = walled({"", abpLaw(1, 0.25), 24.3}, 900, 5);
+  PoseRecording poses = posesOf(recording);
   const double nan = std::numeric_limits<double>::quiet_NaN();
 
-  EXPECT_NEAR(examineTrack(poses.track, reversalSearch(film.law, nan, 0.4)).speed, 0.1, 0.002);
+  EXPECT_NEAR(examineTrack(poses.track, reversalSearch(recording.law, nan, 0.4)).speed, 0.1, 0.002);
 }
 
 TEST(ReversalFinder, FindsNoneInTheEndlessPlane) {
   for (const ProgramLaw& law : {abpLaw(3, 0.5), noisyLaw(0.01, 0.1, 0.1), noisyLaw(0, 0.1, 0.4),
                                 noisyLaw(0, 0.07, 0.2), rtpLaw(1, 0.5)}) {
     for (const double fps : {9.97, 49.7}) {
-      WalkerRecording film = walled({"", law, fps}, 900, 9);
-      film.walls = false;
-      PoseRecording poses = posesOf(film);
+      WalkerRecording recording = walled({"", law, fps}, 900, 9);
+      recording.walls = false;
+      PoseRecording poses = posesOf(recording);
       EXPECT_TRUE(examineTrack(poses.track, reversalSearch(law, 0.1, 0.4)).reversals.empty());
     }
   }
 }
 
 TEST(ReversalFinder, SeesThroughFlippedHeadings) {
-  const WalkerRecording film = walled({"", abpLaw(3, 0.5), 24.3}, 900, 6);
-  PoseRecording poses = posesOf(film);
+  const WalkerRecording recording = walled({"", abpLaw(3, 0.5), 24.3}, 900, 6);
+  PoseRecording poses = posesOf(recording);
   const std::vector<TrackPoint> whole = poses.track;
   for (std::size_t i = 0; i < poses.track.size(); ++i) {
     if (i % 100 == 7 || poses.track[i].time < 300) {
@@ -125,7 +125,7 @@ TEST(ReversalFinder, SeesThroughFlippedHeadings) {
   }
   std::vector<TrackPoint> reference = whole;
 
-  const ReversalSearch search = reversalSearch(film.law, 0.1, 0.4);
+  const ReversalSearch search = reversalSearch(recording.law, 0.1, 0.4);
   const TrackFindings expected = examineTrack(reference, search);
   const TrackFindings dut = examineTrack(poses.track, search);
 
@@ -139,10 +139,10 @@ TEST(ReversalFinder, SeesThroughFlippedHeadings) {
 }
 
 TEST(ReversalFinder, WorksWithoutHeadings) {
-  const WalkerRecording film = walled({"", abpLaw(3, 0.5), 24.3}, 900, 8);
-  PoseRecording poses = posesOf(film);
+  const WalkerRecording recording = walled({"", abpLaw(3, 0.5), 24.3}, 900, 8);
+  PoseRecording poses = posesOf(recording);
   for (TrackPoint& point : poses.track) point.theta = 0;
-  ReversalSearch search = reversalSearch(film.law, 0.1, 0.4);
+  ReversalSearch search = reversalSearch(recording.law, 0.1, 0.4);
   search.headings = false;
 
   const TrackFindings dut = examineTrack(poses.track, search);

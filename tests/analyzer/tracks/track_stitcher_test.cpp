@@ -16,7 +16,7 @@ namespace {
 using units::kNan;
 constexpr double kSpeed = 0.03;  // m/s
 
-/// A robot that drives straight along x at 3 cm/s, filmed at 50 frames/s, telemetry at 25 Hz.
+/// A robot that drives straight along x at 3 cm/s, recorded at 50 frames/s, telemetry at 25 Hz.
 class TrackStitcherTest : public testing::Test {
  protected:
   void frame(double t, double x) {

@@ -23,7 +23,7 @@ using analysis::TrackPoint;
 using analysis::WalkerRecording;
 using testing::HasSubstr;
 
-/// Changes a film's points in place; may also erase some.
+/// Changes a recording's points in place; may also erase some.
 using Damage = std::function<void(std::vector<TrackPoint>&, std::mt19937_64&)>;
 
 std::string csvOf(const std::vector<TrackPoint>& points) {
@@ -37,16 +37,16 @@ std::string csvOf(const std::vector<TrackPoint>& points) {
   return text.str();
 }
 
-std::vector<TrackPoint> filmed(double duration, unsigned seed) {
-  WalkerRecording film;
-  film.law = analysis::abpLaw(3, 0.5);
-  film.duration = duration;
-  film.fps = 19.7;
-  film.sigma = 0.0005;
-  film.sigma_theta = 0.0175;
-  film.seed = seed;
+std::vector<TrackPoint> recorded(double duration, unsigned seed) {
+  WalkerRecording recording;
+  recording.law = analysis::abpLaw(3, 0.5);
+  recording.duration = duration;
+  recording.fps = 19.7;
+  recording.sigma = 0.0005;
+  recording.sigma_theta = 0.0175;
+  recording.seed = seed;
   std::vector<TrackPoint> points;
-  analysis::Walker walker(film);
+  analysis::Walker walker(recording);
   walker.on_frame = [&](const TrackPoint& point) { points.push_back(point); };
   walker.on_telemetry = [](const analysis::RobotTelemetry&) {};
   walker.run();
@@ -78,13 +78,13 @@ std::string refusal(const std::string& csv) {
   return "none";
 }
 
-/// Mean over films against the exact law with the tracker's noise.
+/// Mean over recordings against the exact law with the tracker's noise.
 void expectUnbiased(const Damage& damage) {
-  constexpr int kFilms = 16;
+  constexpr int kRecordings = 16;
   std::map<double, std::pair<analysis::Scatter, double>> lags[2];
   std::map<std::string, analysis::Scatter> numbers;
-  for (unsigned seed = 0; seed < kFilms; ++seed) {
-    std::vector<TrackPoint> points = filmed(300, 600 + seed);
+  for (unsigned seed = 0; seed < kRecordings; ++seed) {
+    std::vector<TrackPoint> points = recorded(300, 600 + seed);
     std::mt19937_64 random(seed);
     damage(points, random);
     const RunRecord record = analysed(csvOf(points));
@@ -108,13 +108,13 @@ void expectUnbiased(const Damage& damage) {
     }
   }
   for (const auto& [name, scatter] : numbers) {
-    EXPECT_EQ(scatter.n, kFilms) << name;
+    EXPECT_EQ(scatter.n, kRecordings) << name;
     EXPECT_LT(std::abs(scatter.z(1)), 4) << name << ": " << scatter.mean() << " of the truth";
   }
   for (const bool angular : {false, true}) {
     int judged = 0;
     for (const auto& [tau, lag] : lags[angular]) {
-      if (lag.first.n < kFilms) continue;
+      if (lag.first.n < kRecordings) continue;
       ++judged;
       EXPECT_LT(std::abs(lag.first.z(lag.second)), 4)
           << (angular ? "angular MSD" : "MSD") << " at " << tau
@@ -124,9 +124,10 @@ void expectUnbiased(const Damage& damage) {
   }
 }
 
-/// The fit of the exact law to one damaged film of ten minutes: its own error bars hold the truth.
+/// The fit of the exact law to one damaged recording of ten minutes: its own error bars hold the
+/// truth.
 void expectFit(const Damage& damage) {
-  std::vector<TrackPoint> points = filmed(600, 77);
+  std::vector<TrackPoint> points = recorded(600, 77);
   std::mt19937_64 random(5);
   damage(points, random);
   const RunRecord record = analysed(csvOf(points), analysis::Depth::kFull);
@@ -222,7 +223,7 @@ TEST(BadTrack, ClockThatSteps) {
   expectUnbiased(forward);
   expectUnbiased(back);
 
-  std::vector<TrackPoint> points = filmed(200, 1);
+  std::vector<TrackPoint> points = recorded(200, 1);
   std::mt19937_64 random;
   forward(points, random);
   const RunRecord record = analysed(csvOf(points));
@@ -231,20 +232,20 @@ TEST(BadTrack, ClockThatSteps) {
 }
 
 TEST(BadTrack, ClockThatStandsIsRefused) {
-  std::vector<TrackPoint> points = filmed(20, 1);
+  std::vector<TrackPoint> points = recorded(20, 1);
   for (TrackPoint& point : points) point.time = std::floor(point.time);
   EXPECT_THAT(refusal(csvOf(points)), HasSubstr("expected more than in the frames before it"));
 }
 
 TEST(BadTrack, TwoMinutesOnly) {
-  const RunRecord record = analysed(csvOf(filmed(120, 4)));
+  const RunRecord record = analysed(csvOf(recorded(120, 4)));
   for (const analysis::CurvePoint& point : record.results.front().result.curves.msd) {
     EXPECT_TRUE(point.windows > 0 ? point.value > 0 && point.sigma > 0 : std::isnan(point.value));
   }
 }
 
 TEST(BadTrack, TwoMinutesStillHaveHonestErrors) {
-  const RunRecord record = analysed(csvOf(filmed(120, 4)), analysis::Depth::kFull);
+  const RunRecord record = analysed(csvOf(recorded(120, 4)), analysis::Depth::kFull);
   for (const char* name : {"v", "D_r"}) {
     const analysis::Estimate& estimate = numberOf(record, name);
     EXPECT_LE(estimate.low95, estimate.theory) << name;
@@ -263,7 +264,7 @@ TEST(BadTrack, NothingButNanIsRefused) {
 }
 
 TEST(BadTrack, WithoutMotionIsNotTheProgram) {
-  std::vector<TrackPoint> points = filmed(60, 1);
+  std::vector<TrackPoint> points = recorded(60, 1);
   std::mt19937_64 random(2);
   std::normal_distribution<double> noise(0, 5e-4);
   for (TrackPoint& point : points) {

@@ -157,7 +157,7 @@ TEST(PoseFile, ReadsWhatTrexExports) {
 TEST(PoseFile, ReadsAFolderOfTrex) {
   const TemporaryFolder folder;
   for (const int fish : {0, 1, 10}) {
-    std::ofstream file(folder.path() / ("film_fish" + std::to_string(fish) + ".csv"));
+    std::ofstream file(folder.path() / ("recording_fish" + std::to_string(fish) + ".csv"));
     file << "frame,X#wcentroid,Y#wcentroid,time\n0," << fish << ",1,0\n1," << fish << ",2,0.1\n";
   }
   std::ofstream(folder.path() / "notes.csv") << "nothing\n";

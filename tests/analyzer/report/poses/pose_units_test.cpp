@@ -30,7 +30,7 @@ double wrapped(double theta) { return std::remainder(theta, 2 * pi); }
 
 /// A minute of one robot that drives along its heading.
 /// @param turn [rad] in one frame
-PoseFile film(const std::function<double()>& turn, double speed = kSpeed) {
+PoseFile recording(const std::function<double()>& turn, double speed = kSpeed) {
   PoseFile poses;
   poses.headings = poses.times = true;
   poses.frame_period = kPeriod;
@@ -52,15 +52,15 @@ PoseFile film(const std::function<double()>& turn, double speed = kSpeed) {
 
 /// Turns at random, as an active Brownian robot with D_r = 0.75 rad^2/s does.
 PoseFile activeRecording() {
-  return film([random = std::mt19937_64(5), turn = std::normal_distribution<double>(
-                                                0, std::sqrt(2 * 0.75 * kPeriod))]() mutable {
+  return recording([random = std::mt19937_64(5), turn = std::normal_distribution<double>(
+                                                     0, std::sqrt(2 * 0.75 * kPeriod))]() mutable {
     return turn(random);
   });
 }
 
 /// Turns so slowly that its degrees look like an unwrapped angle.
 PoseFile slowRecording() {
-  return film([] { return 0.02; });
+  return recording([] { return 0.02; });
 }
 
 PoseFile with(PoseFile poses, const std::function<double(double)>& written) {
@@ -102,13 +102,14 @@ TEST(PoseUnits, LeaveRadiansAlone) {
         std::function<double(double)>(positive)}) {
     EXPECT_THAT(unitWarnings(with(activeRecording(), written)), IsEmpty());
     EXPECT_THAT(unitWarnings(with(slowRecording(), written)), IsEmpty());
-    EXPECT_THAT(unitWarnings(with(film([] { return 1.0; }), written)), IsEmpty()) << "spins fast";
-    EXPECT_THAT(unitWarnings(with(film([] { return 0.3; }, 0), written)), IsEmpty())
+    EXPECT_THAT(unitWarnings(with(recording([] { return 1.0; }), written)), IsEmpty())
+        << "spins fast";
+    EXPECT_THAT(unitWarnings(with(recording([] { return 0.3; }, 0), written)), IsEmpty())
         << "on the spot";
   }
 }
 
-TEST(PoseUnits, LeaveFilmsWithoutHeadingsAlone) {
+TEST(PoseUnits, LeaveRecordingsWithoutHeadingsAlone) {
   PoseFile poses = with(activeRecording(), [](double theta) { return theta * kDegrees; });
   poses.headings = false;
 

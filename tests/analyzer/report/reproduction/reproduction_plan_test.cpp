@@ -87,7 +87,7 @@ TEST(ReproductionPlan, SaysWhatWasChosen) {
   }
 }
 
-TEST(ReproductionPlan, FilmsEachSetOnce) {
+TEST(ReproductionPlan, RecordingsEachSetOnce) {
   std::set<std::string> ids;
   for (const PaperSet& set : paperSets()) EXPECT_TRUE(ids.insert(set.id).second) << set.id;
   EXPECT_EQ(setsOf(paperPanels()).size(), paperSets().size()) << "a set that no panel shows";
