@@ -19,7 +19,8 @@ namespace lab::report {
 namespace fs = std::filesystem;
 namespace {
 
-/// A folder for what is not finished, beside the finished so that files can be moved over.
+/// A folder for unfinished files, on the same file system as the output so that files can be
+/// renamed.
 class Scratch {
  public:
   explicit Scratch(const fs::path& out) {
@@ -55,7 +56,7 @@ class Scratch {
   fs::path path_;
 };
 
-/// Says what is there in place of the frames.
+/// The error for a log without frames, with the streams it has.
 std::string withoutFrames(const fs::path& log, const RunRecord& record) {
   std::string found;
   for (const StreamLoss& stream : record.log.streams) {

@@ -9,10 +9,10 @@
 
 namespace lab::analysis {
 
-/// The paper's models. The numbers are those of the messages and of robot/dynamics/program.hpp;
-/// they are repeated here so that the analysis depends on nothing.
+/// The paper's models. The values equal those of program_t and robot/dynamics/program.hpp. They are
+/// repeated so that the analysis has no dependencies.
 enum class ProgramKind : std::uint8_t {
-  kNone = 0,      ///< Standing: no law.
+  kNone = 0,      ///< Robot stands: no law.
   kAbp = 1,       ///< Active Brownian particle.
   kNoisyAbp = 2,  ///< Active Brownian particle with translational noise.
   kBp = 3,        ///< Brownian particle.
@@ -20,7 +20,7 @@ enum class ProgramKind : std::uint8_t {
   kWheels = 5,    ///< Constant wheel speeds: no law.
 };
 
-/// A program and its parameters in SI units. What a kind does not name it ignores.
+/// A program and its parameters in SI units. Parameters that a kind does not use are ignored.
 struct ProgramLaw {
   ProgramKind kind = ProgramKind::kNone;
   double v = 0;               ///< Speed (ABP), run speed (RTP), m/s.
@@ -38,23 +38,22 @@ struct ProgramLaw {
 /// True for the programs that draw wheel speeds and hold them for epsilon.
 [[nodiscard]] bool isHeldNoise(ProgramKind kind);
 
-/// Nominal coefficients, exact functions of the programmed parameters; nan where a program has
-/// none.
+/// Nominal coefficients, exact functions of the programmed parameters; nan if the program has none.
 [[nodiscard]] double rotationalDiffusivity(const ProgramLaw& law);     ///< D_r, rad^2/s.
 [[nodiscard]] double translationalDiffusivity(const ProgramLaw& law);  ///< D_t = epsilon V^2/24.
 [[nodiscard]] double meanSpeed(const ProgramLaw& law);  ///< v (ABP, RTP), va (noisy ABP), 0 (BP).
 
-/// The fastest that a wheel must turn for the program, m/s: |v| + eta d/2 (ABP), |va| + V (noisy
-/// ABP, BP), the larger of |v| and largest_turn d / (2 tau_t) (RTP; rad, pi the short way round).
-/// Wheels that are slower saturate, and the law is then not the robot's. nan where a program has
-/// none.
+/// The largest wheel speed that the program needs, m/s: |v| + eta d/2 (ABP), |va| + V (noisy
+/// ABP, BP), the larger of |v| and largest_turn d / (2 tau_t) (RTP; largest_turn in rad, pi if it
+/// turns the shorter way). Slower wheels saturate, and the robot does not follow the law. nan if
+/// the program has none.
 [[nodiscard]] double neededWheelSpeed(const ProgramLaw& law,
                                       double largest_turn = std::numbers::pi);
 
 /// The exact law of what the robot executes, at every lag, for a random observation phase.
 ///
 /// Held noise: see HeldNoise. RTP: see RtpLaw; turning angles are uniform on (-180, 180] degrees
-/// unless told otherwise, which makes the paper's eq. 6 exact. Without a law (standing, constant
+/// by default, which makes the paper's eq. 6 exact. Without a law (standing, constant
 /// wheels, parameters that define none) every value is nan.
 class ExactLaw {
  public:

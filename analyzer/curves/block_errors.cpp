@@ -18,7 +18,7 @@ std::vector<BlockSums> groupBlocks(const BlockData& data, double min_length) {
     BlockSums group;
     for (const BlockSums& block : track) {
       if (group.lags.empty() && group.time == 0) {
-        group = block;  // half the cost of adding to nothing
+        group = block;  // faster than adding to empty sums
       } else {
         group += block;
       }

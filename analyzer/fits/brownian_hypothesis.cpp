@@ -37,24 +37,24 @@ double recordingLength(double observed) {
 }
 
 /// The deviation of every lag and what a recording of the hypothesis makes of the largest.
-/// @param from the first lag that is asked
-KurtosisAnswer ask(const ProgramLaw& law, KurtosisHypothesis hypothesis, double observed,
-                   const std::vector<int>& holds, std::size_t from,
-                   std::vector<KurtosisPoint>& lags) {
+/// @param from the first lag that is tested
+KurtosisAnswer testHypothesis(const ProgramLaw& law, KurtosisHypothesis hypothesis, double observed,
+                              const std::vector<int>& holds, std::size_t from,
+                              std::vector<KurtosisPoint>& lags) {
   KurtosisAnswer answer;
   answer.p = kNan;
   if (from >= lags.size()) return answer;
   const bool own = hypothesis == KurtosisHypothesis::kProgram;
-  const std::vector<int> asked(holds.begin() + static_cast<std::ptrdiff_t>(from), holds.end());
+  const std::vector<int> tested(holds.begin() + static_cast<std::ptrdiff_t>(from), holds.end());
   const double length = recordingLength(observed);
-  const KurtosisBootstrap& recordings = kurtosisBootstrap(law, hypothesis, asked, length);
+  const KurtosisBootstrap& recordings = kurtosisBootstrap(law, hypothesis, tested, length);
   const BpKurtosis exact(law.V, law.wheel_base, law.epsilon);
   double largest = 0;
   for (std::size_t i = from; i < lags.size(); ++i) {
     KurtosisPoint& lag = lags[i];
     // Of the recordings' deviation from the expectation the part of a recording of this length.
     const double of_recordings =
-        own ? exact.kurtosis(asked[i - from] * recordings.period) : kIsotropic;
+        own ? exact.kurtosis(tested[i - from] * recordings.period) : kIsotropic;
     const double bias = (recordings.mean[i - from] - of_recordings) * length / observed;
     const double sigma = recordings.sigma[i - from] * std::sqrt(length / observed);
     const double z = (lag.kurtosis - (own ? lag.exact : kIsotropic) - bias) / sigma;
@@ -72,7 +72,7 @@ KurtosisAnswer ask(const ProgramLaw& law, KurtosisHypothesis hypothesis, double 
   if (above == 0) {
     // Beyond all recordings: as if the lags were independent and normal, which they are to one
     // side.
-    const double tail = static_cast<double>(asked.size()) * std::erfc(largest / std::sqrt(2.0));
+    const double tail = static_cast<double>(tested.size()) * std::erfc(largest / std::sqrt(2.0));
     answer.p = std::max(kSmallestP, std::min(answer.p, tail));
   }
   answer.rejected = answer.p < kRejects;
@@ -143,9 +143,9 @@ std::optional<BrownianTest> testBrownian(const ProgramLaw& law, const BlockData&
     test.lags.push_back(lag);
   }
   if (test.lags.empty()) return std::nullopt;
-  test.exact = ask(law, KurtosisHypothesis::kProgram, observed, holds, 0, test.lags);
-  test.isotropic =
-      ask(law, KurtosisHypothesis::kIsotropic, observed, holds, isotropic_from, test.lags);
+  test.exact = testHypothesis(law, KurtosisHypothesis::kProgram, observed, holds, 0, test.lags);
+  test.isotropic = testHypothesis(law, KurtosisHypothesis::kIsotropic, observed, holds,
+                                  isotropic_from, test.lags);
   test.text = verdict(test);
   return test;
 }

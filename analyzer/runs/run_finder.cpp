@@ -76,23 +76,23 @@ FoundRuns RunFinder::find() const {
   if (!found.resolved) {
     return found;
   }
-  cut::Scales scales{law_.v, law_.tau_t,         roughNoise(bins_), frames_per_bin_ * period_,
-                     0,      frames_per_bin_ > 1};
-  std::vector<cut::SegmentedTrack> cuts;
+  segmentation::Scales scales{
+      law_.v, law_.tau_t, roughNoise(bins_), frames_per_bin_ * period_, 0, frames_per_bin_ > 1};
+  std::vector<segmentation::SegmentedTrack> cuts;
   for (int pass = 0; pass < kMostPasses; ++pass) {
     scales.setShortest(period_);
     cuts.clear();
-    cut::ScaleSums sums;
+    segmentation::ScaleSums sums;
     for (std::size_t t = 0; t < tracks_.size(); ++t) {
       const std::size_t end = t + 1 < tracks_.size() ? tracks_[t + 1].begin : bins_.size();
       const std::span<const TrackBin> bins(bins_.data() + tracks_[t].begin, end - tracks_[t].begin);
       if (tracks_[t].last > tracks_[t].first) {
         cuts.emplace_back(bins, tracks_[t].first, tracks_[t].last, scales);
-        cuts.back().gather();
+        cuts.back().mergeStops();
         cuts.back().measure(sums);
       }
     }
-    const cut::Scales before = scales;
+    const segmentation::Scales before = scales;
     found.speed = sums.speed(scales.sigma);
     found.tumble = sums.tumble();
     found.tumble.sigma = std::hypot(found.tumble.sigma, kEdgeShare * scales.sigma / scales.speed);
@@ -112,8 +112,8 @@ FoundRuns RunFinder::find() const {
     }
   }
   scales.setShortest(period_);
-  for (cut::SegmentedTrack& cut : cuts) {
-    cut.gather();
+  for (segmentation::SegmentedTrack& cut : cuts) {
+    cut.mergeStops();
     cut.collect(found);
   }
   found.shortest = scales.shortest;

@@ -14,10 +14,11 @@ struct TestResult {
 };
 
 /// A waiting time, or how much of it was seen.
-struct Waiting {
+struct WaitingTime {
   double time = 0;  ///< Any unit.
   bool ended = false;
-  int track = 0;  ///< Waiting times that follow each other; the track's end cuts the last one off.
+  int track =
+      0;  ///< WaitingTime times that follow each other; the track's end cuts the last one off.
 };
 
 /// Are the waiting times exponential? The largest distance between the Kaplan-Meier estimate of
@@ -25,7 +26,7 @@ struct Waiting {
 /// correction for n). p from `replicates` simulated sets that are fitted and cut off in the same
 /// way, of at most 500 waiting times, beyond which the statistic's distribution does not change.
 /// The same seed gives the same p.
-[[nodiscard]] TestResult exponentialTest(std::span<const Waiting> waiting, std::uint64_t seed,
+[[nodiscard]] TestResult exponentialTest(std::span<const WaitingTime> waiting, std::uint64_t seed,
                                          int replicates = 499);
 
 /// Are angles (rad) uniform on the circle? Kuiper's V with Stephens' (1970) p, good to 1 % from 8

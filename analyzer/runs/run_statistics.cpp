@@ -197,7 +197,7 @@ void addDerived(const ProgramLaw& law, const Measured& speed, const Measured& tu
 }
 
 void testRuns(const std::vector<const FoundRuns*>& robots, RunStatistics& out) {
-  std::vector<Waiting> waiting;
+  std::vector<WaitingTime> waiting;
   std::vector<double> before;
   std::vector<double> after;
   int track = 0;

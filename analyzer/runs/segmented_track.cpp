@@ -7,7 +7,7 @@
 #include "analyzer/curves/statistics.hpp"
 #include "common/math/units.hpp"
 
-namespace lab::analysis::cut {
+namespace lab::analysis::segmentation {
 namespace {
 
 using units::kNan;
@@ -108,7 +108,7 @@ SegmentedTrack::SegmentedTrack(std::span<const TrackBin> bins, double first, dou
   stretches_ = segmentMotion(bins, {scales.speed, scales.tumble, sigma, scales.period});
 }
 
-void SegmentedTrack::gather() {
+void SegmentedTrack::mergeStops() {
   stops_.clear();
   for (const Stretch& stretch : stretches_) {
     if (stretch.run) {
@@ -142,9 +142,9 @@ void SegmentedTrack::measure(ScaleSums& sums) const {
       sums.freedom += 2 * static_cast<double>(core.size() - 1);
     } else if (!joined(stretch)) {
       // Along the direction in which it moves; noise across it has lengthened that.
-      const double way2 = own.driftX() * own.driftX() + own.driftY() * own.driftY();
+      const double drift2 = own.driftX() * own.driftX() + own.driftY() * own.driftY();
       const double noise = scales_.sigma * scales_.sigma * own.time2();
-      sums.drift += std::sqrt(std::max(0.0, way2 - noise));
+      sums.drift += std::sqrt(std::max(0.0, drift2 - noise));
       sums.time2 += own.time2();
       sums.runs += 1;
     }
@@ -175,7 +175,7 @@ void SegmentedTrack::collect(FoundRuns& found) const {
     const bool cut_behind = here.end == bins_.size();
     const double from = cut_before ? first_ : arrival(i);
     if (!cut_before) {
-      const double duration = i > 0 ? way(i) / scales_.speed : from - first_;
+      const double duration = i > 0 ? runLength(i) / scales_.speed : from - first_;
       // A track that begins in a run too short to be seen begins in a tumble.
       if (i > 0 || duration >= scales_.shortest) {
         const bool single = i > 0 && tumbles == 1;
@@ -201,7 +201,7 @@ void SegmentedTrack::collect(FoundRuns& found) const {
   }
 }
 
-double SegmentedTrack::way(std::size_t i) const {
+double SegmentedTrack::runLength(std::size_t i) const {
   const Place& from = stops_[i - 1].departure;
   const Place& to = stops_[i].arrival;
   const double length = distance(from, to);
@@ -213,7 +213,7 @@ Stretch SegmentedTrack::runBefore(std::size_t i) const {
   return {true, i > 0 ? stops_[i - 1].end : 0, stops_[i].begin};
 }
 
-Stretch SegmentedTrack::runBehind(std::size_t i) const {
+Stretch SegmentedTrack::runAfter(std::size_t i) const {
   return {true, stops_[i].end, i + 1 < stops_.size() ? stops_[i + 1].begin : bins_.size()};
 }
 
@@ -228,7 +228,7 @@ std::optional<double> SegmentedTrack::arrivalBy(std::size_t i, bool rough) const
 }
 
 std::optional<double> SegmentedTrack::departureBy(std::size_t i, bool rough) const {
-  const Stretch run = runBehind(i);
+  const Stretch run = runAfter(i);
   const bool last = i + 1 == stops_.size();
   return edge(run, stops_[i].departure, last ? nullptr : &stops_[i + 1].arrival, -1, rough,
               stops_[i].end);
@@ -276,7 +276,7 @@ std::int64_t SegmentedTrack::tumblesIn(double stood, bool cut_before, bool cut_b
 
 double SegmentedTrack::turn(std::size_t i) const {
   const Stretch before = runBefore(i);
-  const Stretch behind = runBehind(i);
+  const Stretch behind = runAfter(i);
   // Where bins are averages, those at the edges have turned already.
   const std::size_t least = scales_.averaged ? 3 : 1;
   if (before.size() < least || behind.size() < least) {
@@ -298,4 +298,4 @@ double SegmentedTrack::turn(std::size_t i) const {
                         2 * std::numbers::pi);
 }
 
-}  // namespace lab::analysis::cut
+}  // namespace lab::analysis::segmentation

@@ -10,7 +10,7 @@
 #include "analyzer/runs/run_finder.hpp"
 #include "analyzer/runs/run_segmentation.hpp"
 
-namespace lab::analysis::cut {
+namespace lab::analysis::segmentation {
 
 /// A mean place [m], of so many frames.
 struct Place {
@@ -64,7 +64,7 @@ class SegmentedTrack {
   SegmentedTrack(std::span<const TrackBin> bins, double first, double last, const Scales& scales);
 
   /// Joins stops whose distance is no run, by the scales as they are now.
-  void gather();
+  void mergeStops();
 
   void measure(ScaleSums& sums) const;
 
@@ -73,11 +73,11 @@ class SegmentedTrack {
 
  private:
   /// The run that ends at standing i, free of noise's share.
-  [[nodiscard]] double way(std::size_t i) const;
+  [[nodiscard]] double runLength(std::size_t i) const;
 
   /// The bins of the run before standing i.
   [[nodiscard]] Stretch runBefore(std::size_t i) const;
-  [[nodiscard]] Stretch runBehind(std::size_t i) const;
+  [[nodiscard]] Stretch runAfter(std::size_t i) const;
 
   [[nodiscard]] bool joined(const Stretch& run) const;
 
@@ -104,4 +104,4 @@ class SegmentedTrack {
   std::vector<StopInterval> stops_;
 };
 
-}  // namespace lab::analysis::cut
+}  // namespace lab::analysis::segmentation

@@ -12,8 +12,8 @@ namespace lab::analysis {
 namespace {
 
 constexpr std::size_t kFramesForPeriod = 20;
-constexpr double kUnbiasedShare = 0.1;     // of the median dwell time
-constexpr std::size_t kMaxStays = 100000;  // remembered per program
+constexpr double kUnbiasedShare = 0.1;          // of the median dwell time
+constexpr std::size_t kMaxDwellTimes = 100000;  // remembered per program
 
 }  // namespace
 
@@ -54,7 +54,7 @@ void Analysis::recordDwellTime(Robot& robot, const RobotTelemetry& telemetry) {
   }
   if (robot.program >= 0) {
     std::vector<float>& durations = dwell_times_[static_cast<std::size_t>(robot.program)];
-    if (durations.size() < kMaxStays) {
+    if (durations.size() < kMaxDwellTimes) {
       durations.push_back(static_cast<float>(telemetry.program_start - robot.program_start));
     }
   }

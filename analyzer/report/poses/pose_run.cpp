@@ -179,10 +179,10 @@ class PoseFeed {
       record.headings.jumps += found.flip_jumps;
       record.headings.sense_turns += found.sense_turns;
       record.poses->reversals += static_cast<std::int64_t>(found.reversals.size());
-      tellers_.try_emplace(robot, found.reversals);
-      std::map<double, double>& mended = mended_[robot];
+      reporters_.try_emplace(robot, found.reversals);
+      std::map<double, double>& corrected = corrected_[robot];
       if (found.flips == 0 && found.sense_turns == 0) continue;
-      for (const analysis::TrackPoint& point : track) mended[point.time] = point.theta;
+      for (const analysis::TrackPoint& point : track) corrected[point.time] = point.theta;
     }
   }
 
@@ -194,10 +194,10 @@ class PoseFeed {
     tracks_.frames.push_back({units::microseconds(frame.time), frame.frame, tracks_.rows.size()});
     record.poses->in_contact += static_cast<std::int64_t>(contacts.size());
     for (FramePose& pose : frame.poses) {
-      const auto mended = mended_.find(pose.robot);
-      if (mended != mended_.end()) {
-        const auto theta = mended->second.find(frame.time);
-        if (theta != mended->second.end()) pose.theta = theta->second;
+      const auto corrected = corrected_.find(pose.robot);
+      if (corrected != corrected_.end()) {
+        const auto theta = corrected->second.find(frame.time);
+        if (theta != corrected->second.end()) pose.theta = theta->second;
       }
       const auto noise = heading_noise_.find(pose.robot);
       if (noise != heading_noise_.end()) pose.sigma_theta = noise->second;
@@ -207,10 +207,10 @@ class PoseFeed {
       telemetry.program_start = epoch_start_;
       telemetry.contact = contacts.contains(pose.robot);
       telemetry.run_time = frame.time - poses_.frames.front().time;
-      const auto teller = tellers_.find(pose.robot);
-      if (teller != tellers_.end()) {
-        teller->second.tell(telemetry);
-        telemetry.run_time -= teller->second.removed();
+      const auto reporter = reporters_.find(pose.robot);
+      if (reporter != reporters_.end()) {
+        reporter->second.report(telemetry);
+        telemetry.run_time -= reporter->second.removed();
       }
       telemetry.run_time *= run_share_;
       analysis_.addTelemetry(pose.robot, law_, telemetry);
@@ -239,9 +239,9 @@ class PoseFeed {
   analysis::ProgramLaw law_;
   bool speed_is_known_ = false;
   double run_share_ = 1;
-  std::map<int, analysis::ReversalReporter> tellers_;
-  std::map<int, std::map<double, double>> mended_;  ///< by robot and time, where any was
-  std::map<int, double> heading_noise_;             ///< by robot [rad]
+  std::map<int, analysis::ReversalReporter> reporters_;
+  std::map<int, std::map<double, double>> corrected_;  ///< by robot and time, where any was
+  std::map<int, double> heading_noise_;                ///< by robot [rad]
   std::size_t next_step_ = 0;
   double epoch_start_ = 0;
   analysis::Analysis analysis_;

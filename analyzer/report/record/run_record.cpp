@@ -153,14 +153,14 @@ RunRecord readRun(const std::vector<std::filesystem::path>& files, const ReadOpt
   analysis::AnalysisFeed feed(experiment);
   if (depth == analysis::Depth::kFull) feed.findRuns();
   feed.stitch(options.stitch, depth == analysis::Depth::kFull);
-  analysis::ProgramKeys book;
+  analysis::ProgramKeys keys;
   record.stitched = options.stitch;
   feed.onPiece([&](int robot, const program_t& program, const analysis::Piece& piece) {
-    record.pieces.push_back({robot, book.key(program), piece});
+    record.pieces.push_back({robot, keys.key(program), piece});
   });
   TrackRecord tracks(feed);
   LightTimeline light(experiment.arena_width, experiment.arena_height);
-  RobotTimelines robots([&book](const program_t& program) { return book.key(program); });
+  RobotTimelines robots([&keys](const program_t& program) { return keys.key(program); });
   EventRecord events;
   ServiceRecords services;
   LinkRecords links;
@@ -188,9 +188,9 @@ RunRecord readRun(const std::vector<std::filesystem::path>& files, const ReadOpt
   record.light = light.spans();
   record.calibration = light.calibration();
   record.robots = robots.records();
-  for (std::size_t key = 0; key < book.programs().size(); ++key) {
-    const program_t& program = book.programs()[key];
-    record.programs.push_back({program, nameOf(record, program, key, book.programs())});
+  for (std::size_t key = 0; key < keys.programs().size(); ++key) {
+    const program_t& program = keys.programs()[key];
+    record.programs.push_back({program, nameOf(record, program, key, keys.programs())});
   }
   fillPrograms(record);
   record.results = feed.results(depth);

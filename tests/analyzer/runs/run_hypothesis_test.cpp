@@ -37,7 +37,7 @@ TestResult angles(std::mt19937_64& random, int n, double kick,
 
 TestResult runs(std::mt19937_64& random, int n, double shape, double track) {
   std::gamma_distribution<double> draw(shape, 1 / shape);
-  std::vector<Waiting> all;
+  std::vector<WaitingTime> all;
   double left = track;
   int number = 0;
   while (static_cast<int>(all.size()) < n) {

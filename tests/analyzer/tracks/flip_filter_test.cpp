@@ -36,7 +36,7 @@ TEST(FlipFilter, LeavesUnflippedHeadingsToTheBit) {
   for (int i = 0; i < 10000; ++i) {
     theta = std::remainder(theta + turn(random), 2 * kPi);
     TrackPoint point = heading(0.05 * i, theta);
-    EXPECT_FALSE(dut.mend(point));
+    EXPECT_FALSE(dut.correct(point));
     ASSERT_TRUE(sameBits(point.theta, theta));
   }
   EXPECT_EQ(dut.jumps(), 0);
@@ -48,7 +48,7 @@ TEST(FlipFilter, TurnsRoundOneFrameAndAStretch) {
     const double true_theta = 0.01 * i;
     const bool flipped = i == 20 || (i >= 50 && i < 150);
     TrackPoint point = heading(0.02 * i, true_theta + (flipped ? kPi : 0));
-    EXPECT_EQ(dut.mend(point), flipped) << i;
+    EXPECT_EQ(dut.correct(point), flipped) << i;
     EXPECT_NEAR(std::remainder(point.theta - true_theta, 2 * kPi), 0, 1e-12);
   }
   EXPECT_EQ(dut.jumps(), 4);
@@ -59,7 +59,7 @@ TEST(FlipFilter, IsNotLedAstrayByAHeadingOutOfPlace) {
   FlipFilter dut({});
   for (int i = 0; i < 100; ++i) {
     TrackPoint point = heading(0.02 * i, i % 10 == 5 ? 1.6 : i >= 50 ? kPi : 0);
-    dut.mend(point);
+    dut.correct(point);
     if (i % 10 == 5) continue;
     EXPECT_NEAR(std::remainder(point.theta, 2 * kPi), 0, 1e-12) << i;
   }
@@ -69,8 +69,8 @@ TEST(FlipFilter, BelievesAJumpThatWheelsCouldHaveMade) {
   FlipFilter dut({});
   TrackPoint first = heading(0, 0);
   TrackPoint late = heading(0.5, kPi);  // 3.6 rad are within reach
-  dut.mend(first);
-  EXPECT_FALSE(dut.mend(late));
+  dut.correct(first);
+  EXPECT_FALSE(dut.correct(late));
   EXPECT_EQ(late.theta, kPi);
   EXPECT_EQ(dut.chain(), 1);
 }
@@ -79,12 +79,12 @@ TEST(FlipFilter, LearnsFromTheMotionWhichEndIsTheHead) {
   FlipFilter dut({});
   const double enough = senseDistance(abpLaw(3, 0.5));
   TrackPoint point = heading(0, 1);
-  dut.mend(point);
-  EXPECT_FALSE(dut.drive(-0.9 * enough, enough));
-  EXPECT_FALSE(dut.drive(-1, 0));  // a program that tells nothing
-  EXPECT_TRUE(dut.drive(-0.2 * enough, enough));
+  dut.correct(point);
+  EXPECT_FALSE(dut.addMotion(-0.9 * enough, enough));
+  EXPECT_FALSE(dut.addMotion(-1, 0));  // a program that tells nothing
+  EXPECT_TRUE(dut.addMotion(-0.2 * enough, enough));
   TrackPoint next = heading(0.02, 1);
-  EXPECT_TRUE(dut.mend(next));
+  EXPECT_TRUE(dut.correct(next));
   EXPECT_NEAR(std::remainder(next.theta - 1 - kPi, 2 * kPi), 0, 1e-12);
 }
 

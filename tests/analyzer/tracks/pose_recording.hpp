@@ -47,14 +47,14 @@ inline StitchedRecording stitchPoses(const WalkerRecording& recording,
       examineTrack(track, reversalSearch(recording.law, recording.walls ? nan : 0.1, 0.4));
   if (findings != nullptr) *findings = found;
   TrackStitcher stitcher{StitcherConfig{}};
-  ReversalReporter teller(found.reversals);
+  ReversalReporter reporter(found.reversals);
   for (const TrackPoint& point : track) {
     RobotTelemetry telemetry;
     telemetry.time = point.time;
     telemetry.program = 0;
     telemetry.sense_distance = senseDistance(recording.law);
-    teller.tell(telemetry);
-    telemetry.run_time = point.time - teller.removed();
+    reporter.report(telemetry);
+    telemetry.run_time = point.time - reporter.removed();
     stitcher.addTelemetry(telemetry, result.samples);
     stitcher.addFrame(point, result.samples);
   }
