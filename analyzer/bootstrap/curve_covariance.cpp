@@ -80,7 +80,8 @@ SimulatedCurves simulateCurves(const BootstrapPlan& plan) {
   SimulatedCurves result;
   result.duration = plan.duration * (1 - plan.gaps.unseen);
   result.cut = plan.gaps.cut;
-  // The recordings' period is a bit longer than whole frames, so that it locks to nothing.
+  // The period of the recordings is slightly longer than whole frames, so that it does not lock to
+  // holds.
   const double every = std::max(1.0, std::round(plan.period / plan.frame_period));
   std::vector<int> frames;
   std::vector<int> measured;
@@ -107,7 +108,7 @@ SimulatedCurves simulateCurves(const BootstrapPlan& plan) {
       stretches = drawStretches(plan.gaps, plan.frame_period, plan.period, poses.x.size(), ~seed);
     }
     const std::vector<double> curves = recordingCurves(poses, frames, measured, every, stretches);
-    // Without a window of some lag it says nothing of how the lags err together.
+    // A recording without windows of some lag does not contribute to the covariance.
     if (std::any_of(curves.begin(), curves.end(), [](double v) { return std::isnan(v); })) continue;
     ++result.recordings;
     result.values.insert(result.values.end(), curves.begin(), curves.end());
@@ -116,8 +117,8 @@ SimulatedCurves simulateCurves(const BootstrapPlan& plan) {
 }
 
 double errorScale(const SimulatedCurves& recordings, double observed, double segments, double tau) {
-  // A share of the recording at the least, so that lags near a whole segment keep a finite error:
-  // half of one segment; of many, some of which are longer than the mean, less.
+  // Limited below, so that lags near the length of a segment have a finite error: to half of a
+  // single segment; to less for many, some of which are longer than the mean.
   const double least = (segments > 1 ? 0.1 : 0.5) * observed;
   const double covered = recordings.cut ? observed : std::max(observed - segments * tau, least);
   return std::sqrt(std::max(recordings.duration - tau, 0.5 * recordings.duration) / covered);

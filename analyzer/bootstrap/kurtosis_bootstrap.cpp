@@ -13,7 +13,7 @@ namespace {
 constexpr int kRecordings = 300;
 constexpr std::uint64_t kSeed = 2025;
 constexpr std::size_t kKept = 8;
-// Frames that come once a hold would see one phase of it for a whole recording.
+// Exactly one frame per hold would sample a single phase for the whole recording.
 constexpr double kFramesPerHold = 1.0234;
 
 double kurtosisOf(const RecordingPoses& poses, int lag) {

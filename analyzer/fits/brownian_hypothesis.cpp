@@ -16,16 +16,18 @@ namespace {
 
 using units::kNan;
 
-constexpr double kShare = 1.0 / 40;  // of the recording, that the longest lag may be
-constexpr int kFirstHolds = 2;       // the shortest lag
-constexpr int kIsotropicHolds = 10;  // below, even an isotropic robot's draws are not Gaussian
+constexpr double kShare = 1.0 / 40;  // longest lag, as a share of the recording
+constexpr int kFirstHolds = 2;       // shortest lag, in holds
+constexpr int kIsotropicHolds = 10;  // at shorter lags even isotropic draws are not Gaussian
 constexpr double kIsotropic = 2;
 constexpr double kRejects = 0.01;
-constexpr double kSmallestP = 1e-12;        // nobody knows the tails farther
-constexpr double kLongestRecording = 4096;  // s, of the simulated ones; beyond, errors are scaled
-constexpr double kLengthsPerOctave = 2;  // of simulated recordings: robots of one run share theirs
+constexpr double kSmallestP = 1e-12;  // the tails are not known beyond this
+constexpr double kLongestRecording =
+    4096;  // s, of simulated recordings; for longer ones, errors are scaled
+constexpr double kLengthsPerOctave =
+    2;  // of simulated recordings, so that robots of one run share them
 
-/// What the tracker's noise adds to the MSD, m^2; 0 where it cannot be told.
+/// Contribution of the tracker noise to the MSD, m^2; 0 if it cannot be determined.
 double noiseOffset(const ProgramLaw& law, const BlockData& data) {
   const double offset = Estimator(law, data)(data.total())[kPositionOffset];
   return offset > 0 ? offset : 0;
@@ -36,7 +38,8 @@ double recordingLength(double observed) {
   return std::min(kLongestRecording, std::exp2(octave));
 }
 
-/// The deviation of every lag and what a recording of the hypothesis makes of the largest.
+/// Computes the deviation of every lag, and the probability of the largest one under the
+/// hypothesis.
 /// @param from the first lag that is tested
 KurtosisAnswer testHypothesis(const ProgramLaw& law, KurtosisHypothesis hypothesis, double observed,
                               const std::vector<int>& holds, std::size_t from,
@@ -52,7 +55,7 @@ KurtosisAnswer testHypothesis(const ProgramLaw& law, KurtosisHypothesis hypothes
   double largest = 0;
   for (std::size_t i = from; i < lags.size(); ++i) {
     KurtosisPoint& lag = lags[i];
-    // Of the recordings' deviation from the expectation the part of a recording of this length.
+    // Bias of a recording of this length: the bias of the simulated ones, scaled by 1/T.
     const double of_recordings =
         own ? exact.kurtosis(tested[i - from] * recordings.period) : kIsotropic;
     const double bias = (recordings.mean[i - from] - of_recordings) * length / observed;
@@ -70,8 +73,7 @@ KurtosisAnswer testHypothesis(const ProgramLaw& law, KurtosisHypothesis hypothes
       std::lower_bound(recordings.largest.begin(), recordings.largest.end(), largest));
   answer.p = (above + 1) / (count + 1);
   if (above == 0) {
-    // Beyond all recordings: as if the lags were independent and normal, which they are to one
-    // side.
+    // Larger than in all simulations: bounded by independent normal lags.
     const double tail = static_cast<double>(tested.size()) * std::erfc(largest / std::sqrt(2.0));
     answer.p = std::max(kSmallestP, std::min(answer.p, tail));
   }
@@ -122,7 +124,7 @@ std::optional<BrownianTest> testBrownian(const ProgramLaw& law, const BlockData&
   const BpKurtosis exact(law.V, law.wheel_base, law.epsilon);
   const double offset = noiseOffset(law, data);
   const BlockSums total = data.total();
-  // Pools are longer than the recordings that are simulated for them.
+  // Pools may be longer than the simulated recordings.
   const double longest = kShare * std::min(observed, recordingLength(observed));
   BrownianTest test;
   std::vector<int> holds;

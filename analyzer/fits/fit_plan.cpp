@@ -6,10 +6,10 @@
 namespace lab::analysis {
 namespace {
 
-constexpr double kHoldFrames = 50;     // frames of a simulated hold, at most
-constexpr double kRecordingLags = 30;  // a simulated recording is so many of the longest lag
-constexpr double kMostFrames = 16000;  // in a simulated recording
-constexpr double kLagsPerTrack = 5;    // the longest lag goes so often into a track
+constexpr double kHoldFrames = 50;     // largest number of frames in a simulated hold
+constexpr double kRecordingLags = 30;  // length of a simulated recording, in longest lags
+constexpr double kMostFrames = 16000;  // largest number of frames in a simulated recording
+constexpr double kLagsPerTrack = 5;    // length of a track, in longest lags
 
 }  // namespace
 

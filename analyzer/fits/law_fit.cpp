@@ -13,11 +13,11 @@ namespace {
 
 using units::kNan;
 
-constexpr double kFewestDraws = 100;  // draws of the noise, or tumbles, for a fit
-constexpr double kFurthest = 1.6;     // factor e^1.6 = 5 off the program: not its motion
+constexpr double kFewestDraws = 100;  // smallest number of draws or tumbles for a fit
+constexpr double kFurthest = 1.6;     // limit of |ln(parameter / programmed)|: a factor of 5
 constexpr double kLeastPivot = 1e-9;  // of the correlation matrix
 constexpr int kMostIterations = 30;
-constexpr int kRecordingsPerColumn = 4;  // for a covariance
+constexpr int kRecordingsPerColumn = 4;  // smallest number for a covariance
 constexpr double kConverged = 1e-9;
 
 using Matrix = Eigen::MatrixXd;
@@ -97,14 +97,16 @@ class Fit {
   [[nodiscard]] double offset() const { return theta_(index(offset_)); }
   [[nodiscard]] double angularOffset() const { return angular_ ? theta_(index(offset_ + 1)) : 0; }
 
-  /// What deviations are measured in: the law at the present parameters, noise included.
+  /// Sets the reference of relative deviations to the law at the current parameters, noise
+  /// included.
   void setReference() {
     reference_ = model(theta_);
     covariance_ = Matrix::Identity(index(columns()), index(columns()));
   }
 
-  /// The covariance of deviations, from recordings at (about) the present parameters. The reference
-  /// becomes their law: one that followed this recording's fluctuations would weigh with them.
+  /// Sets the covariance of deviations from recordings simulated near the current parameters, and
+  /// the reference to their law: a reference that follows the fluctuations of the measurement would
+  /// bias the weights.
   void setCovariance(const SimulatedCurves& recordings) {
     const Eigen::Index n = index(columns());
     Matrix& deviations = deviations_;
@@ -133,7 +135,8 @@ class Fit {
     regularise();
   }
 
-  /// Gauss-Newton to the least deviation. False: it does not converge, or leaves the program far.
+  /// Minimises by Gauss-Newton. False if it does not converge, or if parameters leave the allowed
+  /// range.
   bool solve() {
     const Eigen::LLT<Matrix> factor(covariance_);
     if (factor.info() != Eigen::Success) return false;
@@ -154,7 +157,7 @@ class Fit {
       }
       if (length < kConverged) return true;
     }
-    return true;  // to a small part of a standard error: the step shrinks at every turn
+    return true;  // converged to a small fraction of a standard error
   }
 
   void report(LawFit& fit, int recordings) const;
@@ -207,14 +210,14 @@ class Fit {
     return result.array().colwise() / reference_.array();
   }
 
-  /// The x of least (A x - b)^2, the columns of A scaled by their norms first.
+  /// The x that minimises (A x - b)^2. The columns of A are scaled by their norms.
   static Matrix leastSquares(const Matrix& a, const Vector& norms, const Matrix& b) {
     const Matrix scaled = a * norms.cwiseInverse().asDiagonal();
     const Eigen::LLT<Matrix> factor(scaled.transpose() * scaled);
     return norms.cwiseInverse().asDiagonal() * factor.solve(scaled.transpose() * b);
   }
 
-  /// A covariance that is singular to rounding gets a part of its diagonal more.
+  /// Increases the diagonal of a covariance that is numerically singular.
   void regularise() {
     const Vector sd = covariance_.diagonal().cwiseSqrt();
     const Matrix correlation =
@@ -226,7 +229,7 @@ class Fit {
     if (regularised_) covariance_.diagonal() += kLeastPivot * covariance_.diagonal();
   }
 
-  /// What turns relative deviations into changes of the parameters, for a covariance.
+  /// The matrix that maps relative deviations to changes of the parameters, for a covariance.
   [[nodiscard]] Matrix weights(const Matrix& covariance) const {
     const Eigen::LLT<Matrix> factor(covariance);
     const Matrix sensitivity = factor.matrixL().solve(jacobian_);
@@ -235,9 +238,9 @@ class Fit {
     return leastSquares(sensitivity, sensitivity.colwise().norm(), whitening);
   }
 
-  /// The covariance of the parameters, by cross-validation: the scatter of recordings under weights
-  /// made from the others. It holds what a covariance from few and skewed recordings costs, which
-  /// (J^T S^-1 J)^-1 leaves out.
+  /// The covariance of the parameters by cross-validation: the scatter of recordings under weights
+  /// from the others. It includes the error of a covariance from few and skew recordings, which
+  /// (J^T S^-1 J)^-1 does not.
   [[nodiscard]] Matrix parameterErrors() const {
     constexpr Eigen::Index kFolds = 5;
     const Eigen::Index recordings = deviations_.rows();
@@ -263,19 +266,20 @@ class Fit {
   const FitOptions& options_;
   std::vector<Free> free_;
   std::vector<Column> columns_;
-  std::size_t offset_ = 0;  ///< Where the tracker's offsets begin in theta.
+  std::size_t offset_ = 0;  ///< Index of the first tracker offset in theta.
   std::size_t parameters_ = 0;
   bool angular_ = false;
   bool regularised_ = false;
   Vector theta_;  ///< ln(parameter / programmed), then the offsets.
   Vector reference_;
-  Matrix deviations_;  ///< Of the recordings, relative, scaled to the measured time; one a row.
+  Matrix deviations_;  ///< Relative deviations of the recordings, scaled to the measured time; one
+                       ///< row each.
   Vector systematic_;  ///< Variances.
   Matrix covariance_;
   Matrix jacobian_;
 };
 
-/// Numbers of a law that follow from its parameters.
+/// A quantity that follows from the parameters of a law.
 struct Derived {
   const char* name;
   const char* unit;
@@ -356,7 +360,7 @@ void Fit::report(LawFit& fit, int recordings) const {
                                            std::sqrt(slope.dot(errors * slope)), quantile,
                                            derived.of(law_), note + ": " + derived.note));
   }
-  // The least-squares fit is off by ordinary * residuals, to first order.
+  // To first order, the ordinary least-squares fit differs by ordinary * residuals.
   const Matrix ordinary = weights(Matrix::Identity(index(columns()), index(columns())));
   const Matrix difference = weights(covariance_) - ordinary;
   const Vector off = ordinary * left;

@@ -15,14 +15,14 @@ namespace {
 
 using units::kNan;
 
-constexpr double kRecordingsPerLag = 36;   // longer lags are too skewed
-constexpr double kRecordingsPerTrack = 3;  // of the longest lag simulated
-constexpr double kSimulatedLags = 12;      // the simulated recording is so many of its longest lags
-constexpr double kLeastEvents = 400;       // in a simulated recording
-constexpr double kMostEvents = 5e6;        // in all of them
+constexpr double kRecordingsPerLag = 36;   // longer lags have too skew distributions
+constexpr double kRecordingsPerTrack = 3;  // length of a track, in longest simulated lags
+constexpr double kSimulatedLags = 12;      // length of a simulated recording, in its longest lags
+constexpr double kLeastEvents = 400;       // smallest number of events in a simulated recording
+constexpr double kMostEvents = 5e6;        // largest number of events in all of them
 constexpr int kFramesPerHold = 4;
-constexpr double kOffsetError = 0.05;  // of the tracker's noise, taken from the live estimate
-constexpr double kMatch = 0.1;         // a measured lag that far from a simulated one is another
+constexpr double kOffsetError = 0.05;  // relative error of the tracker noise by the live estimate
+constexpr double kMatch = 0.1;  // largest relative difference between measured and simulated lags
 constexpr int kFewestLags = 4;
 
 bool hasSpeed(const ProgramLaw& law) {
@@ -96,7 +96,7 @@ MeasuredCurves measuredCurves(const ProgramLaw& law, const BlockData& data) {
     curves.lags.push_back(data.lagTime(i, total));
     curves.msd.push_back(lag.windows > 0 ? lag.r2 / lag.windows : kNan);
     curves.angular_msd.push_back(lag.angular_windows > 0 ? lag.a2 / lag.angular_windows : kNan);
-    // The positions on both sides of a join are noisy too, and shared by the windows across it.
+    // Both positions at a join are noisy too, and all windows across it share them.
     curves.joined.push_back(1 + joins * std::max(0, data.lags[i] - 2));
   }
   return curves;
@@ -171,7 +171,7 @@ LawTest testLaw(TestedLaw tested, const ProgramLaw& law, const MeasuredCurves& c
     const double simulated_offset = simulated.law[column] - truth;
     const double scale = errorScale(simulated, curves.observed, curves.segments, lag);
     for (int recording = 0; recording < simulated.recordings; ++recording) {
-      // Scaled to the measured time first, so that the cube root's own shift is that time's.
+      // Scaled to the measured time before the cube root, whose bias depends on it.
       const double ratio = (simulated.value(recording, column) - simulated_offset) / truth;
       recordings(recording, j) = normalised(1 + scale * (ratio - 1));
     }

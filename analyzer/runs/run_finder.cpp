@@ -12,14 +12,14 @@ namespace lab::analysis {
 namespace {
 
 constexpr double kBinsPerTumble = 10;
-constexpr double kLargestGap = 0.5;        // of a tumble: a longer one could hide one
-constexpr double kFewestFrames = 3;        // in a tumble
-constexpr double kEdgeShare = 0.03;        // of the time to cross the noise: not averaged out
-constexpr double kScaleTolerance = 0.003;  // at which cutting again changes nothing
+constexpr double kLargestGap = 0.5;        // of a tumble; a longer gap could hide one
+constexpr double kFewestFrames = 3;        // smallest number of frames in a tumble
+constexpr double kEdgeShare = 0.03;        // systematic error of edges, in times to cross the noise
+constexpr double kScaleTolerance = 0.003;  // relative change at which iterations end
 constexpr int kMostPasses = 4;
 
-/// The noise of a frame from second differences of bins, which straight motion does not have; from
-/// their median, since edges have them.
+/// The noise of a frame from second differences of bins, in which straight motion cancels. Their
+/// median ignores the edges of runs.
 double roughNoise(std::span<const TrackBin> bins) {
   std::vector<double> squares;
   for (std::size_t i = 2; i < bins.size(); ++i) {
@@ -54,7 +54,7 @@ void RunFinder::add(const Sample& sample) {
   track.last = sample.free_time;
   const auto bin = static_cast<std::int64_t>(
       std::floor((sample.free_time - track.first) / (frames_per_bin_ * period_) + 1e-3));
-  // Where every frame is a bin, time stamps that jitter must not put two into one.
+  // If every frame is a bin, jitter of time stamps must not put two frames into one bin.
   if (frames_per_bin_ == 1 || bin != bin_) {
     bin_ = bin;
     bins_.push_back({sample.free_time, sample.x, sample.y, sample.theta, 1, sample.piece});

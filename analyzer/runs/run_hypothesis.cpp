@@ -15,7 +15,7 @@ using units::kNan;
 constexpr std::size_t kFewest = 8;
 constexpr std::size_t kMostSimulated = 500;  // waiting times of a replicate
 
-/// Stephens' modified statistic of the exponential law with fitted rate. Sorts.
+/// Stephens' modified statistic for the exponential law with fitted rate. Sorts its argument.
 double lilliefors(std::vector<WaitingTime>& waiting) {
   std::sort(waiting.begin(), waiting.end(),
             [](const WaitingTime& a, const WaitingTime& b) { return a.time < b.time; });
@@ -42,7 +42,7 @@ double lilliefors(std::vector<WaitingTime>& waiting) {
   return (distance - 0.2 / events) * (root + 0.26 + 0.5 / root);
 }
 
-/// The time of each track, in the order of their numbers.
+/// The total time of each track, in order of their numbers.
 std::vector<double> budgets(std::span<const WaitingTime> waiting) {
   std::vector<double> all;
   int track = -1;
@@ -77,7 +77,7 @@ TestResult exponentialTest(std::span<const WaitingTime> waiting, std::uint64_t s
   int beyond = 0;
   std::vector<WaitingTime> simulated;
   for (int r = 0; r < replicates; ++r) {
-    // Every track is filled with waiting times until it ends. A part of the tracks will do.
+    // Fills every track with waiting times until it ends. Part of the tracks is sufficient.
     simulated.clear();
     std::size_t ended = 0;
     auto track = static_cast<std::size_t>(random.uniform() * static_cast<double>(tracks.size()));

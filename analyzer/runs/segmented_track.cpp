@@ -12,24 +12,26 @@ namespace {
 
 using units::kNan;
 
-constexpr double kStepErrors = 7;       // below which a step is none
-constexpr double kStraddle = 0.05;      // of a bin's way: what averaging over an edge leaves
-constexpr std::size_t kEnoughBins = 7;  // to do without two
-constexpr double kLeastNoise = 0.01;    // of a frame's way
+constexpr double kStepErrors = 7;  // smallest step, in standard errors
+constexpr double kStraddle =
+    0.05;  // residual of averaging over an edge, relative to the motion in a bin
+constexpr std::size_t kEnoughBins = 7;  // to omit two of them
+constexpr double kLeastNoise = 0.01;    // relative to the motion in a frame
 constexpr double kCountSlack = 0.25;    // of a tumble
-constexpr double kTumbleScatter = 0.3;  // of tumbles about their median; two in a row are beyond
+constexpr double kTumbleScatter =
+    0.3;  // relative scatter about the median; double tumbles are beyond
 
 double distance(const Place& a, const Place& b) { return std::hypot(b.x - a.x, b.y - a.y); }
 
-/// The stretch without the bins at its edges, where enough remain: averages there are mixtures, and
-/// single frames may belong to the neighbour.
+/// The stretch without the bins at its edges, if enough remain: mean bins there are mixtures, and
+/// single frames may belong to the neighbouring stretch.
 Stretch inner(const Stretch& stretch, bool averaged, std::size_t least) {
   return stretch.size() >= (averaged ? least + 2 : kEnoughBins)
              ? Stretch{stretch.run, stretch.begin + 1, stretch.end - 1}
              : stretch;
 }
 
-/// Of one quantity of the bins, by their frames.
+/// The mean of one quantity of the bins, weighted by frames.
 double meanOf(double TrackBin::*quantity, std::span<const TrackBin> bins, const Stretch& stretch) {
   double frames = 0;
   double sum = 0;
@@ -52,7 +54,7 @@ Place meanPlace(std::span<const TrackBin> bins, const Stretch& stretch) {
   return place;
 }
 
-/// Sums over many, for a mean with its error.
+/// Sums for a mean with its error.
 struct Mean {
   double n = 0;
   double sum = 0;
@@ -141,7 +143,7 @@ void SegmentedTrack::measure(ScaleSums& sums) const {
       sums.noise2 += std::max(0.0, own.place2());
       sums.freedom += 2 * static_cast<double>(core.size() - 1);
     } else if (!joined(stretch)) {
-      // Along the direction in which it moves; noise across it has lengthened that.
+      // The drift along the direction of motion, corrected for the noise, which increases it.
       const double drift2 = own.driftX() * own.driftX() + own.driftY() * own.driftY();
       const double noise = scales_.sigma * scales_.sigma * own.time2();
       sums.drift += std::sqrt(std::max(0.0, drift2 - noise));
@@ -167,8 +169,8 @@ void SegmentedTrack::collect(FoundRuns& found) const {
   }
   const auto arrival = [&](std::size_t i) { return *arrivalBy(i, true); };
   const auto departure = [&](std::size_t i) { return *departureBy(i, true); };
-  std::int64_t tumbles = 0;  // begun in the standing before
-  bool listed = false;       // the run before that one is the last in the list
+  std::int64_t tumbles = 0;  // tumbles that began in the stop before
+  bool listed = false;       // the run before that stop is the last in the list
   for (std::size_t i = 0; i < stops_.size(); ++i) {
     const StopInterval& here = stops_[i];
     const bool cut_before = here.begin == 0;
@@ -176,7 +178,7 @@ void SegmentedTrack::collect(FoundRuns& found) const {
     const double from = cut_before ? first_ : arrival(i);
     if (!cut_before) {
       const double duration = i > 0 ? runLength(i) / scales_.speed : from - first_;
-      // A track that begins in a run too short to be seen begins in a tumble.
+      // A track that begins in an undetectable run counts as beginning in a tumble.
       if (i > 0 || duration >= scales_.shortest) {
         const bool single = i > 0 && tumbles == 1;
         found.runs.push_back(
@@ -277,7 +279,7 @@ std::int64_t SegmentedTrack::tumblesIn(double stood, bool cut_before, bool cut_b
 double SegmentedTrack::turn(std::size_t i) const {
   const Stretch before = runBefore(i);
   const Stretch behind = runAfter(i);
-  // Where bins are averages, those at the edges have turned already.
+  // Mean bins at the edges contain part of the turn.
   const std::size_t least = scales_.averaged ? 3 : 1;
   if (before.size() < least || behind.size() < least) {
     return kNan;

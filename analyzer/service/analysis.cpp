@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kFramesForPeriod = 20;
 constexpr double kUnbiasedShare = 0.1;          // of the median dwell time
-constexpr std::size_t kMaxDwellTimes = 100000;  // remembered per program
+constexpr std::size_t kMaxDwellTimes = 100000;  // limit of memory, per program
 
 }  // namespace
 
@@ -197,7 +197,7 @@ std::vector<ProgramResult> Analysis::results(Depth depth) const {
       }
     }
     if (!each.empty()) {
-      // The pool of one robot is that robot.
+      // A pool of one robot equals that robot.
       results.push_back(each.size() == 1 ? each.front()
                                          : analyse(programs_[key], pool, sum, options, depth));
       results.back().robot = kPool;

@@ -9,11 +9,11 @@ constexpr int kTestRecordings = 400;
 constexpr std::uint64_t kFitSeed = 20210;
 constexpr std::uint64_t kTestSeed = 40210;
 
-/// The recordings of one program, for all its robots.
+/// The simulated recordings of one program, for all its robots.
 struct ProgramRecordings {
   SimulatedCurves fit;
   SimulatedCurves test;
-  RecordingGaps gaps;  ///< That they have.
+  RecordingGaps gaps;  ///< Gaps of these recordings.
 };
 
 void complete(ProgramResult& result, const BlockData& data, CurveOptions options,

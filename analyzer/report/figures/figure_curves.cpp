@@ -14,7 +14,7 @@ namespace {
 using analysis::CurvePoint;
 
 constexpr double kLimitZ = 4;
-constexpr std::size_t kMostRobots = 30;  // whose own curves are drawn
+constexpr std::size_t kMostRobots = 30;  // largest number of robots whose curves are drawn
 
 struct Quantity {
   const char* name;
@@ -40,7 +40,7 @@ bool drawable(const CurvePoint& point) {
 
 constexpr double kFewestWindows = 10;  // behind a point of a single robot's curve
 
-/// A block that may stay without data, which gnuplot refuses.
+/// A data block with one nan row, because gnuplot rejects empty blocks.
 DataBlock emptyBlock(const char* name) {
   using units::kNan;
   DataBlock block(name);
@@ -74,7 +74,7 @@ struct CurveData {
 void CurveData::add(const CurvePoint& point, double factor) {
   first = std::min(first, point.tau);
   last = std::max(last, point.tau);
-  // The error bar ends above 0, which a logarithmic axis does not have.
+  // The error bar ends above 0, for the logarithmic axis.
   constexpr double kLeastShare = 0.02;
   const double sigma = std::isfinite(point.sigma) ? point.sigma : 0;
   const double low = std::max(point.value - sigma, kLeastShare * point.value);

@@ -9,9 +9,9 @@
 namespace lab::report {
 namespace {
 
-constexpr std::size_t kMostStrips = 100;    // robots with a strip of their own
+constexpr std::size_t kMostStrips = 100;    // largest number of robots with strips
 constexpr std::size_t kMostSpans = 3000;    // in all strips together
-constexpr std::size_t kMostTics = 24;       // robots that are named
+constexpr std::size_t kMostTics = 24;       // robots with labels
 constexpr std::size_t kMostChanges = 1500;  // of the light that are drawn
 
 /// Darkest and brightest place over time, as steps.
@@ -51,7 +51,7 @@ std::string bands(const RunRecord& record) {
   return script;
 }
 
-/// One strip a robot. @return the plot elements.
+/// One strip per robot. @return the plot elements.
 std::string strips(const RunRecord& record, const style::TimeAxis& axis, std::string& data) {
   std::string plots;
   for (std::size_t key = 0; key <= record.programs.size(); ++key) {
@@ -82,7 +82,7 @@ std::string strips(const RunRecord& record, const style::TimeAxis& axis, std::st
   return plots;
 }
 
-/// How many robots run each program. @return the plot elements.
+/// The number of robots in each program. @return the plot elements.
 std::string counts(const RunRecord& record, const style::TimeAxis& axis, std::string& data) {
   std::string plots;
   for (std::size_t key = 0; key < record.programs.size(); ++key) {
@@ -112,7 +112,7 @@ std::string counts(const RunRecord& record, const style::TimeAxis& axis, std::st
   return plots;
 }
 
-/// Both parts of the figure in one file: a row a span of the light, then of each robot's programs.
+/// Both parts of the figure: one row per span of the light, then per span of each robot's programs.
 std::string lightCsv(const RunRecord& record) {
   CsvText csv("what,begin_s,end_s,darkest,brightest,particle,program");
   for (std::size_t i = 0; i < record.light.size(); ++i) {
@@ -151,7 +151,7 @@ bool fitsStrips(const RunRecord& record) {
 FigureScript lightAndPrograms(const RunRecord& record) {
   FigureScript script;
   script.figure.name = "light";
-  script.figure.title = "Light, and the programs that ran";
+  script.figure.title = "Light and programs over time";
   if (record.light.empty() && record.robots.empty()) {
     script.figure.sentence = "Neither projector nor robots reported anything.";
     return script;
@@ -200,9 +200,9 @@ FigureScript lightAndPrograms(const RunRecord& record) {
   }
   script.script += "unset multiplot\n";
   script.figure.caption =
-      "Above: the light shown (0 dark, 1 projector white), from its darkest to its brightest place "
-      "where it differs; dotted, "
-      "the edges of the robots’ light bands. Below: the programs that the robots reported.";
+      "Above: the light (0 dark, 1 projector white), with its darkest and brightest place if it is "
+      "not uniform. Dotted: the edges of the light bands. Below: the program that each robot "
+      "reported.";
   return script;
 }
 

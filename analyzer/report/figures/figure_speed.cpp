@@ -24,7 +24,7 @@ struct Stretch {
   std::int64_t end_utime = 0;
 };
 
-/// The first minute of the longest uninterrupted stay of any robot in the program.
+/// The first minute of the longest uninterrupted time of any robot in the program.
 std::optional<Stretch> stretchOf(const RunRecord& record, int program) {
   std::optional<Stretch> longest;
   for (const auto& [id, robot] : record.robots) {
@@ -43,7 +43,8 @@ std::optional<Stretch> stretchOf(const RunRecord& record, int program) {
   return longest;
 }
 
-/// Speed [cm/s] over the baseline, free motion and the rest apart. @return whether there is any.
+/// Adds the speed [cm/s] over the baseline, separately for free motion and the rest. @return
+/// whether there are data.
 bool addSpeeds(const RunRecord& record, const Stretch& stretch, const std::string& name,
                DataBlock& free, DataBlock& held, CsvText& csv) {
   struct Place {
@@ -84,7 +85,7 @@ bool addSpeeds(const RunRecord& record, const Stretch& stretch, const std::strin
   return any;
 }
 
-/// The speed that the program drives at, where it is a constant; negative where not.
+/// The speed of a program with constant speed [cm/s]; else negative.
 double programmedSpeed(const program_t& program) {
   const bool constant = program.kind == program_t::ABP || program.kind == program_t::RTP;
   return constant ? program.v * kCm : -1;
@@ -145,9 +146,9 @@ FigureScript speedTraces(const RunRecord& record) {
   }
   script.script += "unset multiplot\n";
   script.figure.caption = fmt::format(
-      "Displacement over {} s divided by the time, for up to {} s of each program; grey while "
-      "reversing or cut, dashed the programmed speed. Tracker noise adds to it, turning takes from "
-      "it.",
+      "Displacement over {} s divided by the time, for up to {} s of each program; grey: reversing "
+      "or cut; dashed: the programmed speed. Tracker noise increases the measured speed, turning "
+      "decreases it.",
       shortText(kBaseline), shortText(kStretch));
   return script;
 }

@@ -96,7 +96,7 @@ FigureScript trajectoryByTime(const RunRecord& record) {
   FigureScript script = begin("trajectory_time", "Trajectory, coloured by time");
   const PlotTracks plot = thinnedTracks(record, kPoints, false);
   if (nothingToDraw(plot)) {
-    script.figure.sentence = "No trajectory: fewer than two tracked positions of any robot.";
+    script.figure.sentence = "No trajectory: no robot has two tracked positions.";
     return script;
   }
   script.figure.csv = trackCsv(record, plot);
@@ -139,8 +139,8 @@ FigureScript trajectoryByTime(const RunRecord& record) {
       "set cbrange [{:.7g}:{:.7g}]\nset cblabel 'time ({})'\n"
       "plot {}, \\\n  $starts using 1:2 with points pt 6 ps 1.1 lw 2 lc rgb 'black' notitle\n",
       kColours, plot.begin / axis.scale, (plot.begin + length) / axis.scale, axis.unit, plots);
-  script.figure.caption = whichPart(record, plot) +
-                          " Circles mark where the drawn part begins; the frame is the arena.";
+  script.figure.caption =
+      whichPart(record, plot) + " Circles mark the beginning; the frame is the arena.";
   return script;
 }
 
@@ -148,7 +148,7 @@ FigureScript trajectoryByProgram(const RunRecord& record) {
   FigureScript script = begin("trajectory_program", "Trajectory, coloured by program");
   const PlotTracks plot = thinnedTracks(record, kPoints, true);
   if (nothingToDraw(plot)) {
-    script.figure.sentence = "No trajectory: fewer than two tracked positions of any robot.";
+    script.figure.sentence = "No trajectory: no robot has two tracked positions.";
     return script;
   }
   script.figure.csv = trackCsv(record, plot);

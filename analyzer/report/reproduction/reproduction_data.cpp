@@ -112,8 +112,8 @@ struct CorrelationSums {
   std::vector<double> counts = std::vector<double>(kLengths);
 };
 
-/// C(l) along the stitched track. An ABP's speed is constant, so that l is speed times time: a path
-/// length summed from frames would be that of the tracker's noise.
+/// C(l) along the stitched track. The speed of an ABP is constant, so l is speed times time: a path
+/// length summed from frames would be dominated by tracker noise.
 void takeCorrelation(const std::vector<Sample>& samples, double speed, RecordingData& recording) {
   const analysis::ProgramLaw& law = recording.result.law;
   const double period = (samples.back().free_time - samples.front().free_time) /

@@ -83,7 +83,7 @@ std::string inset(double left, double right, double bottom, double top, const st
       left, right, bottom, top, x, y);
 }
 
-/// D_r or D of the inset's sets beside theory. @return its data, and adds the drawing.
+/// Adds the inset with D_r or D of its sets and the theory to `drawing`. @return its data.
 std::string pointsInset(const PaperPanel& panel, const Reproduction& reproduction,
                         std::string& drawing, CsvText& csv) {
   DataBlock points("points");
@@ -187,7 +187,7 @@ FigureScript curves(const PaperPanel& panel, const Reproduction& reproduction) {
       block->row(kNan, kNan, kNan, kNan);
     for (const CurvePoint& p : one.points) {
       if (!drawable(p)) continue;
-      constexpr double kLeastShare = 0.02;  // a bar ends above 0, which a logarithm does not have
+      constexpr double kLeastShare = 0.02;  // error bars end above 0, for the logarithmic axis
       const double sigma = std::isfinite(p.sigma) ? p.sigma : 0;
       const double low = std::max(p.value - sigma, kLeastShare * p.value);
       (p.judged ? points : open)

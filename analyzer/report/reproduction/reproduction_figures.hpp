@@ -1,4 +1,4 @@
-/// The panels of the paper's figures, drawn.
+/// Draws the panels of the paper's figures.
 #pragma once
 
 #include <vector>
@@ -8,8 +8,8 @@
 
 namespace lab::report {
 
-/// One script a panel ("fig2b"), a column of a journal wide, with what it draws as CSV. A panel
-/// whose recordings hold nothing to draw has a sentence in its place.
+/// One script per panel ("fig2b"), in the width of a journal column, with its data as CSV. A panel
+/// without data has a sentence in its place.
 [[nodiscard]] std::vector<FigureScript> panelFigures(const std::vector<PaperPanel>& panels,
                                                      const Reproduction& reproduction);
 

@@ -48,7 +48,7 @@ std::string frame(const std::vector<PathPoint>& points, const Box& box) {
       x.middle() + scale * width, y.middle() - scale * height, y.middle() + scale * height);
 }
 
-/// Between two tics [cm], so that a picture has some three of them.
+/// Distance of tics [cm], for about three tics.
 double tic(const std::vector<PathPoint>& points) {
   Range x;
   Range y;
@@ -61,7 +61,7 @@ double tic(const std::vector<PathPoint>& points) {
   return span / power >= 5 ? 5 * power : span / power >= 2 ? 2 * power : power;
 }
 
-/// The path in blocks of one colour each. @return the plot elements.
+/// Adds the path as blocks of one colour each. @return the plot elements.
 std::string colouredPath(const std::vector<PathPoint>& path, double scale, std::string& data) {
   std::string plots;
   const double begin = path.front().t;
@@ -70,7 +70,7 @@ std::string colouredPath(const std::vector<PathPoint>& path, double scale, std::
   for (int bin = 0; bin < kColours; ++bin) {
     DataBlock block(fmt::format("path{}", bin));
     const double end = begin + length * (bin + 1) / kColours;
-    if (i > 0) --i;  // no hole between colours
+    if (i > 0) --i;  // no gap between colours
     std::size_t rows = 0;
     for (; i < path.size() && (path[i].t <= end || bin + 1 == kColours); ++i, ++rows) {
       block.row(path[i].x, path[i].y);

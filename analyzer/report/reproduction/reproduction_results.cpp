@@ -24,7 +24,7 @@ using units::kPercents;
 
 constexpr double kFloor = 0.002;  // share of the law below which no deviation counts
 constexpr double kAgreeZ = 4;
-constexpr double kRejects = 1e-3;  // p of a formula that a recording rejects
+constexpr double kRejects = 1e-3;  // largest p of a rejected formula
 constexpr int kMinJudged = 5;
 
 const ProgramResult& resultOf(const SetData& set) { return set.recordings.front().result; }
@@ -84,14 +84,14 @@ std::string probability(double p) {
                     : fmt::format("p = {:.2g}", p);
 }
 
-/// "at most 1.7 standard errors over 57 lags"
+/// The deviations of a set, or of several.
 struct Deviations {
   double max_z = 0;
   double tau = 0;
   int judged = 0;
-  double paper = 0;  ///< largest of the paper's formula, in standard errors
+  double paper = 0;  ///< largest deviation from the paper's formula, in standard errors
   double paper_tau = 0;
-  double off = 0;  ///< largest of the paper's formula from the exact law, as a share
+  double off = 0;  ///< largest relative difference of the paper's formula from the exact law
   double off_tau = 0;
 };
 
@@ -128,7 +128,7 @@ std::string recordingWord(const SetData& set) {
              : fmt::format("this recording of {}", durationText(resultOf(set).observed));
 }
 
-/// Curves against both laws.
+/// Compares curves with both laws.
 PanelVerdict judgeCurves(const PaperPanel& panel, const std::vector<const SetData*>& sets) {
   const bool angular = panel.kind == PanelKind::kAngularMsd;
   PanelVerdict verdict;
@@ -141,7 +141,7 @@ PanelVerdict judgeCurves(const PaperPanel& panel, const std::vector<const SetDat
   for (const SetData* set : sets) {
     Deviations own;
     const analysis::ProgramLaw& law = resultOf(*set).law;
-    // The paper itself says that its straight lines begin above epsilon.
+    // By the paper itself, its straight lines hold above epsilon.
     const bool straight = angular || law.kind == ProgramKind::kBp;
     addDeviations(*set, angular, straight ? 2 * law.epsilon : 0, own);
     if (own.max_z > all.max_z) {

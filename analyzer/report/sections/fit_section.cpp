@@ -44,9 +44,9 @@ std::string testText(const std::optional<LawTest>& test, const char* what) {
     return fmt::format("<li>{}: too few lags for a test.</li>\n", what);
   }
   constexpr double kRejected = 0.001;
-  return fmt::format("<li>{}: {} by this recording: {} ({:.1f} σ; {} degrees of freedom).</li>\n",
-                     what, test->p_value < kRejected ? "rejected" : "not rejected",
-                     pText(test->p_value), test->deviate, test->freedom);
+  return fmt::format("<li>{}: {} by the data, {} ({:.1f} σ; {} degrees of freedom).</li>\n", what,
+                     test->p_value < kRejected ? "rejected" : "not rejected", pText(test->p_value),
+                     test->deviate, test->freedom);
 }
 
 }  // namespace

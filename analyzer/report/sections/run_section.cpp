@@ -23,7 +23,7 @@ Json testJson(const analysis::TestResult& result) {
           {"samples", number(result.n)}};
 }
 
-/// One array a column.
+/// One array per column.
 Json densityJson(const std::vector<analysis::DensityBar>& bars, const std::string& unit) {
   Json low = Json::array();
   Json high = Json::array();
@@ -90,10 +90,10 @@ std::string pText(double p) {
 
 void testRow(Table& table, const char* question, const char* how, const TestResult& test) {
   const bool rejected = test.p < kRejected;
-  const char* answer = rejected ? "no" : "nothing speaks against it";
+  const char* answer = rejected ? "no: rejected" : "not rejected";
   table.row({question,
              fmt::format("<span{}>{}</span>", rejected ? " class=\"disagrees\"" : "",
-                         std::isfinite(test.p) ? answer : "too few to tell"),
+                         std::isfinite(test.p) ? answer : "too few data"),
              pText(test.p), shortText(test.statistic),
              groupedText(static_cast<std::int64_t>(test.n)),
              fmt::format("<span class=\"soft\">{}</span>", how)});
@@ -102,35 +102,35 @@ void testRow(Table& table, const char* question, const char* how, const TestResu
 std::string tests(const RunStatistics& runs) {
   Table table({"", "answer", ">p", ">statistic", ">of", "test"});
   testRow(table, "Are run times exponential?",
-          "largest distance from the fitted exponential law (Lilliefors), ends of tracks as they "
-          "cut; p from 499 simulated sets",
+          "largest distance from the fitted exponential law (Lilliefors), with cut-off runs as "
+          "censored data; p from 499 simulated sets",
           runs.exponential);
-  testRow(table, "Are all tumble angles alike?", "Kuiper", runs.uniform);
+  testRow(table, "Are tumble angles uniform?", "Kuiper", runs.uniform);
   testRow(table, "Is no direction preferred?", "Rayleigh", runs.preferred);
-  testRow(table, "Is a run independent of the one before?", "correlation of successive run times",
+  testRow(table, "Are successive runs independent?", "correlation of successive run times",
           runs.independent);
   return table.text();
 }
 
-/// What the wheels have to say.
+/// Remarks on wheels that limit the tumbles.
 std::string wheels(const RunStatistics& runs, double limit) {
   std::string html;
   if (runs.needed_wheel_speed > limit) {
     html += fmt::format(
         "<li><b>The wheels are too slow for these tumbles:</b> half a turn in the programmed "
-        "<i>τ</i><sub>t</sub> needs {} cm/s, and they reach {}. Larger angles fall short, the "
+        "<i>τ</i><sub>t</sub> needs {} cm/s, and they reach {}. Larger turns are incomplete, the "
         "angles are not uniform, and <i>D</i> is not that of eq. 6.</li>\n",
         shortText(runs.needed_wheel_speed * kCm), shortText(limit * kCm));
   } else if (runs.wheel_speed > 0.98 * limit) {
     html += fmt::format(
-        "<li><b>Tumbles at the limit of the wheels:</b> turns need up to {} cm/s at the rim, and "
-        "the wheels reach {}. Angles may have fallen short.</li>\n",
+        "<li><b>Tumbles at the limit of the wheels:</b> turns need wheel speeds up to {} cm/s, and "
+        "the wheels reach {}. Some turns may be incomplete.</li>\n",
         shortText(runs.wheel_speed * kCm), shortText(limit * kCm));
   }
   if (runs.beyond_half_turn > kRejected) {
     html += fmt::format(
-        "<li>{:.0f} % of the tumbles turned by more than 180°: not the short way round. The "
-        "positions do not tell, the angular MSD does.</li>\n",
+        "<li>{:.0f} % of the tumbles turned by more than 180°, not the shorter way. Positions do "
+        "not show this; the angular MSD does.</li>\n",
         runs.beyond_half_turn * kPercents);
   }
   return html;
@@ -145,8 +145,8 @@ std::string card(const Finding& finding, double limit) {
            fmt::format("<p>No runs from poses: {}.</p>\n</section>\n", escapeHtml(runs.problem));
   }
   html += fmt::format(
-      "<p>{} begun in {}; {} seen from tumble to tumble, {} cut off by the end of a track, {} too "
-      "short to see (below {} s) and known by how long the robot stood.</p>\n",
+      "<p>{} began in {}. {} observed from tumble to tumble, {} cut off by the end of a track, {} "
+      "too short to detect (below {} s) and inferred from the durations of the stops.</p>\n",
       countText(runs.tumbles, "tumble"), durationText(runs.observed), countText(runs.runs, "run"),
       groupedText(runs.cut_off), groupedText(runs.hidden), shortText(runs.shortest));
   const std::string remarks = wheels(runs, limit);
@@ -162,9 +162,8 @@ std::string runs(const std::vector<Finding>& findings, double max_wheel_speed) {
     if (finding.pool->result.runs) cards += card(finding, max_wheel_speed);
   }
   if (cards.empty()) return {};
-  return "<h2>Runs and tumbles</h2>\n<p>Found in the poses alone, whatever the robots say: a "
-         "tumble "
-         "is a stop, a run the straight way between two stops.</p>\n" +
+  return "<h2>Runs and tumbles</h2>\n<p>Found in the poses alone, independent of the telemetry: a "
+         "tumble is a stop, a run is the straight path between two stops.</p>\n" +
          cards;
 }
 

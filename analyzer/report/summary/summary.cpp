@@ -28,7 +28,8 @@ Json secondsOrNull(const RunRecord& record, std::int64_t utime) {
   return utime == 0 ? Json(nullptr) : number(record.seconds(utime));
 }
 
-/// One array a column. A robot's own curve goes without what its program's pool says already.
+/// One array per column. The curve of a single robot omits the columns that equal those of the
+/// pool.
 Json curve(const std::vector<CurvePoint>& points, const std::string& si_unit, bool whole) {
   const DisplayUnit unit = displayUnit(si_unit);
   const auto column = [&points](auto value) {
