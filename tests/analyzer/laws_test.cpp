@@ -76,7 +76,7 @@ TEST(ExactLaw, AgreesWithTheHighPrecisionTable) {
   }
 }
 
-TEST(PhasedNoise, ManyPhasesAreARandomOne) {
+TEST(PhasedNoise, ManyPhasesEqualARandomPhase) {
   for (const bool wheels : {false, true}) {
     const HeldNoise noise = wheels ? HeldNoise::uniformWheels(0.01, 0.1, 0.075, 0.4)
                                    : HeldNoise::uniformTurning(0.03, 6, 0.9);
@@ -96,7 +96,7 @@ TEST(PhasedNoise, ManyPhasesAreARandomOne) {
   }
 }
 
-TEST(PhasedNoise, LockedClocksSeeAnotherLaw) {
+TEST(PhasedNoise, LockedClocksChangeTheObservedLaw) {
   // Figure 3b recorded at 10 frames a second: one phase.
   const HeldNoise noise = HeldNoise::uniformWheels(0.01, 0.1, 0.075, 0.1);
   const PhasedNoise dut(noise);
@@ -225,7 +225,7 @@ TEST(ExactLaw, IsContinuousAcrossTheUpdatesAndMatchesItsOwnDiffusivity) {
   EXPECT_NEAR(slope / dut.diffusivity(), 1, 1e-9);
 }
 
-TEST(ExactLaw, StaysExactWhereTheNoiseVanishes) {
+TEST(ExactLaw, StaysExactForVanishingNoise) {
   const ExactLaw straight(abp(3, 0, 0.5));
   EXPECT_NEAR(straight.msd(40) / (0.03 * 0.03 * 1600), 1, 1e-12);
   EXPECT_TRUE(std::isinf(straight.diffusivity()));
@@ -242,7 +242,7 @@ TEST(ExactLaw, PersistenceLengthApproachesThePaperForShortHolds) {
   EXPECT_DOUBLE_EQ(ExactLaw(rtp(5, 2, 0.5)).persistenceLength(), 0.025);
 }
 
-TEST(ExactLaw, IsNotANumberWithoutALaw) {
+TEST(ExactLaw, IsNanWithoutALaw) {
   ProgramLaw wheels;
   wheels.kind = ProgramKind::kWheels;
   EXPECT_FALSE(ExactLaw(wheels).exists());

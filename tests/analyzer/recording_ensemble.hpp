@@ -14,14 +14,14 @@
 
 namespace lab::analysis {
 
-/// A recording after stitching.
+/// The stitched samples of a recording.
 struct StitchedRecording {
   std::vector<Sample> samples;
   StitcherCounters counters;
   ProgramTally tally;
 };
 
-/// Takes a second out every now and then; no window crosses it.
+/// Removes a second now and then; no window crosses the gap.
 inline void cut(std::vector<Sample>& samples, double every, std::mt19937_64& random) {
   std::exponential_distribution<double> wait(1 / every);
   double next = wait(random);
@@ -90,8 +90,8 @@ struct Scatter {
   }
   [[nodiscard]] double mean() const { return sum / n; }
   [[nodiscard]] double deviation() const { return std::sqrt((sum2 - sum * sum / n) / (n - 1)); }
-  /// The deviation of the mean from `expected`, as a normal deviate (the scatter of few recordings
-  /// is itself uncertain: Student's t).
+  /// The deviation of the mean from `expected`, as a normal deviate (by Student's t, because the
+  /// scatter of few recordings is uncertain).
   [[nodiscard]] double z(double expected) const {
     return normalDeviate((mean() - expected) / (deviation() / std::sqrt(n)), n - 1);
   }
@@ -126,7 +126,7 @@ struct EnsembleCurves {
   }
 };
 
-/// Every lag that all recordings observed follows the exact law.
+/// Expects that every lag that all recordings observed follows the exact law.
 inline void expectUnbiased(const std::vector<LagScatter>& lags, double recordings,
                            const char* what) {
   for (const LagScatter& lag : lags) {
@@ -137,7 +137,7 @@ inline void expectUnbiased(const std::vector<LagScatter>& lags, double recording
   }
 }
 
-/// How often the 95 % interval of each estimate held the true value, and its bias.
+/// The coverage of the 95 % interval of each estimate, and its bias.
 struct Coverage {
   int recordings = 0;
   std::map<std::string, int> covered;
@@ -171,7 +171,7 @@ inline Coverage cover(WalkerRecording recording, int recordings, double max_lag)
   return result;
 }
 
-/// 90 to 97 %, or the binomial 3-sigma band around 95 % where that is wider.
+/// 90 to 97 %, or the binomial 3-sigma band around 95 % if that is wider.
 inline void expectCoverage(const Coverage& coverage, const std::string& name) {
   const double band = 3 * std::sqrt(0.95 * 0.05 / coverage.recordings);
   EXPECT_GT(coverage.share(name), std::min(0.90, 0.95 - band)) << name;
@@ -184,7 +184,7 @@ inline void expectTrueErrors(const std::vector<LagScatter>& lags, double recordi
   for (const LagScatter& lag : lags) {
     if (lag.tau <= recording / 180) {
       const double ratio = lag.sigma.mean() / lag.value.deviation();
-      // The deviation of n recordings is itself uncertain.
+      // The standard deviation of n recordings is uncertain.
       const double slack = 2 / std::sqrt(2 * lag.value.n);
       EXPECT_GT(ratio, 0.9 * (1 - slack)) << lag.tau;
       EXPECT_LT(ratio, 1.15 * (1 + slack)) << lag.tau;

@@ -12,8 +12,8 @@
 
 namespace lab::analysis {
 
-/// A recording of one robot, for tests. A frame rate that no hold time is a multiple of lets the
-/// observation phase sweep, as real clocks do.
+/// A recording of one robot, for tests. Hold times are not multiples of the frame period, so the
+/// observation phase sweeps as with real clocks.
 struct WalkerRecording {
   ProgramLaw law;
   double duration = 600;  ///< s.
@@ -21,15 +21,15 @@ struct WalkerRecording {
   double telemetry_rate = 50;  ///< 1/s.
   double sigma = 0;            ///< Tracker noise per axis, m.
   double sigma_theta = 0;      ///< rad.
-  double missing = 0;          ///< Share of frames that are lost,
-  double missing_length = 1;   ///< so many in a row, on average.
-  double cut_every = 0;        ///< s between cuts, as by contacts, on average; 0: none.
-  bool walls = false;          ///< 0.9 m x 1.2 m with reversals; otherwise an endless plane.
+  double missing = 0;          ///< Share of lost frames.
+  double missing_length = 1;   ///< Mean number of consecutive lost frames.
+  double cut_every = 0;        ///< Mean time between cuts (as by contacts), s; 0: none.
+  bool walls = false;          ///< 0.9 m x 1.2 m with reversals; otherwise an infinite plane.
   std::uint64_t seed = 1;
 };
 
-/// An independent walker: exact arcs, draws held to the instant, walls from which it reverses 40 cm
-/// (or to the opposite wall) at 10 cm/s and then resumes exactly where it was interrupted.
+/// An independent implementation of the programs: exact arcs, draws held exactly, and walls from
+/// which it reverses 40 cm (or to the opposite wall) at 10 cm/s and then resumes exactly.
 class Walker {
  public:
   explicit Walker(const WalkerRecording& recording)
@@ -71,7 +71,7 @@ class Walker {
     return std::uniform_real_distribution<double>(low, high)(random_);
   }
 
-  /// The stationary state: a random time into a hold, a run or a tumble.
+  /// Begins in the stationary state: at a random time within a hold, a run or a tumble.
   void begin() {
     const ProgramLaw& p = recording_.law;
     if (p.kind == ProgramKind::kRtp) {
@@ -185,7 +185,7 @@ class Walker {
     on_telemetry(t);
   }
 
-  static constexpr double kMargin = 0.0875;  // rim plus 5 cm, m
+  static constexpr double kMargin = 0.0875;  // m: radius of the robot plus 5 cm
 
   WalkerRecording recording_;
   std::mt19937_64 random_;

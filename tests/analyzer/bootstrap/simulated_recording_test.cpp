@@ -33,19 +33,19 @@ void expectLaw(const RecordingPlan& plan, const char* what) {
   }
 }
 
-TEST(SyntheticRecording, FollowsTheExactLawOfEveryProgram) {
+TEST(SimulatedRecording, FollowsTheExactLawOfEveryProgram) {
   expectLaw({abpLaw(3, 0.5), 200, 0.107, 0, 0, 0}, "ABP ");
   expectLaw({noisyLaw(0.01, 0.1, 0.1), 200, 0.107, 0, 0, 0}, "noisy ABP ");
   expectLaw({noisyLaw(0, 0.07, 0.2), 200, 0.107, 0, 0, 0}, "BP ");
   expectLaw({rtpLaw(1, 0.5), 200, 0.107, 0, 0, 0}, "RTP ");
 }
 
-TEST(SyntheticRecording, SeesThroughACamera) {
+TEST(SimulatedRecording, IncludesExposureAndNoise) {
   expectLaw({abpLaw(6, 0.25), 200, 0.107, 0.001, 0.05, 0}, "noise ");
   expectLaw({abpLaw(6, 0.25), 200, 0.107, 0, 0, 0.03}, "exposure ");
 }
 
-TEST(SyntheticRecording, IsTheSameForTheSameSeed) {
+TEST(SimulatedRecording, IsTheSameForTheSameSeed) {
   const RecordingPlan plan{rtpLaw(1, 0.5), 50, 0.1, 0.001, 0.01, 0};
   RecordingPoses a;
   RecordingPoses b;
@@ -57,7 +57,7 @@ TEST(SyntheticRecording, IsTheSameForTheSameSeed) {
   EXPECT_NE(a.x, b.x);
 }
 
-TEST(SyntheticRecording, RefusesWhatItCannotRecording) {
+TEST(SimulatedRecording, RejectsInvalidPlans) {
   RecordingPoses poses;
   EXPECT_THROW(simulateRecording({ProgramLaw{}, 10, 0.1, 0, 0, 0}, 1, poses),
                std::invalid_argument);

@@ -18,7 +18,7 @@ BlockSums block(double time, double forward) {
 
 std::vector<double> meanSpeed(const BlockSums& sums) { return {sums.forward / sums.forward_time}; }
 
-TEST(GroupBlocks, MergesNeighboursOfARobotAndNeverTwoRobots) {
+TEST(GroupBlocks, MergesAdjacentBlocksOfOneRobotOnly) {
   BlockData data;
   data.tracks = {{block(1, 1), block(1, 2), block(1, 3), block(1, 4), block(1, 5)}, {block(1, 6)}};
   const std::vector<BlockSums> dut = groupBlocks(data, 2);
@@ -60,7 +60,7 @@ TEST(Jackknife, GivesTheTrueErrorForUnequalBlocks) {
               0.1);  // the scatter of a variance over 4000 recordings is 2.2 %
 }
 
-TEST(Jackknife, ClaimsNothingFromASingleBlock) {
+TEST(Jackknife, GivesNanForASingleBlock) {
   const Replicates dut = jackknife({block(1, 1)}, meanSpeed);
   EXPECT_TRUE(std::isnan(dut.sigma(0)));
 }

@@ -1,4 +1,4 @@
-// Ensembles large enough to see small biases and wrong error bars.
+// Ensembles that are large enough to detect small biases and wrong error bars.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -18,7 +18,7 @@ struct Case {
 
 class RecordingEnsemble : public testing::TestWithParam<Case> {};
 
-TEST_P(RecordingEnsemble, OfWalledRecordingsFollowsTheExactLaw) {
+TEST_P(RecordingEnsemble, BetweenWallsFollowsTheExactLaw) {
   constexpr int kRecordings = 150;
   EnsembleCurves curves;
   for (int i = 0; i < kRecordings; ++i) {
@@ -33,7 +33,7 @@ TEST_P(RecordingEnsemble, OfWalledRecordingsFollowsTheExactLaw) {
   expectUnbiased(curves.angular, kRecordings, "angular MSD");
 }
 
-TEST_P(RecordingEnsemble, HasTheStatedErrorsUpToARecordingOver180) {
+TEST_P(RecordingEnsemble, HasTheStatedErrorsUpToA180thOfTheRecording) {
   WalkerRecording recording;
   recording.law = GetParam().law;
   recording.duration = 900;
@@ -45,13 +45,13 @@ TEST_P(RecordingEnsemble, HasTheStatedErrorsUpToARecordingOver180) {
   EXPECT_LE(dut.disagreements, 3);  // 1 %
 }
 
-TEST_P(RecordingEnsemble, OfShortRecordingsCoversTheTruthAtTheStatedRate) {
+TEST_P(RecordingEnsemble, IntervalsOfShortRecordingsCoverTheTruthAtTheStatedRate) {
   const Coverage dut = cover(shortRecording(GetParam().law), 1000, 10);
   for (const std::string& name : GetParam().estimates) {
     expectCoverage(dut, name);
     const double deviation = dut.value.at(name).deviation();
     EXPECT_NEAR(dut.sigma.at(name).mean() / deviation, 1, 0.15) << name;
-    // A ratio of fluctuating numbers has a bias of second order.
+    // The ratio of random numbers has a bias of second order.
     EXPECT_NEAR(dut.value.at(name).mean(), dut.theory.at(name), 0.25 * deviation) << name;
   }
 }

@@ -30,7 +30,7 @@ TEST(Estimates, CoverTheTruthOfTheRtpAtTheStatedRate) {
   }
 }
 
-TEST(CurveErrors, AreTheTrueScatterUpToARecordingOver180) {
+TEST(CurveErrors, EqualTheTrueScatterUpToA180thOfTheRecording) {
   WalkerRecording recording;
   recording.law = abpLaw(3, 0.5);
   recording.duration = 300;
@@ -41,7 +41,7 @@ TEST(CurveErrors, AreTheTrueScatterUpToARecordingOver180) {
   expectTrueErrors(curves.angular, recording.duration);
 }
 
-TEST(Estimates, SayWhatAFewSecondsCannotTell) {
+TEST(Estimates, ReportInsufficientDataOfAFewSeconds) {
   WalkerRecording recording = shortRecording(abpLaw(3, 0.5));
   recording.duration = 3;
   const ProgramResult dut = analyseRecording(recording, stitch(recording));
@@ -65,7 +65,7 @@ TEST(Estimates, AreAbsentWithoutDataOrLaw) {
   EXPECT_TRUE(curves(abpLaw(3, 0.5), empty.data(), CurveOptions{}).msd.empty());
 }
 
-/// Ten minutes at 20 frames a second, 3 cm/s, of a heading that turns evenly and at random.
+/// Ten minutes at 20 frames a second and 3 cm/s, with a heading that turns uniformly and randomly.
 Estimate speedOfUnknown(double turn_rate, double rotational_diffusivity) {
   constexpr double kPeriod = 0.05;
   constexpr int kSteps = 50;  // a frame
@@ -95,7 +95,7 @@ Estimate speedOfUnknown(double turn_rate, double rotational_diffusivity) {
   return {};
 }
 
-TEST(Estimates, KnowTheSpeedHoweverTheHeadingTurns) {
+TEST(Estimates, GiveTheSpeedForAnyTurningOfTheHeading) {
   for (const auto& [rate, diffusivity] :
        {std::pair{0.0, 2.0}, {4.0, 0.0}, {3.0, 0.5}, {0.0, 0.0}}) {
     SCOPED_TRACE(rate);
@@ -113,14 +113,14 @@ TEST(Verdict, DisagreesWithANeighbouringProgram) {
   const StitchedRecording stitched = stitch(recording);
   EXPECT_EQ(analyseRecording(recording, stitched).verdict.kind, VerdictKind::kAgrees);
 
-  recording.law = abpLaw(3.6, 0.5);  // 44 % more D_r
+  recording.law = abpLaw(3.6, 0.5);  // D_r is 44 % larger
   EXPECT_EQ(analyseRecording(recording, stitched).verdict.kind, VerdictKind::kDisagrees);
-  recording.law = abpLaw(3, 0.5, 0.035);  // beyond what a calibration explains
+  recording.law = abpLaw(3, 0.5, 0.035);  // more than a calibration error
   EXPECT_EQ(analyseRecording(recording, stitched).verdict.kind, VerdictKind::kDisagrees);
 }
 
-// Of long lags contacts leave few windows, in the few segments that are as long.
-TEST(Verdict, JudgesNoLagOfWhichCutsLeaveLittle) {
+// Contacts leave few windows of long lags, in the few segments that are long enough.
+TEST(Verdict, JudgesNoLagWithFewWindowsAfterCuts) {
   int disagree = 0;
   for (unsigned i = 0; i < 40; ++i) {
     WalkerRecording recording = shortRecording(abpLaw(3, 0.5));
@@ -134,10 +134,10 @@ TEST(Verdict, JudgesNoLagOfWhichCutsLeaveLittle) {
       EXPECT_FALSE(point.judged && point.tau > 3 * 3.3) << point.tau;  // e^-3.3 of the windows
     }
   }
-  EXPECT_LE(disagree, 2);  // above 4 sigma: once in a thousand recordings
+  EXPECT_LE(disagree, 2);  // above 4 sigma by chance in one of a thousand recordings
 }
 
-TEST(Verdict, TakesASmallSpeedErrorForACalibration) {
+TEST(Verdict, AcceptsASmallSpeedErrorAsCalibration) {
   WalkerRecording recording = shortRecording(abpLaw(3, 0.5, 0.0297));
   recording.duration = 600;
   const StitchedRecording stitched = stitch(recording);
@@ -146,12 +146,12 @@ TEST(Verdict, TakesASmallSpeedErrorForACalibration) {
   EXPECT_EQ(dut.verdict.kind, VerdictKind::kAgrees);
   for (const Estimate& estimate : dut.estimates) {
     if (estimate.name == "v") {
-      EXPECT_LT(estimate.high95, 0.03);  // but the estimate says so
+      EXPECT_LT(estimate.high95, 0.03);  // but the estimate shows it
     }
   }
 }
 
-TEST(Curves, SeparateTheTrackersNoise) {
+TEST(Curves, SeparateTheTrackerNoise) {
   WalkerRecording recording = shortRecording(abpLaw(3, 0.5));
   recording.duration = 600;
   const ProgramResult dut = analyseRecording(recording, stitch(recording));

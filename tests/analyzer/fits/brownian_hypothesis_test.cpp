@@ -23,7 +23,7 @@ BrownianTest testOf(const WalkerRecording& recording, const ProgramLaw& asked) {
   return test.value_or(BrownianTest{});
 }
 
-TEST(BrownianTest, ARobotsOwnAxisIsSeenInOneHour) {
+TEST(BrownianTest, DetectsDiffusionAlongTheRobotAxisInOneHour) {
   WalkerRecording recording;
   recording.law = bp(0.07, 0.2);
   recording.duration = 3600;
@@ -37,7 +37,7 @@ TEST(BrownianTest, ARobotsOwnAxisIsSeenInOneHour) {
   EXPECT_EQ(test.text.rfind("Not Brownian motion in the plane: kurtosis 2.", 0), 0U) << test.text;
 }
 
-TEST(BrownianTest, AnotherLawIsRejected) {
+TEST(BrownianTest, RejectsAnotherLaw) {
   // Robots that turn twenty times as fast are isotropic within a second: not the programmed law.
   WalkerRecording recording;
   recording.law = bp(0.07, 0.2);
@@ -49,7 +49,7 @@ TEST(BrownianTest, AnotherLawIsRejected) {
   EXPECT_TRUE(test.exact.rejected) << test.text;
 }
 
-TEST(BrownianTest, IsForBrownianParticlesWithEnoughData) {
+TEST(BrownianTest, NeedsABrownianParticleAndEnoughData) {
   WalkerRecording recording;
   recording.law = bp(0.07, 0.2);
   recording.duration = 2;
@@ -64,7 +64,7 @@ TEST(BrownianTest, IsForBrownianParticlesWithEnoughData) {
   EXPECT_FALSE(testBrownian(recording.law, BlockData{}));
 }
 
-TEST(BrownianTest, RejectsTheTruthAsRarelyAsItSays) {
+TEST(BrownianTest, RejectsTheTrueLawAtTheStatedRate) {
   int rejected = 0;
   constexpr int kRecordings = 100;
   Scatter largest;

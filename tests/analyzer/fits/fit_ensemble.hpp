@@ -9,7 +9,7 @@
 
 namespace lab::analysis {
 
-/// What the fits of many recordings of one program gave, beside the truth.
+/// Results of the fits of many recordings of one program, relative to the truth.
 struct FitScatter {
   struct Number {
     Scatter relative;  ///< value / truth - 1
@@ -55,14 +55,14 @@ struct FitScatter {
   }
 };
 
-/// The curves of one recording by the analyzer's own way from poses to sums.
+/// The curves of one recording, computed by the analyzer from poses.
 inline MeasuredCurves curvesOfRecording(const WalkerRecording& recording, double max_lag) {
   ProgramAnalysis analysis(recording.law, 1 / recording.fps, max_lag);
   for (const Sample& sample : stitch(recording).samples) analysis.add(sample);
   return measuredCurves(recording.law, analysis.data());
 }
 
-/// Fits `recordings` recordings. Unless nested, the recordings behind the covariance are simulated
+/// Fits `recordings` recordings. Unless nested, the recordings of the covariance are simulated
 /// once, at the true parameters, and reused.
 inline FitScatter fitRecordings(WalkerRecording recording, int recordings, double max_lag,
                                 bool nested, bool tests) {
@@ -91,7 +91,7 @@ inline FitScatter fitRecordings(WalkerRecording recording, int recordings, doubl
   return result;
 }
 
-/// Nobody locks to the camera: no hold time is a multiple of its period.
+/// No hold time is a multiple of the frame period, so the phase sweeps.
 inline WalkerRecording fitRecording(const ProgramLaw& law, double duration) {
   WalkerRecording recording;
   recording.law = law;

@@ -5,8 +5,8 @@
 #include "tests/analyzer/fits/fit_ensemble.hpp"
 #include "tests/analyzer/paper_programs.hpp"
 
-// One-hour recordings by the independent walker, as in the paper; the bounds are those of one who
-// knows every draw of the wheels.
+// One-hour recordings by the independent walker, as in the paper; the bounds hold if every draw of
+// the wheels is known.
 
 namespace lab::analysis {
 namespace {

@@ -11,15 +11,15 @@
 namespace lab::analysis {
 namespace {
 
-/// 95 % within the binomial 3-sigma band.
+/// Expects 95 % within the binomial 3-sigma band.
 void expectFitCoverage(const FitScatter& dut, const std::string& name) {
   const double band = 3 * std::sqrt(0.95 * 0.05 / dut.recordings);
   EXPECT_GT(dut.share(name), 0.95 - band) << name;
   EXPECT_LT(dut.share(name), 0.95 + band) << name;
 }
 
-/// Fits and tests find the law that the recordings have.
-/// @param most recordings that may be unlikely at p < 0.01
+/// Expects that fits and tests confirm the law of the recordings.
+/// @param most largest number of recordings with p < 0.01
 void expectOwnLaw(const FitScatter& dut, int most) {
   EXPECT_EQ(dut.refused, 0);
   EXPECT_LE(dut.unlikely, most);
@@ -52,7 +52,7 @@ TEST(LawFit, HoldsForTheBp) {
   EXPECT_LE(dut.exact_rejected, 6);
 }
 
-TEST(LawFit, HoldsForTheRtpWhoseFormulaInThePaperIsExact) {
+TEST(LawFit, HoldsForTheRtpWhosePaperFormulaIsExact) {
   const FitScatter dut = fitRecordings(fitRecording(rtpLaw(1, 0.5), 600), 100, 20, false, true);
   EXPECT_EQ(dut.refused, 0);
   expectFitCoverage(dut, "gamma");
@@ -60,16 +60,16 @@ TEST(LawFit, HoldsForTheRtpWhoseFormulaInThePaperIsExact) {
   EXPECT_LE(dut.paper_rejected, 6);
 }
 
-TEST(LawFit, NeedsNoCovarianceFromOutside) {
+TEST(LawFit, WorksWithItsOwnCovariance) {
   const FitScatter dut = fitRecordings(fitRecording(abpLaw(3, 0.5), 300), 15, 10, true, false);
   EXPECT_EQ(dut.refused, 0);
   EXPECT_GE(dut.share("D_r"), 0.7);
   EXPECT_NEAR(dut.numbers.at("D_r").sigma.mean(), std::sqrt(0.8 * 0.5 / 300), 0.005);
 }
 
-// Curves err together by which windows they are made of: simulated recordings must choose as the
-// accumulator does, which leaves out more the more frames a lag has.
-TEST(LawFit, SaysHowWellItFitsAtEveryFrameRate) {
+// The covariance of lags depends on the selected windows: simulated recordings must select like the
+// accumulator, which skips more windows the more frames a lag has.
+TEST(LawFit, HasACalibratedPValueAtEveryFrameRate) {
   for (const double fps : {24.3, 49.9, 121.0, 240.0}) {
     WalkerRecording recording = fitRecording(abpLaw(4, 0.4), 300);
     recording.fps = fps;
@@ -82,8 +82,8 @@ TEST(LawFit, SaysHowWellItFitsAtEveryFrameRate) {
   }
 }
 
-// With frames lost each lag lacks other windows, so that neighbouring lags err together less.
-TEST(LawFit, SaysHowWellItFitsWhereFramesAreLost) {
+// Lost frames remove different windows of each lag, so neighbouring lags are less correlated.
+TEST(LawFit, HasACalibratedPValueWithLostFrames) {
   struct Loss {
     double share, length, fps;
   };
@@ -101,9 +101,8 @@ TEST(LawFit, SaysHowWellItFitsWhereFramesAreLost) {
   }
 }
 
-// So do recordings of robots that meet others, which are left out: of long lags little is left, and
-// other windows than of short ones.
-TEST(LawFit, SaysHowWellItFitsInACrowd) {
+// Contacts are cut: few windows of long lags remain, and other ones than of short lags.
+TEST(LawFit, HasACalibratedPValueInACrowd) {
   for (const double every : {2.0, 6.0}) {
     SCOPED_TRACE(every);
     WalkerRecording recording = fitRecording(abpLaw(3, 0.5), 400);
@@ -116,7 +115,7 @@ TEST(LawFit, SaysHowWellItFitsInACrowd) {
   }
 }
 
-TEST(LawFit, IsTheSameToTheBitAgain) {
+TEST(LawFit, IsReproducibleToTheBit) {
   const WalkerRecording recording = fitRecording(abpLaw(3, 0.5), 120);
   const MeasuredCurves curves = curvesOfRecording(recording, 10);
   const LawFit once = fitLaw(recording.law, curves, {});
@@ -136,7 +135,7 @@ TEST(LawFit, WorksWithoutHeadings) {
   EXPECT_LT(std::abs(dut.derived.front().value - 0.75), 4 * dut.derived.front().sigma);
 }
 
-TEST(LawFit, RefusesInWordsWhereDataDoNotSuffice) {
+TEST(LawFit, GivesAReasonIfDataAreInsufficient) {
   const ProgramLaw law = abpLaw(3, 0.5);
   EXPECT_NE(fitLaw(law, MeasuredCurves{}, {}).refusal.find("no free motion"), std::string::npos);
 
@@ -161,7 +160,7 @@ TEST(LawFit, RefusesInWordsWhereDataDoNotSuffice) {
       std::string::npos);
 }
 
-TEST(LawFit, TellsAProgramThatIsNotTheRecordings) {
+TEST(LawFit, RejectsAProgramThatWasNotRun) {
   const WalkerRecording recording = fitRecording(abpLaw(3, 0.5), 600);
   const MeasuredCurves curves = curvesOfRecording(recording, 10);
   const ProgramLaw wrong = abpLaw(3.6, 0.5);
@@ -173,7 +172,7 @@ TEST(LawFit, TellsAProgramThatIsNotTheRecordings) {
   EXPECT_NEAR(fit.derived.front().value, 0.75, 4 * fit.derived.front().sigma);
 }
 
-TEST(RecordingFit, GivesThePoolsRecordingsToItsRobots) {
+TEST(RecordingFit, SimulatedRecordingsOfThePoolServeItsRobots) {
   WalkerRecording recording = fitRecording(abpLaw(3, 0.5), 300);
   std::vector<BlockData> blocks;
   for (int robot = 0; robot < 4; ++robot) {
@@ -198,12 +197,12 @@ TEST(RecordingFit, GivesThePoolsRecordingsToItsRobots) {
   EXPECT_LT(pool.fit->paper->p_value, 1e-3);
   for (const ProgramResult& robot : robots) {
     ASSERT_TRUE(robot.fit && robot.fit->fitted());
-    // A quarter of the time: twice the error.
+    // A quarter of the time has twice the error.
     EXPECT_NEAR(robot.fit->derived[0].sigma / pool.fit->derived[0].sigma, 2, 0.25);
   }
 }
 
-TEST(CurvesWithRecordings, StateTheScatterOfLongLags) {
+TEST(CurvesWithRecordings, StateTheTrueScatterOfLongLags) {
   WalkerRecording recording = fitRecording(abpLaw(3, 0.5), 300);
   Scatter value;
   Scatter sigma;

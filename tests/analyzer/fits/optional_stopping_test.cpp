@@ -1,5 +1,5 @@
-// What it does to an interval that the run ends when the number is known well enough: recordings
-// that end by the rule of stop_when, looked at as often as the lab does (or every 5 s).
+// The effect on intervals if a run ends when an estimate is precise enough: recordings that end by
+// the rule of stop_when, checked as often as in the lab (or every 5 s).
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -28,7 +28,7 @@ Estimate rotational(const ProgramAnalysis& analysis) {
   return {};
 }
 
-/// Recordings and what their intervals hold.
+/// Coverage of the intervals of recordings.
 struct Coverage {
   Scatter value;
   Scatter length;
@@ -96,7 +96,7 @@ Stopped measure(double wanted, double at_least, double longest, double every, do
   return result;
 }
 
-TEST(OptionalStopping, KeepsItsIntervalsNearly) {
+TEST(OptionalStopping, NearlyKeepsTheCoverageOfIntervals) {
   const Stopped ten = measure(0.10, 0, 500, 1, 160);
   ten.by_rule.print("D_r to 10 %");
   std::fflush(stdout);
@@ -106,7 +106,7 @@ TEST(OptionalStopping, KeepsItsIntervalsNearly) {
   const Stopped five = measure(0.05, 0, 1200, 5, 630);
   five.by_rule.print("D_r to 5 %");
   five.fixed.print("by the clock");
-  // The rule prefers recordings that happen to scatter little.
+  // The rule selects recordings that scatter little by chance.
   EXPECT_GT(ten.by_rule.share(), 0.87);
   EXPECT_GT(five.by_rule.share(), 0.90);
   EXPECT_LT(std::abs(ten.by_rule.value.mean() - 1), 0.05);

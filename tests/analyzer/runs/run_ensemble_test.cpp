@@ -20,7 +20,7 @@ struct Case {
 constexpr int kRecordings = 125;  // of each case
 constexpr int kCases = 8;
 
-/// Rates of all recordings, of whatever program, beside the truth and its bound.
+/// Rates of the recordings of all programs, relative to the truth and its bound.
 struct Rates {
   Scatter relative;  ///< to the truth
   Scatter z;         ///< deviation from the truth, in Fisher's bounds of its recording
@@ -48,7 +48,7 @@ struct Rates {
 class RunEnsemble : public testing::TestWithParam<Case> {
  protected:
   static void TearDownTestSuite() {
-    if (telemetry_.relative.n < kRecordings * kCases) return;  // some were left out
+    if (telemetry_.relative.n < kRecordings * kCases) return;  // not all cases were run
     telemetry_.judge("gamma from telemetry", 0.002);
     poses_.judge("gamma from poses", 0.006);
   }
@@ -114,12 +114,12 @@ TEST_P(RunEnsemble, RateFromTelemetryAndFromPoses) {
       ratio.deviation() / std::sqrt(ratio.n), truncated.mean() / gamma,
       truncated.deviation() / gamma, tumble.mean(), covered_telemetry, covered, covered_truncated,
       rejected, kRecordings);
-  // WalkerRecording by recording against telemetry, which removes most of the chance: the bias
-  // itself.
+  // The difference from telemetry per recording, which removes most of the scatter and shows the
+  // bias.
   EXPECT_NEAR(ratio.mean(), 1, 0.003);
   EXPECT_LT(std::abs(telemetry.z(gamma)), 4);
   EXPECT_NEAR(tumble.mean(), 0.5, 0.0005);
-  // 3 standard errors of the scatter of so many recordings.
+  // 3 standard errors of the scatter of this number of recordings.
   const double slack = 3 / std::sqrt(2.0 * kRecordings);
   EXPECT_LT(poses.deviation(), (1.02 + slack) * bound.mean());
   EXPECT_GT(poses.deviation(), (0.98 - slack) * bound.mean());

@@ -49,9 +49,9 @@ TEST_P(FrameRates, EveryTumbleIsCountedAndAllRunTimeIsFound) {
 
 INSTANTIATE_TEST_SUITE_P(Fps, FrameRates, testing::Values(9.94, 24.9, 49.7, 99.4));
 
-TEST(RunFinder, FindsARunShorterThanAFrame) {
-  // 0.5 s of standing, 60 ms of running, 0.5 s of standing: at 10 frames a second no frame need see
-  // it move.
+TEST(RunFinder, DetectsARunShorterThanAFrame) {
+  // 0.5 s of standing, 60 ms of running, 0.5 s of standing: at 10 frames a second no frame may show
+  // the motion.
   RunRecording plan = recording(3, 9.94, 300, 3);
   int drawn = 0;
   plan.run = [&drawn](std::mt19937_64&) { return ++drawn % 2 == 0 ? 0.09 : 1.0; };
@@ -78,7 +78,7 @@ TEST(RunFinder, CountsTwoTumblesInARowWithoutARun) {
   EXPECT_NEAR(static_cast<double>(dut.hidden), static_cast<double>(truth.turns.size()) / 3, 2);
 }
 
-TEST(RunFinder, SeesATumbleThatDoesNotTurn) {
+TEST(RunFinder, DetectsATumbleWithoutTurn) {
   RunRecording plan = recording(3, 24.9, 300, 4);
   plan.turn = [](std::mt19937_64&) { return 0.0; };
   TrueRuns truth;
@@ -87,7 +87,7 @@ TEST(RunFinder, SeesATumbleThatDoesNotTurn) {
   EXPECT_NEAR(static_cast<double>(dut.tumbles), static_cast<double>(truth.turns.size()), 1);
 }
 
-TEST(RunFinder, TellsTheTurnOfEachTumble) {
+TEST(RunFinder, MeasuresTheTurnOfEachTumble) {
   RunRecording plan = recording(1, 49.7, 300, 4);
   plan.turn = [](std::mt19937_64&) { return -2.0; };
   const FoundRuns dut = findRuns(plan, recordRuns(plan));
@@ -101,7 +101,7 @@ TEST(RunFinder, TellsTheTurnOfEachTumble) {
   EXPECT_GT(known, 120);
 }
 
-TEST(RunFinder, TakesDirectionsForHeadingsWhereThereAreNone) {
+TEST(RunFinder, UsesDirectionsOfMotionWithoutHeadings) {
   const RunRecording plan = recording(1, 49.7, 300, 4);
   TrueRuns truth;
   std::vector<Sample> samples = recordRuns(plan, &truth);
@@ -114,7 +114,7 @@ TEST(RunFinder, TakesDirectionsForHeadingsWhereThereAreNone) {
             100);
 }
 
-TEST(RunFinder, MeasuresWhatTheProgrammedScalesOnlyHintAt) {
+TEST(RunFinder, MeasuresScalesThatDifferFromTheProgram) {
   RunRecording plan = recording(2, 24.9, 900, 6);
   plan.speed_factor = 0.9;
   plan.tumble_factor = 1.15;
@@ -126,7 +126,7 @@ TEST(RunFinder, MeasuresWhatTheProgrammedScalesOnlyHintAt) {
   EXPECT_NEAR(static_cast<double>(dut.tumbles), static_cast<double>(truth.turns.size()), 3);
 }
 
-TEST(RunFinder, BearsLostFrames) {
+TEST(RunFinder, ToleratesLostFrames) {
   RunRecording plan = recording(3, 24.9, 900, 7);
   plan.missing = 0.05;
   TrueRuns truth;
@@ -153,7 +153,7 @@ TEST(RunFinder, CutsOffRunsAtTheEndsOfSegmentsAndAtGaps) {
   EXPECT_GT(statistics.exponential.p, 1e-3);
 }
 
-TEST(RunFinder, RefusesTooFewFramesInATumble) {
+TEST(RunFinder, RejectsTooFewFramesPerTumble) {
   RunRecording plan = recording(1, 5, 60, 8);
   const FoundRuns dut = findRuns(plan, recordRuns(plan));
 
@@ -161,7 +161,7 @@ TEST(RunFinder, RefusesTooFewFramesInATumble) {
   EXPECT_EQ(runStatistics(plan.law, {&dut}).problem, "fewer than three frames in a tumble");
 }
 
-TEST(RunFinder, FindsNothingInNothing) {
+TEST(RunFinder, FindsNothingWithoutData) {
   const ProgramLaw law = rtpLaw(1, 0.5);
   for (const std::size_t frames : {0U, 1U, 2U, 30U}) {
     RunFinder finder(law, 0.04);

@@ -11,8 +11,8 @@
 
 namespace lab::analysis {
 
-/// A recording of a robot that runs and tumbles, with what it really did; laws other than RTP's
-/// too.
+/// A recording of a run-and-tumble robot with its true runs and tumbles; also with laws other than
+/// that of RTP.
 struct RunRecording {
   using Draw = std::function<double(std::mt19937_64&)>;
 
@@ -25,7 +25,7 @@ struct RunRecording {
   std::uint64_t seed = 1;
   Draw run{};               ///< s; none: exponential.
   Draw turn{};              ///< rad; none: uniform on (-pi, pi].
-  double speed_factor = 1;  ///< Of the real robot.
+  double speed_factor = 1;  ///< Speed of the robot over the programmed one.
   double tumble_factor = 1;
 };
 
@@ -35,7 +35,7 @@ struct TrueRuns {
   double run_time = 0;
 };
 
-/// The samples of a recording in an endless plane.
+/// The samples of a recording in an infinite plane.
 inline std::vector<Sample> recordRuns(const RunRecording& recording, TrueRuns* truth = nullptr) {
   std::mt19937_64 random(recording.seed);
   std::normal_distribution<double> normal;
@@ -52,7 +52,7 @@ inline std::vector<Sample> recordRuns(const RunRecording& recording, TrueRuns* t
   double x = 0;
   double y = 0;
   double theta = 0;
-  // Long enough before the recording for the stationary state.
+  // Begins long before the recording, in order to be in the stationary state.
   double time = -20 * (1 / recording.law.gamma + tau) * uniform(random);
   bool run = true;
   double left = draw_run();

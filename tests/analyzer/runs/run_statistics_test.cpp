@@ -1,4 +1,4 @@
-// What is made of runs: estimates with calibrated errors, and the power to reject wrong programs.
+// Statistics of runs: estimates with calibrated errors, and the power to reject wrong programs.
 #include "analyzer/runs/run_statistics.hpp"
 
 #include <gtest/gtest.h>
@@ -27,7 +27,7 @@ RunRecording twoMinutes(std::uint64_t seed) {
   return recording;
 }
 
-TEST(RunStatistics, IntervalsHoldTheTruthInShortRecordings) {
+TEST(RunStatistics, IntervalsCoverTheTruthInShortRecordings) {
   constexpr int kRecordings = 100;
   std::map<std::string, int> covered;
   int rejected = 0;
@@ -47,7 +47,7 @@ TEST(RunStatistics, IntervalsHoldTheTruthInShortRecordings) {
   EXPECT_LT(std::abs(gamma.z(3)), 4);
 }
 
-TEST(RunStatistics, HistogramsHoldWhatTheyShould) {
+TEST(RunStatistics, HistogramsFollowTheLaw) {
   RunRecording recording = twoMinutes(3);
   recording.duration = 3600;
   const RunStatistics dut = statisticsOf(recording);
@@ -66,7 +66,7 @@ TEST(RunStatistics, HistogramsHoldWhatTheyShould) {
   EXPECT_NEAR(dut.wheel_speed, 0.99 * dut.needed_wheel_speed, 0.02 * dut.needed_wheel_speed);
 }
 
-TEST(RunStatistics, RobotsAreOneSample) {
+TEST(RunStatistics, PoolsRobotsAsOneSample) {
   std::vector<FoundRuns> found;
   for (unsigned i = 0; i < 4; ++i) {
     RunRecording recording = twoMinutes(40 + i);
@@ -115,7 +115,7 @@ TEST(WrongPrograms, RunsOfTwoStagesAreRejectedInTwoRecordingsOfThree) {
 }
 
 TEST(WrongPrograms, RunsRoundedUpToATickAreRejected) {
-  // 100 ms: the mean is then 16 % too long (notes on control ticks).
+  // With ticks of 100 ms the mean is 16 % too long.
   const auto ticks = [](RunRecording& recording) {
     recording.duration = 300;
     recording.run = [](std::mt19937_64& random) {
@@ -135,7 +135,7 @@ TEST(WrongPrograms, PreferredAnglesAreRejected) {
   EXPECT_GT(rejections(forward, [](const RunStatistics& dut) { return dut.preferred; }), 17);
 }
 
-TEST(WrongPrograms, AnotherRateIsSeen) {
+TEST(WrongPrograms, AnotherRateIsDetected) {
   int outside = 0;
   for (unsigned i = 0; i < 20; ++i) {
     RunRecording recording = twoMinutes(60 + i);
@@ -149,7 +149,7 @@ TEST(WrongPrograms, AnotherRateIsSeen) {
   EXPECT_GT(outside, 17);
 }
 
-TEST(Wheels, FullTurnsAndFastTumblesAreNamed) {
+TEST(Wheels, FullTurnsAndFastTumblesAreReported) {
   RunRecording recording = twoMinutes(9);
   recording.law.tau_t = 0.4;
   recording.turn = [](std::mt19937_64& random) {

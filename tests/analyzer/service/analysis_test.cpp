@@ -79,7 +79,7 @@ TEST(Analysis, GivesThePoolAndEveryRobotOfAProgram) {
   EXPECT_EQ(results[0].verdict.kind, VerdictKind::kAgrees);
 }
 
-TEST(Analysis, GivesTheSameNumbersHoweverOftenItIsAsked) {
+TEST(Analysis, GivesTheSameResultsForAnyNumberOfQueries) {
   const ProgramLaw law = rtpLaw(3, 0.5);
   const MessageSequence messages = record(law, 200, 3);
   Analysis offline(config());
@@ -111,7 +111,7 @@ TEST(Analysis, GivesTheSameNumbersHoweverOftenItIsAsked) {
   ASSERT_EQ(a.estimates.size(), b.estimates.size());
 }
 
-TEST(Analysis, FindsTheFramePeriodByItself) {
+TEST(Analysis, EstimatesTheFramePeriod) {
   const ProgramLaw law = abpLaw(3, 0.5);
   const MessageSequence messages = record(law, 100, 5);
   Analysis given(config());
@@ -194,7 +194,7 @@ TEST(Analysis, GivesNoVerdictOnLagsThatTheLightSelects) {
   Analysis dut(config(0.02));
   dut.setSpatialLight(true);
   feedSwitches(dut);
-  dut.setSpatialLight(false);  // what was selected stays selected
+  dut.setSpatialLight(false);  // the selection persists
   const ProgramResult result = dut.results()[0];
   EXPECT_NEAR(result.unbiased_lag, 1, 0.001);
   int biased = 0;
@@ -206,7 +206,7 @@ TEST(Analysis, GivesNoVerdictOnLagsThatTheLightSelects) {
   EXPECT_GT(biased, 10);
 }
 
-TEST(Analysis, NeverGivesAZeroForALagThatWasNotObserved) {
+TEST(Analysis, GivesNanForLagsThatWereNotObserved) {
   Analysis dut(config(0.02));
   feedSwitches(dut);
   for (const ProgramResult& result : dut.results()) {
@@ -218,7 +218,7 @@ TEST(Analysis, NeverGivesAZeroForALagThatWasNotObserved) {
   }
 }
 
-TEST(Analysis, HandsEverySampleToTheTrajectoryFile) {
+TEST(Analysis, PassesEverySampleToTheSink) {
   const ProgramLaw law = abpLaw(3, 0.5);
   Analysis dut(config());
   std::int64_t samples = 0;
@@ -233,7 +233,7 @@ TEST(Analysis, HandsEverySampleToTheTrajectoryFile) {
   EXPECT_EQ(samples, dut.results()[0].samples);
 }
 
-TEST(Analysis, SurvivesBrokenInput) {
+TEST(Analysis, ToleratesInvalidInput) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const ProgramLaw law = abpLaw(3, 0.5);
   Analysis dut(config(0));

@@ -28,7 +28,7 @@ bool sameBits(double a, double b) {
   return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
 }
 
-TEST(FlipFilter, LeavesUnflippedHeadingsToTheBit) {
+TEST(FlipFilter, KeepsTheBitsOfUnflippedHeadings) {
   std::mt19937_64 random(3);
   std::uniform_real_distribution<double> turn(-0.3, 0.3);
   FlipFilter dut({});
@@ -42,7 +42,7 @@ TEST(FlipFilter, LeavesUnflippedHeadingsToTheBit) {
   EXPECT_EQ(dut.jumps(), 0);
 }
 
-TEST(FlipFilter, TurnsRoundOneFrameAndAStretch) {
+TEST(FlipFilter, CorrectsASingleFrameAndAStretch) {
   FlipFilter dut({});
   for (int i = 0; i < 200; ++i) {
     const double true_theta = 0.01 * i;
@@ -55,7 +55,7 @@ TEST(FlipFilter, TurnsRoundOneFrameAndAStretch) {
   EXPECT_EQ(dut.chain(), 0);
 }
 
-TEST(FlipFilter, IsNotLedAstrayByAHeadingOutOfPlace) {
+TEST(FlipFilter, ToleratesASingleWrongHeading) {
   FlipFilter dut({});
   for (int i = 0; i < 100; ++i) {
     TrackPoint point = heading(0.02 * i, i % 10 == 5 ? 1.6 : i >= 50 ? kPi : 0);
@@ -65,7 +65,7 @@ TEST(FlipFilter, IsNotLedAstrayByAHeadingOutOfPlace) {
   }
 }
 
-TEST(FlipFilter, BelievesAJumpThatWheelsCouldHaveMade) {
+TEST(FlipFilter, AcceptsAJumpThatWheelsCouldHaveMade) {
   FlipFilter dut({});
   TrackPoint first = heading(0, 0);
   TrackPoint late = heading(0.5, kPi);  // 3.6 rad are within reach
@@ -75,7 +75,7 @@ TEST(FlipFilter, BelievesAJumpThatWheelsCouldHaveMade) {
   EXPECT_EQ(dut.chain(), 1);
 }
 
-TEST(FlipFilter, LearnsFromTheMotionWhichEndIsTheHead) {
+TEST(FlipFilter, DeterminesTheHeadFromTheMotion) {
   FlipFilter dut({});
   const double enough = senseDistance(abpLaw(3, 0.5));
   TrackPoint point = heading(0, 1);
@@ -88,7 +88,7 @@ TEST(FlipFilter, LearnsFromTheMotionWhichEndIsTheHead) {
   EXPECT_NEAR(std::remainder(next.theta - 1 - kPi, 2 * kPi), 0, 1e-12);
 }
 
-TEST(SenseDistance, IsTheLikelihoodRatioOfTheNoisyDrive) {
+TEST(SenseDistance, FollowsFromTheLikelihoodRatio) {
   // B = 0.1 s (0.1 m/s)^2 / 6, 20.7 B / (2 * 0.01 m/s)
   EXPECT_NEAR(senseDistance(noisyLaw(0.01, 0.1, 0.1)), 20.7 * 0.1 * 0.01 / 6 / 0.02, 1e-12);
   EXPECT_EQ(senseDistance(noisyLaw(0, 0.1, 0.1)), 0);
@@ -125,7 +125,7 @@ StitchedRecording stitchFlipped(const WalkerRecording& recording, bool flips) {
 
 class FlippedRecording : public testing::TestWithParam<ProgramLaw> {};
 
-TEST_P(FlippedRecording, HasTheRotationOfTheTrueOne) {
+TEST_P(FlippedRecording, HasTheTrueRotation) {
   constexpr int kRecordings = 16;
   EnsembleCurves curves;
   for (int i = 0; i < kRecordings; ++i) {
@@ -148,7 +148,7 @@ TEST_P(FlippedRecording, HasTheRotationOfTheTrueOne) {
   expectUnbiased(curves.angular, kRecordings, "angular MSD");
 }
 
-TEST_P(FlippedRecording, DrivesForwardAgainOnceTheMotionHasTold) {
+TEST_P(FlippedRecording, DrivesForwardAfterTheHeadIsDetermined) {
   WalkerRecording recording;
   recording.law = GetParam();
   recording.duration = 120;

@@ -11,7 +11,7 @@
 
 namespace lab::analysis {
 
-/// A recording of which only the poses are known.
+/// A recording without telemetry.
 struct PoseRecording {
   std::vector<TrackPoint> track;
   std::vector<FoundReversal> truth;
@@ -22,7 +22,7 @@ inline PoseRecording posesOf(const WalkerRecording& recording) {
   Walker walker(recording);
   walker.on_frame = [&](const TrackPoint& point) {
     result.track.push_back(point);
-    result.track.back().sigma = 0;  // a CSV file says nothing of it
+    result.track.back().sigma = 0;  // not in a CSV file
     result.track.back().sigma_theta = 0;
   };
   walker.on_telemetry = [&](const RobotTelemetry& told) {
@@ -37,7 +37,7 @@ inline PoseRecording posesOf(const WalkerRecording& recording) {
   return result;
 }
 
-/// Stitched by what the poses tell alone.
+/// The samples after stitching by poses alone.
 inline StitchedRecording stitchPoses(const WalkerRecording& recording,
                                      std::vector<TrackPoint> track,
                                      TrackFindings* findings = nullptr) {
@@ -64,7 +64,8 @@ inline StitchedRecording stitchPoses(const WalkerRecording& recording,
   return result;
 }
 
-/// The exact law plus what the tracker's noise adds; the heading noise to the angular MSD.
+/// The exact law plus the contribution of the tracker noise; for the angular MSD that of the
+/// heading noise.
 inline double withNoise(const WalkerRecording& recording, double exact, bool angular) {
   return exact + (angular ? 2 * recording.sigma_theta * recording.sigma_theta
                           : 4 * recording.sigma * recording.sigma);

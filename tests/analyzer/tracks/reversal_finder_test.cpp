@@ -1,4 +1,4 @@
-// Reversals found in poses alone, against what the walker did.
+// Reversals found in poses alone, compared with those of the walker.
 #include "analyzer/tracks/reversal_finder.hpp"
 
 #include <gtest/gtest.h>
@@ -36,7 +36,7 @@ WalkerRecording walled(const Case& one, double duration, unsigned seed) {
 
 class PosesAlone : public testing::TestWithParam<Case> {};
 
-TEST_P(PosesAlone, TellTheReversalsAndTheirTimes) {
+TEST_P(PosesAlone, ShowTheReversalsAndTheirTimes) {
   double truth = 0;
   double hits = 0;
   double wrong = 0;
@@ -71,7 +71,7 @@ TEST_P(PosesAlone, TellTheReversalsAndTheirTimes) {
   EXPECT_LT(std::abs(end.mean()), 0.5 * frame);
 }
 
-TEST_P(PosesAlone, AreUnbiasedOnceStitched) {
+TEST_P(PosesAlone, AreUnbiasedAfterStitching) {
   constexpr int kRecordings = 12;
   EnsembleCurves curves;
   for (unsigned i = 0; i < kRecordings; ++i) {
@@ -93,7 +93,7 @@ INSTANTIATE_TEST_SUITE_P(Programs, PosesAlone,
                                          Case{"Rtp50", rtpLaw(1, 0.5), 49.7}),
                          [](const auto& parameter) { return parameter.param.name; });
 
-TEST(ReversalFinder, TakesTheSpeedFromTheTrack) {
+TEST(ReversalFinder, EstimatesTheSpeedFromTheTrack) {
   const WalkerRecording recording = walled({"", abpLaw(1, 0.25), 24.3}, 900, 5);
   PoseRecording poses = posesOf(recording);
   const double nan = std::numeric_limits<double>::quiet_NaN();
@@ -101,7 +101,7 @@ TEST(ReversalFinder, TakesTheSpeedFromTheTrack) {
   EXPECT_NEAR(examineTrack(poses.track, reversalSearch(recording.law, nan, 0.4)).speed, 0.1, 0.002);
 }
 
-TEST(ReversalFinder, FindsNoneInTheEndlessPlane) {
+TEST(ReversalFinder, FindsNoneWithoutWalls) {
   for (const ProgramLaw& law : {abpLaw(3, 0.5), noisyLaw(0.01, 0.1, 0.1), noisyLaw(0, 0.1, 0.4),
                                 noisyLaw(0, 0.07, 0.2), rtpLaw(1, 0.5)}) {
     for (const double fps : {9.97, 49.7}) {
@@ -113,7 +113,7 @@ TEST(ReversalFinder, FindsNoneInTheEndlessPlane) {
   }
 }
 
-TEST(ReversalFinder, SeesThroughFlippedHeadings) {
+TEST(ReversalFinder, WorksWithFlippedHeadings) {
   const WalkerRecording recording = walled({"", abpLaw(3, 0.5), 24.3}, 900, 6);
   PoseRecording poses = posesOf(recording);
   const std::vector<TrackPoint> whole = poses.track;
@@ -154,7 +154,7 @@ TEST(ReversalFinder, WorksWithoutHeadings) {
   EXPECT_EQ(static_cast<std::ptrdiff_t>(dut.reversals.size()), longer);
 }
 
-TEST(ReversalReporter, SaysWhatTheRobotWouldHaveSaid) {
+TEST(ReversalReporter, SetsTelemetryLikeARobot) {
   ReversalReporter dut({{.start = 1, .end = 5, .dx = -0.4}, {.start = 8, .end = 9, .dx = 0.1}});
   RobotTelemetry state;
   state.time = 0.5;

@@ -1,4 +1,5 @@
-// What trackers and clocks do wrong, through files of poses: unbiased, or refused with a reason.
+// Errors of trackers and clocks in files of poses: results are unbiased, or the file is rejected
+// with a reason.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -23,7 +24,7 @@ using analysis::TrackPoint;
 using analysis::WalkerRecording;
 using testing::HasSubstr;
 
-/// Changes a recording's points in place; may also erase some.
+/// Changes the points of a recording in place; may erase some.
 using Damage = std::function<void(std::vector<TrackPoint>&, std::mt19937_64&)>;
 
 std::string csvOf(const std::vector<TrackPoint>& points) {
@@ -124,7 +125,7 @@ void expectUnbiased(const Damage& damage) {
   }
 }
 
-/// The fit of the exact law to one damaged recording of ten minutes: its own error bars hold the
+/// The fit of the exact law to one damaged recording of ten minutes: its error bars cover the
 /// truth.
 void expectFit(const Damage& damage) {
   std::vector<TrackPoint> points = recorded(600, 77);
@@ -140,12 +141,12 @@ void expectFit(const Damage& damage) {
   EXPECT_NE(record.results.front().result.verdict.kind, analysis::VerdictKind::kDisagrees);
 }
 
-TEST(BadTrack, NothingWrong) {
+TEST(BadTrack, UndamagedTrack) {
   expectUnbiased([](auto&, auto&) {});
   expectFit([](auto&, auto&) {});
 }
 
-TEST(BadTrack, OneInAHundredFramesMissing) {
+TEST(BadTrack, OnePercentOfFramesMissing) {
   const Damage damage = [](std::vector<TrackPoint>& points, std::mt19937_64& random) {
     std::bernoulli_distribution lost(0.01);
     std::erase_if(points, [&](const TrackPoint&) { return lost(random); });
@@ -154,7 +155,7 @@ TEST(BadTrack, OneInAHundredFramesMissing) {
   expectFit(damage);
 }
 
-TEST(BadTrack, OneInTwentyPosesOutOfPlace) {
+TEST(BadTrack, FivePercentOfPosesMisplaced) {
   const Damage damage = [](std::vector<TrackPoint>& points, std::mt19937_64& random) {
     std::bernoulli_distribution bad(0.05);
     std::uniform_real_distribution<double> away(-0.5, 0.5);
@@ -170,7 +171,7 @@ TEST(BadTrack, OneInTwentyPosesOutOfPlace) {
   expectFit(damage);
 }
 
-TEST(BadTrack, HeadTakenForTail) {
+TEST(BadTrack, HeadAndTailConfused) {
   const Damage damage = [](std::vector<TrackPoint>& points, std::mt19937_64& random) {
     std::bernoulli_distribution single(0.01);
     for (TrackPoint& point : points) {
@@ -183,7 +184,7 @@ TEST(BadTrack, HeadTakenForTail) {
   expectFit(damage);
 }
 
-TEST(BadTrack, NumbersThatAreNone) {
+TEST(BadTrack, InvalidNumbers) {
   const Damage damage = [](std::vector<TrackPoint>& points, std::mt19937_64& random) {
     std::bernoulli_distribution bad(0.02);
     for (TrackPoint& point : points) {
@@ -213,7 +214,7 @@ TEST(BadTrack, RowsInAnyOrder) {
   });
 }
 
-TEST(BadTrack, ClockThatSteps) {
+TEST(BadTrack, StepsOfTheClock) {
   const Damage forward = [](std::vector<TrackPoint>& points, std::mt19937_64&) {
     for (TrackPoint& point : points) point.time += point.time > 100 ? 30 : 0;
   };
@@ -231,7 +232,7 @@ TEST(BadTrack, ClockThatSteps) {
   EXPECT_EQ(record.results.front().result.segments, 2);
 }
 
-TEST(BadTrack, ClockThatStandsIsRefused) {
+TEST(BadTrack, StoppedClockIsRejected) {
   std::vector<TrackPoint> points = recorded(20, 1);
   for (TrackPoint& point : points) point.time = std::floor(point.time);
   EXPECT_THAT(refusal(csvOf(points)), HasSubstr("expected more than in the frames before it"));
@@ -244,7 +245,7 @@ TEST(BadTrack, TwoMinutesOnly) {
   }
 }
 
-TEST(BadTrack, TwoMinutesStillHaveHonestErrors) {
+TEST(BadTrack, TwoMinutesHaveCorrectErrors) {
   const RunRecord record = analysed(csvOf(recorded(120, 4)), analysis::Depth::kFull);
   for (const char* name : {"v", "D_r"}) {
     const analysis::Estimate& estimate = numberOf(record, name);
@@ -253,17 +254,17 @@ TEST(BadTrack, TwoMinutesStillHaveHonestErrors) {
   }
 }
 
-TEST(BadTrack, OneFrameIsRefused) {
+TEST(BadTrack, SingleFrameIsRejected) {
   EXPECT_THAT(refusal("frame,particle,x,y,theta,t\n0,1,1,1,0,0\n"),
               HasSubstr("a single picture has no motion"));
 }
 
-TEST(BadTrack, NothingButNanIsRefused) {
+TEST(BadTrack, OnlyNanIsRejected) {
   EXPECT_THAT(refusal("frame,particle,x,y,theta,t\n0,1,nan,1,0,0\n1,1,nan,1,0,0.1\n"),
               HasSubstr("found no pose in 2 rows"));
 }
 
-TEST(BadTrack, WithoutMotionIsNotTheProgram) {
+TEST(BadTrack, RobotAtRestIsNotTheProgram) {
   std::vector<TrackPoint> points = recorded(60, 1);
   std::mt19937_64 random(2);
   std::normal_distribution<double> noise(0, 5e-4);

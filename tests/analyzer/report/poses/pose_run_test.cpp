@@ -112,7 +112,7 @@ TEST(PoseRun, HasCurvesWithoutALaw) {
   EXPECT_NEAR(estimateOf(dut, "v").value, kSpeed, 1e-5);
 }
 
-TEST(PoseRun, ComparesTheMsdAloneWhereThereAreNoHeadings) {
+TEST(PoseRun, ComparesOnlyTheMsdWithoutHeadings) {
   const RunRecord dut = poseRun(recording(4, 300, false), "recording", abp());
 
   const analysis::ProgramResult& pool = dut.results.front().result;
@@ -123,7 +123,7 @@ TEST(PoseRun, ComparesTheMsdAloneWhereThereAreNoHeadings) {
 }
 
 // Of two frames side by side 0.3 mm of noise is a fifth of the way driven.
-TEST(PoseRun, TakesTheFitsNoiseOutWhereThereAreNoHeadings) {
+TEST(PoseRun, RemovesTheFittedNoiseWithoutHeadings) {
   const RunRecord dut = poseRun(recording(4, 300, false, 3e-4), "recording", abp());
 
   const analysis::ProgramResult& pool = dut.results.front().result;
@@ -137,7 +137,7 @@ TEST(PoseRun, TakesTheFitsNoiseOutWhereThereAreNoHeadings) {
 }
 
 // Between two frames 0.2 rad of noise are more than wheels can turn, and no jump all the same.
-TEST(PoseRun, TellsNoisyHeadingsFromJumps) {
+TEST(PoseRun, DistinguishesNoisyHeadingsFromJumps) {
   PoseFile noisy = recording(4, 300);
   std::mt19937_64 random(11);
   std::normal_distribution<double> noise(0, 0.2);
@@ -154,7 +154,7 @@ TEST(PoseRun, TellsNoisyHeadingsFromJumps) {
   EXPECT_NEAR(pool.curves.angular_msd.front().noise, 2 * 0.2 * 0.2, 0.1 * 2 * 0.2 * 0.2);
 }
 
-TEST(PoseRun, SaysWhereMostOfARecordingIsNotJudged) {
+TEST(PoseRun, ReportsThatMostOfARecordingIsNotJudged) {
   PoseFile wrong_unit = recording(2, 60);
   for (analysis::Frame& frame : wrong_unit.frames) {
     for (analysis::FramePose& pose : frame.poses) {
@@ -178,7 +178,7 @@ TEST(PoseRun, SaysWhereMostOfARecordingIsNotJudged) {
   EXPECT_THAT(headlines(walls), testing::Contains(HasSubstr("wall of the 120 x 90 cm arena")));
 }
 
-TEST(PoseRun, LeavesTheTumblesOpenWhereThePosesShowNone) {
+TEST(PoseRun, GivesNoTumbleRateIfPosesShowNoTumbles) {
   const RunRecord dut = poseRun(
       recording(2, 60), "recording",
       {"rtp", {"v_cm_s=3", "gamma_per_s=1", "tau_t_s=0.05", "robot.max_wheel_speed_cm_s=300"}});
@@ -272,7 +272,7 @@ TEST(AnalyzePoses, ShowsRunsAndTumbles) {
   EXPECT_THAT(readFile(folder.path() / "out" / "tumble_angles_rtp.svg"), HasSubstr("<svg"));
 }
 
-TEST(PoseRun, CutsWhereRobotsTouch) {
+TEST(PoseRun, CutsAtContacts) {
   PoseFile poses = recording(2, 10);
   for (analysis::Frame& frame : poses.frames) {
     if (frame.time < 4 || frame.time > 5) continue;
@@ -287,7 +287,7 @@ TEST(PoseRun, CutsWhereRobotsTouch) {
   EXPECT_NE(dut.tracks.rows[2 * 100].segment, dut.tracks.rows[2 * 200].segment);
 }
 
-TEST(PoseRun, CutsAtAJumpThatNoWheelMakes) {
+TEST(PoseRun, CutsAtAnImpossibleJump) {
   PoseFile poses = recording(1, 20);
   for (analysis::Frame& frame : poses.frames) {
     if (frame.time > 10) frame.poses[0].x += 0.5;
@@ -298,7 +298,7 @@ TEST(PoseRun, CutsAtAJumpThatNoWheelMakes) {
   EXPECT_EQ(dut.results.front().result.segments, 2);
 }
 
-TEST(PoseRun, BridgesFramesThatAreMissing) {
+TEST(PoseRun, BridgesMissingFrames) {
   PoseFile poses = recording(1, 20);
   std::erase_if(poses.frames, [](const analysis::Frame& frame) { return frame.frame % 10 == 5; });
 
@@ -307,7 +307,7 @@ TEST(PoseRun, BridgesFramesThatAreMissing) {
   EXPECT_EQ(dut.results.front().result.segments, 1);
 }
 
-TEST(PoseRun, RefusesAProgramThatIsNone) {
+TEST(PoseRun, RejectsAnInvalidProgram) {
   EXPECT_THROW((void)poseRun(recording(1, 1), "recording", {"abb", {}}), ExperimentError);
   EXPECT_THROW((void)poseRun(recording(1, 1), "recording", {"abp", {"v_cm_s=3"}}), ExperimentError);
   EXPECT_THROW((void)poseRun(recording(1, 1), "recording", {"", {"v_cm_s=3"}}), ExperimentError);

@@ -76,7 +76,7 @@ PoseFile slowed(PoseFile poses, double factor) {
   return poses;
 }
 
-TEST(PoseUnits, TellDegreesByTheirSteps) {
+TEST(PoseUnits, DetectDegreesByTheirSteps) {
   const auto doubts =
       unitWarnings(with(activeRecording(), [](double theta) { return wrapped(theta) * kDegrees; }));
 
@@ -84,7 +84,7 @@ TEST(PoseUnits, TellDegreesByTheirSteps) {
                                         HasSubstr("they are in degrees"))));
 }
 
-TEST(PoseUnits, TellDegreesThatTurnSlowlyByTheMotion) {
+TEST(PoseUnits, DetectSlowlyTurningDegreesByTheMotion) {
   const auto unwrapped =
       unitWarnings(with(slowRecording(), [](double theta) { return theta * kDegrees; }));
   const auto backwards = unitWarnings(
@@ -94,7 +94,7 @@ TEST(PoseUnits, TellDegreesThatTurnSlowlyByTheMotion) {
   EXPECT_THAT(backwards, ElementsAre(HasSubstr("the motion is along theta pi / 180")));
 }
 
-TEST(PoseUnits, LeaveRadiansAlone) {
+TEST(PoseUnits, AcceptRadians) {
   const auto same = [](double theta) { return theta; };
   const auto positive = [](double theta) { return wrapped(theta) + pi; };
   for (const auto& written :
@@ -109,14 +109,14 @@ TEST(PoseUnits, LeaveRadiansAlone) {
   }
 }
 
-TEST(PoseUnits, LeaveRecordingsWithoutHeadingsAlone) {
+TEST(PoseUnits, AcceptRecordingsWithoutHeadings) {
   PoseFile poses = with(activeRecording(), [](double theta) { return theta * kDegrees; });
   poses.headings = false;
 
   EXPECT_THAT(unitWarnings(poses), IsEmpty());
 }
 
-TEST(PoseUnits, DoubtTimesThatNoCameraKeeps) {
+TEST(PoseUnits, DoubtImplausibleFrameRates) {
   EXPECT_THAT(unitWarnings(slowed(slowRecording(), 1000)),
               ElementsAre(AllOf(HasSubstr("0.02 frames a second"), HasSubstr("in ms?"))));
   EXPECT_THAT(unitWarnings(slowed(slowRecording(), 1e6)), ElementsAre(HasSubstr("in us?")));
@@ -129,7 +129,7 @@ TEST(PoseUnits, DoubtTimesThatNoCameraKeeps) {
   EXPECT_THAT(unitWarnings(by_hand), IsEmpty());
 }
 
-TEST(PoseUnits, AreDoubtedInTheFirstLine) {
+TEST(PoseUnits, DoubtsAreTheFirstHeadlines) {
   std::string text = "frame,id,x_cm,y_cm,theta_rad,t_s\n";
   for (const analysis::Frame& frame : slowRecording().frames) {
     const analysis::FramePose& pose = frame.poses.front();

@@ -10,7 +10,7 @@ namespace {
 constexpr std::int64_t kSecond = 1'000'000;
 constexpr std::int64_t kLogBegins = 1000 * kSecond;
 
-/// Speaks to a ledger as one start of one service.
+/// Sends messages to a counter as one start of one service.
 class Sender {
  public:
   Sender(MessageLossCounter& ledger, std::string name, std::int64_t instance,
@@ -58,7 +58,7 @@ StreamLoss find(const MessageLossCounter& ledger, const std::string& sender,
   return {};
 }
 
-TEST(MessageLossCounter, CountsWhatASenderThatStartedInTheLogSaysItSent) {
+TEST(MessageLossCounter, CountsAllMessagesOfASenderThatStartedInTheLog) {
   MessageLossCounter dut;
   Sender service(dut, "sim_svc", 7, kLogBegins);
 
@@ -71,7 +71,7 @@ TEST(MessageLossCounter, CountsWhatASenderThatStartedInTheLogSaysItSent) {
   EXPECT_FALSE(find(dut, "sim_svc", "TRACKED_FRAME").at_least);
 }
 
-TEST(MessageLossCounter, CountsAStreamOfWhichNothingArrived) {
+TEST(MessageLossCounter, CountsAStreamWithoutAnyMessageInTheLog) {
   MessageLossCounter dut;
   Sender service(dut, "sim_svc", 7, kLogBegins);
 
@@ -80,7 +80,7 @@ TEST(MessageLossCounter, CountsAStreamOfWhichNothingArrived) {
   EXPECT_EQ(find(dut, "sim_svc", "SIM_TRUTH").lost, 40);
 }
 
-TEST(MessageLossCounter, CountsFromTheFirstMessageOfASenderThatWasThereBefore) {
+TEST(MessageLossCounter, CountsFromTheFirstMessageOfAnEarlierSender) {
   MessageLossCounter dut;
   Sender service(dut, "sim_svc", 7, kLogBegins - 60 * kSecond);
 
@@ -115,7 +115,7 @@ TEST(MessageLossCounter, GivesALowerBoundForAKilledSender) {
   EXPECT_TRUE(find(dut, "sim_svc", "TRACKED_FRAME").at_least);
 }
 
-TEST(MessageLossCounter, CountsCommandsThoughTheirNumbersRepeat) {
+TEST(MessageLossCounter, CountsRepeatedCommands) {
   MessageLossCounter dut;
   Sender service(dut, "lab", 7, kLogBegins);
 
@@ -126,7 +126,7 @@ TEST(MessageLossCounter, CountsCommandsThoughTheirNumbersRepeat) {
   EXPECT_EQ(find(dut, "lab", "ROBOT_COMMAND").lost, 2);
 }
 
-TEST(MessageLossCounter, CountsCommandsOfASenderThatWasThereBeforeFromItsFirstStatus) {
+TEST(MessageLossCounter, CountsCommandsOfAnEarlierSenderFromItsFirstStatus) {
   MessageLossCounter dut;
   Sender service(dut, "lab", 7, kLogBegins - 60 * kSecond);
 
@@ -138,7 +138,7 @@ TEST(MessageLossCounter, CountsCommandsOfASenderThatWasThereBeforeFromItsFirstSt
   EXPECT_EQ(find(dut, "lab", "ROBOT_COMMAND").lost, 2);
 }
 
-TEST(MessageLossCounter, KeepsTheStartsOfOneServiceApart) {
+TEST(MessageLossCounter, SeparatesTheStartsOfAService) {
   MessageLossCounter dut;
   Sender first(dut, "sim_svc", 7, kLogBegins);
   Sender second(dut, "sim_svc", 9, kLogBegins + kSecond);
@@ -153,7 +153,7 @@ TEST(MessageLossCounter, KeepsTheStartsOfOneServiceApart) {
   EXPECT_FALSE(find(dut, "sim_svc", "TRACKED_FRAME", 2).at_least);
 }
 
-TEST(MessageLossCounter, DoesNotCallALateMessageLost) {
+TEST(MessageLossCounter, DoesNotCountALateMessageAsLost) {
   MessageLossCounter dut;
   Sender service(dut, "sim_svc", 7, kLogBegins);
 
@@ -163,7 +163,7 @@ TEST(MessageLossCounter, DoesNotCallALateMessageLost) {
   EXPECT_EQ(find(dut, "sim_svc", "TRACKED_FRAME").lost, 0);
 }
 
-TEST(MessageLossCounter, RemembersTheLargestAge) {
+TEST(MessageLossCounter, ReportsTheLargestAge) {
   MessageLossCounter dut;
   Sender service(dut, "sim_svc", 7, kLogBegins);
 

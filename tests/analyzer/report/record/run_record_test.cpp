@@ -44,7 +44,7 @@ StreamLoss streamOf(const RunRecord& record, const std::string& sender, std::str
   return {};
 }
 
-TEST_F(RunRecordTest, TellsAnUndisturbedRun) {
+TEST_F(RunRecordTest, DescribesAnUndisturbedRun) {
   SyntheticLab(log(), experiment_).run();
 
   const RunRecord dut = read();
@@ -71,7 +71,7 @@ TEST_F(RunRecordTest, TellsAnUndisturbedRun) {
   }
 }
 
-TEST_F(RunRecordTest, KnowsWhichProgramEveryRobotRanWhen) {
+TEST_F(RunRecordTest, HasTheProgramsOfEveryRobotOverTime) {
   SyntheticLab(log(), experiment_).run();
 
   const RunRecord dut = read();
@@ -90,7 +90,7 @@ TEST_F(RunRecordTest, KnowsWhichProgramEveryRobotRanWhen) {
   }
 }
 
-TEST_F(RunRecordTest, CountsWhatTheLoggerMissedToTheMessage) {
+TEST_F(RunRecordTest, CountsMissedMessagesExactly) {
   std::int64_t frames_lost = 0;
   std::int64_t statuses_lost = 0;
   SyntheticLab(log(), experiment_, [&](const Packet& packet) {
@@ -116,7 +116,7 @@ TEST_F(RunRecordTest, CountsWhatTheLoggerMissedToTheMessage) {
   EXPECT_EQ(streamOf(dut, "sim_svc", channels::kRobotStatus).lost, 0);
 }
 
-TEST_F(RunRecordTest, CutsAndCountsApartWhereAServiceWasRestarted) {
+TEST_F(RunRecordTest, CutsTracksAndSeparatesCountsAtARestart) {
   {
     SyntheticLab lab(log(), experiment_);
     lab.begin();
@@ -148,7 +148,7 @@ TEST_F(RunRecordTest, CutsAndCountsApartWhereAServiceWasRestarted) {
   EXPECT_GT(after, before);
 }
 
-TEST_F(RunRecordTest, KeepsFaultsAndMarksOnceEach) {
+TEST_F(RunRecordTest, HasEachFaultAndMarkOnce) {
   {
     SyntheticLab lab(log(), experiment_);
     lab.begin();
@@ -167,7 +167,7 @@ TEST_F(RunRecordTest, KeepsFaultsAndMarksOnceEach) {
   ASSERT_EQ(dut.marks.size(), 1U);
 }
 
-TEST_F(RunRecordTest, CountsWhatCommandsByHandLostAndTakesThemForNoServices) {
+TEST_F(RunRecordTest, CountsLossesOfShellCommandsWhichAreNoServices) {
   {
     bool dropped = false;
     SyntheticLab lab(log(), experiment_, [&](const Packet& packet) {
@@ -192,7 +192,7 @@ TEST_F(RunRecordTest, CountsWhatCommandsByHandLostAndTakesThemForNoServices) {
   EXPECT_THAT(services, testing::ElementsAre("lab", "projector_ctl", "sim_svc"));
 }
 
-TEST_F(RunRecordTest, SaysThatAKilledRunHasNoEnd) {
+TEST_F(RunRecordTest, ReportsThatAKilledRunHasNoEnd) {
   {
     SyntheticLab unfinished(log(), experiment_);
     unfinished.begin();
@@ -223,7 +223,7 @@ TEST_F(RunRecordTest, ReadsATruncatedAndDamagedLog) {
   EXPECT_GT(missing + dut.log.damaged_places, 0);
 }
 
-TEST_F(RunRecordTest, FollowsTheLogOverItsContinuations) {
+TEST_F(RunRecordTest, ReadsTheContinuationsOfALog) {
   SyntheticLab(log(), experiment_).run();
   const std::string whole = readFile(log());
   // lcm-logger was restarted: the rest stands in a second file.
@@ -238,7 +238,7 @@ TEST_F(RunRecordTest, FollowsTheLogOverItsContinuations) {
   for (const StreamLoss& loss : dut.log.streams) EXPECT_EQ(loss.lost, 0);
 }
 
-TEST_F(RunRecordTest, RefusesALogOfAnotherContractVersion) {
+TEST_F(RunRecordTest, RejectsALogOfAnotherContractVersion) {
   {
     LogWriter writer(log());
     experiment_event_t start{};
@@ -254,7 +254,7 @@ TEST_F(RunRecordTest, RefusesALogOfAnotherContractVersion) {
   EXPECT_THAT(problem(), HasSubstr("reads contract versions 1 to 4"));
 }
 
-TEST_F(RunRecordTest, NamesAnUnknownTypeHash) {
+TEST_F(RunRecordTest, ErrorNamesAnUnknownTypeHash) {
   {
     LogWriter writer(log());
     tracked_frame_t frame{};
@@ -267,7 +267,7 @@ TEST_F(RunRecordTest, NamesAnUnknownTypeHash) {
   EXPECT_THAT(problem(), HasSubstr("TRACKED_FRAME carries messages of an unknown type (hash "));
 }
 
-TEST_F(RunRecordTest, CallsASingleForeignMessageADecodeError) {
+TEST_F(RunRecordTest, CountsASingleForeignMessageAsDecodeError) {
   {
     LogWriter writer(log());
     tracked_frame_t frame{};
@@ -289,7 +289,7 @@ TEST_F(RunRecordTest, CallsASingleForeignMessageADecodeError) {
   EXPECT_EQ(dut.log.frames, 1);
 }
 
-TEST_F(RunRecordTest, SeesWhereTheLightDependsOnPlace) {
+TEST_F(RunRecordTest, DetectsSpatialLight) {
   experiment_.light.steps[1].layers[0].kind = 3;  // a disk
   experiment_.light.steps[1].layers[0].x = 0.6;
   experiment_.light.steps[1].layers[0].y = 0.45;

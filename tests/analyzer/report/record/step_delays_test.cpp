@@ -7,7 +7,7 @@
 namespace lab::report {
 namespace {
 
-TEST(Delivery, TakesPercentilesByNearestRank) {
+TEST(StepDelays, TakesPercentilesByNearestRank) {
   std::vector<double> values;
   for (int i = 100; i >= 1; --i) values.push_back(i);
 
@@ -22,7 +22,7 @@ TEST(Delivery, TakesPercentilesByNearestRank) {
   EXPECT_TRUE(std::isnan(percentilesOf({}).p50));
 }
 
-TEST(Delivery, LeavesOutWhatNeverHappened) {
+TEST(StepDelays, OmitsEventsThatDidNotHappen) {
   StepRecord shown;
   shown.commanded_utime = 1'000'000;
   shown.presented_utime = 1'017'000;
