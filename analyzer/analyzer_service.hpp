@@ -1,6 +1,7 @@
 /// The online analyzer.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "analyzer/analysis_feed.hpp"

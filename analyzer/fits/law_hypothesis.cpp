@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 #include "analyzer/curves/estimates.hpp"
 #include "analyzer/curves/statistics.hpp"

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <vector>
 
 #include "analyzer/laws/geometric_sums.hpp"
 #include "analyzer/laws/numerics.hpp"

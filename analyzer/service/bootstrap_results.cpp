@@ -1,5 +1,7 @@
 #include "analyzer/service/bootstrap_results.hpp"
 
+#include <cstdint>
+
 #include "analyzer/fits/law_fit.hpp"
 
 namespace lab::analysis {

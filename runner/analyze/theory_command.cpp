@@ -6,7 +6,9 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "analyzer/analysis_feed.hpp"
 #include "analyzer/laws.hpp"

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 #include <string>
+#include <vector>
 
 #include "analyzer/laws/phased_noise.hpp"
 #include "tests/support/reference_table.hpp"

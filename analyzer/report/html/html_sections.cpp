@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <cstdint>
 
 #include "analyzer/report/figures/gnuplot.hpp"
 #include "analyzer/report/record/step_delays.hpp"

@@ -4,6 +4,7 @@
 
 #include <cctype>
 #include <cmath>
+#include <cstdint>
 
 #include "analyzer/report/figures/figure_scripts.hpp"
 #include "analyzer/report/html/html_sections.hpp"

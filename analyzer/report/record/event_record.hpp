@@ -1,6 +1,7 @@
 /// Collects the events of a run and the status of its services.
 #pragma once
 
+#include <cstdint>
 #include <lab/experiment_event_t.hpp>
 #include <lab/service_status_t.hpp>
 #include <map>
@@ -8,6 +9,7 @@
 #include <string>
 #include <tuple>
 #include <utility>
+#include <vector>
 
 #include "analyzer/report/record/run_record.hpp"
 

@@ -1,6 +1,7 @@
 /// Delays of the steps of the light script.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <string>
+#include <string_view>
 
 #include "analyzer/report/figures/figure_files.hpp"
 #include "analyzer/report/figures/gnuplot.hpp"
@@ -29,7 +31,7 @@ struct SeriesStyle {
 };
 
 SeriesStyle seriesStyle(std::size_t series, std::size_t of) {
-  // Okabe and Ito's colours without vermillion, which is the paper's formula.
+  // Okabe and Ito's colours without the one of the paper's formula.
   constexpr std::array<SeriesStyle, 6> kStyles{{{"#0072B2", 7, 6},
                                                 {"#E69F00", 5, 4},
                                                 {"#009E73", 9, 8},

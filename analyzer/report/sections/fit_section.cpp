@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <optional>
 
 #include "analyzer/report/html/html_verdicts.hpp"
 #include "common/text/format.hpp"

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
+#include <vector>
 
 #include "analyzer/report/html/html_sections.hpp"
 #include "common/calibration/light_margins.hpp"

@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <vector>
 
 #include "analyzer/report/html/html_sections.hpp"
 #include "analyzer/report/summary/findings.hpp"

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <string_view>
 
 #include "common/experiment/experiment_messages.hpp"
 #include "common/math/units.hpp"

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <nlohmann/json.hpp>
+#include <vector>
 
 #include "analyzer/report/record/step_delays.hpp"
 #include "analyzer/report/sections/brownian_section.hpp"

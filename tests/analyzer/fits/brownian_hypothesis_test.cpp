@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
+
 #include "tests/analyzer/recording_ensemble.hpp"
 
 namespace lab::analysis {
@@ -15,7 +17,7 @@ ProgramLaw bp(double amplitude, double epsilon) {
   return law;
 }
 
-BrownianTest testOf(const WalkerRecording& recording, const ProgramLaw& asked) {
+BrownianTest testRecording(const WalkerRecording& recording, const ProgramLaw& asked) {
   const StitchedRecording stitched = stitch(recording);
   ProgramAnalysis analysis(asked, 1 / recording.fps, 100);
   for (const Sample& sample : stitched.samples) analysis.add(sample);
@@ -30,7 +32,7 @@ TEST(BrownianTest, DetectsDiffusionAlongTheRobotAxisInOneHour) {
   recording.fps = 10.3;
   recording.sigma = 0.0005;
   recording.sigma_theta = 0.01;
-  const BrownianTest test = testOf(recording, recording.law);
+  const BrownianTest test = testRecording(recording, recording.law);
   ASSERT_GE(test.lags.size(), 6U);
   EXPECT_TRUE(test.isotropic.rejected) << test.text;
   EXPECT_FALSE(test.exact.rejected) << test.text;
@@ -44,7 +46,7 @@ TEST(BrownianTest, RejectsAnotherLaw) {
   recording.law.wheel_base = 0.075 / 6;
   recording.duration = 3600;
   recording.fps = 10.3;
-  const BrownianTest test = testOf(recording, bp(0.07, 0.2));
+  const BrownianTest test = testRecording(recording, bp(0.07, 0.2));
   ASSERT_FALSE(test.lags.empty());
   EXPECT_TRUE(test.exact.rejected) << test.text;
 }
@@ -74,7 +76,7 @@ TEST(BrownianTest, RejectsTheTrueLawAtTheStatedRate) {
     recording.duration = 1200;
     recording.fps = 10.3;
     recording.seed = static_cast<std::uint64_t>(100 + i);
-    const BrownianTest test = testOf(recording, recording.law);
+    const BrownianTest test = testRecording(recording, recording.law);
     rejected += test.exact.rejected ? 1 : 0;
     for (const KurtosisPoint& lag : test.lags) largest.add(std::abs(lag.z_exact));
   }

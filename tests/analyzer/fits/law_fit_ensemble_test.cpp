@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "tests/analyzer/fits/fit_ensemble.hpp"
 #include "tests/analyzer/paper_programs.hpp"

@@ -2,6 +2,8 @@
 // the rule of stop_when, checked as often as in the lab (or every 5 s).
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <optional>
 

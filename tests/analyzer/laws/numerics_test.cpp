@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include "analyzer/curves/lags.hpp"
 #include "analyzer/curves/statistics.hpp"

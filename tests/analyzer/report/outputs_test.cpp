@@ -5,6 +5,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <string>
 
 #include "analyzer/report/html/report_page.hpp"
 #include "analyzer/report/summary/summary.hpp"

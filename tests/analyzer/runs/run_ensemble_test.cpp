@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string>
+#include <vector>
 
 #include "analyzer/runs/run_statistics.hpp"
 #include "tests/analyzer/paper_programs.hpp"

@@ -108,9 +108,9 @@ TEST(Figures, HaveTheirDataWithUnits) {
 TEST(Figures, QuoteTextInTheirData) {
   CsvText dut("name,value_cm,judged");
   dut.row("a \"b\", c", 1.5, true);
-  dut.row("d", std::nan(""), false);
+  dut.row("x", std::nan(""), false);
 
-  EXPECT_EQ(dut.text(), "name,value_cm,judged\n\"a \"\"b\"\", c\",1.5,1\nd,,0\n");
+  EXPECT_EQ(dut.text(), "name,value_cm,judged\n\"a \"\"b\"\", c\",1.5,1\nx,,0\n");
 }
 
 TEST(Figures, RemoveMarkupFromNames) {

@@ -10,6 +10,8 @@
 #include <numbers>
 #include <random>
 #include <sstream>
+#include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "analyzer/report/poses/pose_run.hpp"

@@ -4,9 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 #include <fstream>
 #include <numbers>
 #include <random>
+#include <stdexcept>
 
 #include "analyzer/analyze_run.hpp"
 #include "analyzer/report/summary/findings.hpp"

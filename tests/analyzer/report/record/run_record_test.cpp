@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <string_view>
 #include <utility>
 
 #include "analyzer/report_error.hpp"
