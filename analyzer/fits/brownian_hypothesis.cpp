@@ -98,11 +98,11 @@ std::string verdict(const BrownianTest& test) {
   const auto at = [&test](const KurtosisAnswer& answer) {
     return *std::ranges::find(test.lags, answer.tau, &KurtosisPoint::tau);
   };
-  std::string text = "Too short to be told from Brownian motion in the plane. ";
+  std::string text = "Too short to be distinguished from Brownian motion in the plane. ";
   if (std::isfinite(test.isotropic.p)) {
     const KurtosisPoint lag = at(test.isotropic);
     text = test.isotropic.rejected ? "Not Brownian motion in the plane"
-                                   : "Not to be told from Brownian motion in the plane";
+                                   : "Not distinguishable from Brownian motion in the plane";
     text += words(": kurtosis %.2f at %.3g s, 2 expected (%s). ", lag.kurtosis, lag.tau,
                   pText(test.isotropic.p).c_str());
   }

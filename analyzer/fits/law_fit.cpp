@@ -366,7 +366,7 @@ void Fit::report(LawFit& fit, int recordings) const {
   const Vector off = ordinary * left;
   const Matrix expected = difference * covariance_ * difference.transpose();
   for (std::size_t p = 0; p < offset_; ++p) {
-    // Not a number where rounding leaves no variance: then nothing is guarded, and it says so.
+    // nan if rounding leaves no variance.
     const double z = std::abs(off(index(p))) / std::sqrt(expected(index(p), index(p)));
     fit.guard_z = std::isnan(z) || z > fit.guard_z ? z : fit.guard_z;
   }

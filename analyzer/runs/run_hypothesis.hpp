@@ -34,7 +34,7 @@ struct WaitingTime {
 [[nodiscard]] TestResult kuiperTest(std::span<const double> angles);
 
 /// The same by the length of the mean direction: Rayleigh's test, the most powerful one against a
-/// single preferred direction (p as in Biostatistical Analysis, 1999).
+/// single preferred direction (p as in the textbook Biostatistical Analysis).
 [[nodiscard]] TestResult rayleighTest(std::span<const double> angles);
 
 /// Tests whether pairs are independent, by Pearson's correlation; p by the normal distribution of r

@@ -80,11 +80,11 @@ void runGnuplot(const fs::path& folder, const std::string& script) {
   const fs::path messages = fs::absolute(folder / kMessages);
   std::ofstream(file, std::ios::binary) << script;
   const bool done = succeeded(start(file, messages));
-  const std::string said = contents(messages);
+  const std::string output = contents(messages);
   fs::remove(file);
   fs::remove(messages);
   if (!done) {
-    throw ReportError(fmt::format("gnuplot could not draw the figures: {}", said.substr(0, 500)));
+    throw ReportError(fmt::format("gnuplot could not draw the figures: {}", output.substr(0, 500)));
   }
 }
 

@@ -83,7 +83,7 @@ void ServiceRecords::take(const service_status_t& status) {
   if (found != services_.end()) {
     service = &found->second;
   } else {
-    // A command by hand, as `lab mark`, says nothing but its last counts: it is no service.
+    // A shell command such as `lab mark` sends only its final counts: it is not a service.
     if (status.state == service_status_t::ENDED) return;
     const auto earlier = std::count_if(services_.begin(), services_.end(), [&](const auto& known) {
       return known.second.name == status.sender;

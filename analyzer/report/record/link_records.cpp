@@ -23,7 +23,7 @@ void LinkRecords::take(const link_status_t& status) {
     LinkRecord& record = watched.record;
     record.host = status.host;
     record.peer = peer.host;
-    // Either gateway's restart begins the counts anew.
+    // A restart of either gateway resets the counts.
     if (status.instance != watched.instance || peer.received < watched.last.received) {
       addCounts(watched.last, watched.timeouts, record);
     }

@@ -157,23 +157,24 @@ PanelVerdict judgeCurves(const PaperPanel& panel, const std::vector<const SetDat
     }
     if (own.judged == 0 || std::abs(own.off) < 1e-6) continue;
     differs = true;
-    std::string said =
+    std::string comparison =
         fmt::format("{}{:+.{}f} % from the exact law at {} s", label, own.off * kPercents,
                     std::abs(own.off) < 0.1 ? 1 : 0, shortText(own.off_tau));
     if (!angular && single && fit && fit->paper && std::isfinite(fit->paper->p_value)) {
       tested = true;
       const bool out = fit->paper->p_value < kRejects;
       rejected = rejected || out;
-      said += fmt::format(", {} ({}, {:.1f} σ)", out ? "rejected" : "not rejected",
-                          probability(fit->paper->p_value), std::abs(fit->paper->deviate));
+      comparison += fmt::format(", {} ({}, {:.1f} σ)", out ? "rejected" : "not rejected",
+                                probability(fit->paper->p_value), std::abs(fit->paper->deviate));
     } else {
       tested = true;
       const bool out = own.paper > kAgreeZ;
       rejected = rejected || out;
-      said += fmt::format(", {} (largest deviation {:.1f} σ, at {} s)",
-                          out ? "rejected" : "not rejected", own.paper, shortText(own.paper_tau));
+      comparison +=
+          fmt::format(", {} (largest deviation {:.1f} σ, at {} s)",
+                      out ? "rejected" : "not rejected", own.paper, shortText(own.paper_tau));
     }
-    paper.push_back(said);
+    paper.push_back(comparison);
   }
   verdict.max_z = all.max_z;
   if (all.judged >= kMinJudged) {

@@ -58,7 +58,7 @@ class SyntheticLab {
   void tick();
   void showStep(std::size_t number);
   void publishLight(bool changed);
-  void say(std::int8_t kind, const std::string& text);
+  void publishEvent(std::int8_t kind, const std::string& text);
 
   Experiment experiment_;
   VirtualLoop loop_;

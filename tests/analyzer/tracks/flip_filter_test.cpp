@@ -81,7 +81,7 @@ TEST(FlipFilter, DeterminesTheHeadFromTheMotion) {
   TrackPoint point = heading(0, 1);
   dut.correct(point);
   EXPECT_FALSE(dut.addMotion(-0.9 * enough, enough));
-  EXPECT_FALSE(dut.addMotion(-1, 0));  // a program that tells nothing
+  EXPECT_FALSE(dut.addMotion(-1, 0));  // a program that does not show its head
   EXPECT_TRUE(dut.addMotion(-0.2 * enough, enough));
   TrackPoint next = heading(0.02, 1);
   EXPECT_TRUE(dut.correct(next));

@@ -138,7 +138,7 @@ void expectFit(const Damage& damage) {
     const analysis::Estimate& estimate = numberOf(record, name);
     ASSERT_GT(estimate.sigma, 0) << name;
     EXPECT_LT(std::abs(estimate.value - estimate.theory) / estimate.sigma, 4) << name;
-    EXPECT_LT(estimate.sigma, 0.12 * estimate.theory) << name << ": an error bar that says nothing";
+    EXPECT_LT(estimate.sigma, 0.12 * estimate.theory) << name << ": the error bar is too large";
   }
   EXPECT_NE(record.results.front().result.verdict.kind, analysis::VerdictKind::kDisagrees);
 }

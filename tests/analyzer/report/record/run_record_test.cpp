@@ -57,7 +57,7 @@ TEST_F(RunRecordTest, DescribesAnUndisturbedRun) {
   EXPECT_EQ(dut.log.frames, 400);
   EXPECT_EQ(dut.tracks.rows.size(), 800U);
   EXPECT_EQ(dut.missing_frames, 0);
-  ASSERT_EQ(dut.steps.size(), 4U);  // each was said three times
+  ASSERT_EQ(dut.steps.size(), 4U);  // each was sent three times
   EXPECT_EQ(dut.steps[1].label, "light for rtp");
   EXPECT_EQ(dut.steps[1].presented_utime - dut.steps[1].commanded_utime, 17'000);
   ASSERT_EQ(dut.light.size(), 4U);
@@ -83,7 +83,7 @@ TEST_F(RunRecordTest, HasTheProgramsOfEveryRobotOverTime) {
     if (span.program >= 0) programs.push_back(span.program);
   }
   EXPECT_THAT(programs, testing::ElementsAre(0, 1, 0, 1));
-  // 10 s after the start: the third step, and every row says so.
+  // 10 s after the start: the third step, as in every row.
   for (std::size_t i = 0; i < dut.tracks.frames.size(); ++i) {
     const double t = dut.seconds(dut.tracks.frames[i].utime);
     if (t < 10.1 || t > 14.9) continue;
