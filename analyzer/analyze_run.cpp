@@ -73,7 +73,7 @@ fs::path outputFolder(const fs::path& run_or_log, const fs::path& wanted) {
   return run_or_log.has_parent_path() ? run_or_log.parent_path() : fs::path(".");
 }
 
-/// Writes everything that a record gives, each file whole or not at all.
+/// Writes all files of a record, each completely or not at all.
 AnalyzedRun writeResults(const RunRecord& record, const fs::path& out, bool with_figures) {
   const Scratch scratch(out);
   std::vector<Figure> figures;

@@ -19,7 +19,7 @@ namespace {
 
 using units::kPercents;
 
-constexpr std::size_t kMostSteps = 60;  // rows of a table that are shown
+constexpr std::size_t kMostSteps = 60;  // largest number of rows in the table of steps
 
 std::string milliseconds(double value) {
   return std::isfinite(value) ? fmt::format("{:.1f}", value) : "–";
@@ -56,7 +56,7 @@ std::string figureHtml(const Figure& figure) {
   if (figure.svg.empty()) {
     return fmt::format("<p class=\"soft\">{}</p>\n", escapeHtml(figure.sentence));
   }
-  // Ids within the page must differ: file names of figures do.
+  // Ids within the page must be unique, as the names of figures are.
   return fmt::format("<figure>{}<figcaption><b>{}.</b> {}</figcaption></figure>\n",
                      inlineSvg(figure.svg, figure.name + "_"), escapeHtml(figure.title),
                      escapeHtml(figure.caption));
@@ -90,7 +90,7 @@ std::string warnings(const RunRecord& record) {
         "<p><b>This run was cut short:</b> the log has no END event. The report covers the part in "
         "the log.</p>\n";
   }
-  // Not by its script or its time.
+  // Ended by a command, not by its script or duration.
   if (record.ended && record.end_reason.starts_with("ended by ")) {
     html += fmt::format("<p><b>This run was cut short:</b> {}, after {} s of {} s.</p>\n",
                         escapeHtml(record.end_reason), shortText(record.duration()),

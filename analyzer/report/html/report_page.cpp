@@ -34,8 +34,8 @@ std::string lead(const RunRecord& record) {
   return fmt::format("{}", fmt::join(parts, " · "));
 }
 
-/// The section as a part that is closed until its heading is clicked. A section begins with its
-/// heading, or is empty.
+/// The section as a part that opens by a click on its heading. A section begins with its heading,
+/// or is empty.
 std::string folded(const std::string& section) {
   constexpr std::string_view kEnd = "</h2>\n";
   const std::size_t end = section.find(kEnd);
@@ -44,7 +44,7 @@ std::string folded(const std::string& section) {
                      section.substr(0, end + kEnd.size() - 1), section.substr(end + kEnd.size()));
 }
 
-/// Where the robots went, the MSD with the exact law, and the light with the programs.
+/// Names of the opening figures: trajectories, MSD with the exact law, and light with programs.
 std::vector<std::string> openingNames(const std::vector<Finding>& findings) {
   const std::string msd = findings.size() == 1 ? "msd_" + findings.front().file : "msd";
   return {"trajectory_program", msd, "light"};

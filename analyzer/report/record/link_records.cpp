@@ -5,7 +5,7 @@
 namespace lab::report {
 namespace {
 
-/// Counts of one start of both gateways onto those of earlier starts.
+/// Adds the counts of one start of both gateways to those of earlier starts.
 void addCounts(const link_peer_t& peer, std::int64_t timeouts, LinkRecord& record) {
   record.received += peer.received;
   record.lost += peer.lost;

@@ -67,8 +67,8 @@ void takeRuns(const std::vector<Sample>& samples, RecordingData& recording) {
         std::hypot(samples[to].x - samples[from].x, samples[to].y - samples[from].y);
     recording.speeds.push_back({samples[to].free_time - dt / 2 - begin, distance / dt * kCm});
   }
-  // The robot counts a tumble as it begins, and its run time stands still while it tumbles: the
-  // least run time under one count is that of all runs before this tumble.
+  // The robot counts a tumble at its beginning, and run time does not increase while it tumbles:
+  // the smallest run time with one count is that of all runs before this tumble.
   std::map<std::int64_t, double> before;
   for (const Sample& s : samples) {
     const auto found = before.try_emplace(s.tumble_count, s.run_time).first;

@@ -1,4 +1,4 @@
-// Reversals from walls, removed and joined, against the exact law of the endless plane.
+// Reversals at walls, removed and joined, compared with the exact law of the infinite plane.
 #include <gtest/gtest.h>
 
 #include <cmath>

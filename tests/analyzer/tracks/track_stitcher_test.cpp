@@ -298,9 +298,9 @@ TEST_F(TrackStitcherTest, DropsAFrameWithoutTelemetryAfterTheDelayAndOnlyThatFra
 TEST_F(TrackStitcherTest, CountsAndDropsInvalidAndRepeatedFrames) {
   drive(0, 1, 0);
   frame(0.98, 0.0294);  // repeated
-  frame(0.5, 0.015);    // gone back
+  frame(0.5, 0.015);    // earlier
   frame(kNan, 0);       // no time
-  frame(1.0, kNan);     // no place
+  frame(1.0, kNan);     // no position
   TrackPoint doubtful;
   doubtful.time = 1.01;
   doubtful.valid = false;

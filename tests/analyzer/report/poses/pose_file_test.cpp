@@ -136,7 +136,7 @@ TEST(PoseFile, RejectsTimesThatCannotBeSeconds) {
 }
 
 TEST(PoseFile, ReadsFilesOfTrex) {
-  // As TRex writes it: the frame twice, units in brackets, inf for what it does not know.
+  // The format of TRex: the frame twice, units in brackets, inf for unknown values.
   const std::string text =
       "frame,X#wcentroid (cm),Y#wcentroid (cm),X (cm),Y (cm),ANGLE,time,missing,frame\n"
       "0,10.5,20,11,20,0.5,0.0,0,0\n"

@@ -26,7 +26,7 @@ constexpr double kEta = 3;        // [rad/s]
 constexpr double kNoise = 2e-5;   // [m]
 constexpr double kPeriod = 1.0 / 30;
 
-/// Active Brownian particles in an endless arena: the paper's ABP, and nothing else.
+/// Active Brownian particles (the paper's ABP) in an infinite arena.
 PoseFile recording(int robots, double duration, bool headings = true, double sigma = kNoise) {
   std::mt19937_64 random(7);
   std::uniform_real_distribution<double> turning(-kEta, kEta);
@@ -124,7 +124,7 @@ TEST(PoseRun, ComparesOnlyTheMsdWithoutHeadings) {
   EXPECT_TRUE(std::isnan(estimateOf(dut, "v").value));
 }
 
-// Of two frames side by side 0.3 mm of noise is a fifth of the way driven.
+// Between two frames, 0.3 mm of noise is a fifth of the displacement.
 TEST(PoseRun, RemovesTheFittedNoiseWithoutHeadings) {
   const RunRecord dut = poseRun(recording(4, 300, false, 3e-4), "recording", abp());
 
@@ -138,7 +138,7 @@ TEST(PoseRun, RemovesTheFittedNoiseWithoutHeadings) {
   EXPECT_EQ(wrong.results.front().result.verdict.kind, analysis::VerdictKind::kDisagrees);
 }
 
-// Between two frames 0.2 rad of noise are more than wheels can turn, and no jump all the same.
+// Noise of 0.2 rad exceeds the possible turn between two frames, but is not a jump.
 TEST(PoseRun, DistinguishesNoisyHeadingsFromJumps) {
   PoseFile noisy = recording(4, 300);
   std::mt19937_64 random(11);
@@ -189,7 +189,7 @@ TEST(PoseRun, GivesNoTumbleRateIfPosesShowNoTumbles) {
   EXPECT_THAT(estimateOf(dut, "gamma").note, HasSubstr("fewer than three frames in a tumble"));
 }
 
-/// Run-and-tumble particles in an endless arena.
+/// Run-and-tumble particles in an infinite arena.
 PoseFile tumblers(int robots, double duration) {
   constexpr double kTumble = 0.5;  // [s]
   std::mt19937_64 random(9);

@@ -65,7 +65,7 @@ TEST(MessageLossCounter, CountsAllMessagesOfASenderThatStartedInTheLog) {
   for (std::int64_t seq = 3; seq <= 98; ++seq) service.send("TRACKED_FRAME", seq);
   service.status(1, {{"TRACKED_FRAME", 100}, {"SERVICE_STATUS", 1}}, true);
 
-  // The first two and the last two left no gap that could be seen from inside.
+  // The first two and the last two leave no gap in the message numbers.
   EXPECT_EQ(find(dut, "sim_svc", "TRACKED_FRAME").lost, 4);
   EXPECT_EQ(find(dut, "sim_svc", "TRACKED_FRAME").received, 96);
   EXPECT_FALSE(find(dut, "sim_svc", "TRACKED_FRAME").at_least);

@@ -136,7 +136,7 @@ TEST_F(RunRecordTest, CutsTracksAndSeparatesCountsAtARestart) {
             400);
   EXPECT_EQ(dut.robots.at(1).boots, 2);
   EXPECT_EQ(dut.missing_frames, 0);
-  // No piece of free motion spans the restart, where the robots began again elsewhere.
+  // No piece of free motion spans the restart, at which robots have other positions.
   std::int32_t before = -1;
   std::int32_t after = -1;
   for (std::size_t i = 0; i < dut.tracks.frames.size(); ++i) {
@@ -227,7 +227,7 @@ TEST_F(RunRecordTest, ReadsATruncatedAndDamagedLog) {
 TEST_F(RunRecordTest, ReadsTheContinuationsOfALog) {
   SyntheticLab(log(), experiment_).run();
   const std::string whole = readFile(log());
-  // lcm-logger was restarted: the rest stands in a second file.
+  // lcm-logger was restarted: the rest is in a second file.
   const std::string sync = "\xed\xa1\xda\x01";
   const std::size_t cut = whole.find(sync, whole.size() / 2);
   std::ofstream(log(), std::ios::binary) << whole.substr(0, cut);

@@ -39,7 +39,7 @@ TEST(StepDelays, OmitsEventsThatDidNotHappen) {
   EXPECT_EQ(seenDelays({shown, lost}).count, 1U);
   EXPECT_DOUBLE_EQ(seenDelays({shown, lost}).max, 25);
   EXPECT_DOUBLE_EQ(firstActedDelays({shown, lost}).max, 40);
-  // One robot never obeyed: there is no last one.
+  // One robot never acted, so there is no last one.
   EXPECT_EQ(lastActedDelays({shown, lost}).count, 0U);
   shown.robots_acted = 3;
   EXPECT_DOUBLE_EQ(lastActedDelays({shown, lost}).max, 60);
