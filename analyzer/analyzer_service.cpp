@@ -10,8 +10,8 @@
 namespace lab::analysis {
 namespace {
 
-// A second has so many slots. Messages are spread over them, so that no listener's queue overflows:
-// at most eight a slot with 250 robots of four programs (lcmtypes/README.md, the burst budget).
+// Slots per second. Messages are spread over them so that no listener's queue overflows: at most
+// eight per slot with 250 robots of four programs (burst budget in lcmtypes/README.md).
 constexpr int kSlots = 125;
 
 }  // namespace

@@ -23,23 +23,22 @@ struct ProgramLaw : dynamics::RobotProgram {
 /// True for the programs that draw wheel speeds and hold them for epsilon.
 [[nodiscard]] bool isHeldNoise(ProgramKind kind);
 
-/// Nominal coefficients, exact functions of the programmed parameters; nan where a program has
-/// none.
+/// Nominal coefficients, exact functions of the programmed parameters; nan if the program has none.
 [[nodiscard]] double rotationalDiffusivity(const ProgramLaw& law);     ///< D_r, rad^2/s.
 [[nodiscard]] double translationalDiffusivity(const ProgramLaw& law);  ///< D_t = epsilon V^2/24.
 [[nodiscard]] double meanSpeed(const ProgramLaw& law);  ///< v (ABP, RTP), va (noisy ABP), 0 (BP).
 
-/// The fastest that a wheel must turn for the program, m/s: |v| + eta d/2 (ABP), |va| + V (noisy
-/// ABP, BP), the larger of |v| and largest_turn d / (2 tau_t) (RTP; rad, pi the short way round).
-/// Wheels that are slower saturate, and the law is then not the robot's. nan where a program has
-/// none.
+/// The largest wheel speed that the program needs, m/s: |v| + eta d/2 (ABP), |va| + V (noisy
+/// ABP, BP), the larger of |v| and largest_turn d / (2 tau_t) (RTP; largest_turn in rad, pi if it
+/// turns the shorter way). Slower wheels saturate, and the robot does not follow the law. nan if
+/// the program has none.
 [[nodiscard]] double neededWheelSpeed(const ProgramLaw& law,
                                       double largest_turn = std::numbers::pi);
 
 /// The exact law of what the robot executes, at every lag, for a random observation phase.
 ///
 /// Held noise: see HeldNoise. RTP: see RtpLaw; turning angles are uniform on (-180, 180] degrees
-/// unless told otherwise, which makes the paper's eq. 6 exact. Without a law (standing, constant
+/// by default, which makes the paper's eq. 6 exact. Without a law (standing, constant
 /// wheels, parameters that define none) every value is nan.
 class ExactLaw {
  public:

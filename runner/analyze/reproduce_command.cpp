@@ -123,7 +123,7 @@ class Studio {
     for (std::size_t i = 0; i < tasks_.size(); ++i) {
       report::SetData& set = all[tasks_[i].set.id];
       set.set = tasks_[i].set;
-      set.films.push_back(std::move(films_[i]));
+      set.recordings.push_back(std::move(films_[i]));
     }
     return all;
   }

@@ -4,16 +4,15 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <functional>
-#include <memory>
 #include <numbers>
 #include <optional>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "analyzer/analysis_feed.hpp"
-#include "analyzer/bp_kurtosis.hpp"
-#include "analyzer/observation.hpp"
-#include "analyzer/phased_noise.hpp"
+#include "analyzer/laws.hpp"
+#include "analyzer/theory_table.hpp"
 #include "common/experiment/experiment_file.hpp"
 #include "common/math/units.hpp"
 #include "runner/commands/commands.hpp"
@@ -21,7 +20,6 @@
 namespace lab::runner {
 namespace {
 
-using analysis::ExactLaw;
 using analysis::ProgramLaw;
 using analysis::Turning;
 
@@ -154,57 +152,6 @@ void checkFlags(const TheoryOptions& options, const ProgramLaw& law) {
   }
 }
 
-/// The functions behind the columns, SI.
-struct Columns {
-  std::function<double(double)> msd;
-  std::function<double(double)> angular_msd;
-  std::function<double(double)> correlation;
-};
-
-Columns lockedColumns(const TheoryOptions& options, const ProgramLaw& law) {
-  using analysis::HeldNoise;
-  const double va = law.kind == analysis::ProgramKind::kBp ? 0 : law.va;
-  const HeldNoise noise = law.kind == analysis::ProgramKind::kAbp
-                              ? HeldNoise::uniformTurning(law.v, law.eta, law.epsilon)
-                              : HeldNoise::uniformWheels(va, law.V, law.wheel_base, law.epsilon);
-  const auto phased = std::make_shared<const analysis::PhasedNoise>(noise);
-  const auto mean = [=, phases = options.phases.value_or(1),
-                     first = options.phase_s.value_or(law.epsilon)](auto member) {
-    return [=](double tau) {
-      return analysis::commensurateMean(law.epsilon, phases, first, [&](double phase) {
-        return ((*phased).*member)(tau, phase);
-      });
-    };
-  };
-  return {mean(&analysis::PhasedNoise::msd), mean(&analysis::PhasedNoise::angularMsd),
-          mean(&analysis::PhasedNoise::velocityCorrelation)};
-}
-
-Columns columnsOf(const TheoryOptions& options, const ProgramLaw& law, const ExactLaw& exact) {
-  const analysis::Observation seen{options.exposure_ms * 1e-3,
-                                   options.noise_cm * units::kCentimetre,
-                                   options.noise_deg * units::kDegree};
-  Columns columns;
-  if (options.phase_s || options.phases) {
-    columns = lockedColumns(options, law);
-  } else {
-    columns.msd = [=](double tau) {
-      return analysis::observedMsd(exact, {seen.exposure, 0, 0}, tau);
-    };
-    columns.angular_msd = [=](double tau) {
-      return analysis::observedAngularMsd(exact, {seen.exposure, 0, 0}, tau);
-    };
-    columns.correlation = [=](double s) { return exact.velocityCorrelation(s); };
-  }
-  columns.msd = [=, msd = columns.msd](double tau) {
-    return msd(tau) + 4 * seen.sigma * seen.sigma;
-  };
-  columns.angular_msd = [=, msd = columns.angular_msd](double tau) {
-    return msd(tau) + 2 * seen.sigma_theta * seen.sigma_theta;
-  };
-  return columns;
-}
-
 void noteSaturation(const ProgramLaw& law, double largest_turn) {
   constexpr double kWheels = RobotHardware{}.max_wheel_speed;
   const double needed = analysis::neededWheelSpeed(law, largest_turn);
@@ -224,20 +171,23 @@ ExitCode theory(const TheoryOptions& options) {
   checkFlags(options, law);
   const std::vector<double> lags = lagsOf(options.lags);
   const auto [low, high] = turningOf(options);
-  const ExactLaw exact(law, options.turning_deg.empty() ? Turning{} : Turning::uniform(low, high));
-  const Columns columns = columnsOf(options, law, exact);
-  std::optional<analysis::BpKurtosis> kurtosis;
-  if (options.kurtosis) kurtosis.emplace(law.V, law.wheel_base, law.epsilon);
-  const double sigma = options.noise_cm * units::kCentimetre;
+  analysis::TheoryConditions conditions;
+  conditions.exposure = options.exposure_ms * 1e-3;
+  conditions.sigma = options.noise_cm * units::kCentimetre;
+  conditions.sigma_theta = options.noise_deg * units::kDegree;
+  if (!options.turning_deg.empty()) conditions.turning = Turning::uniform(low, high);
+  conditions.phases = options.phases;
+  conditions.phase = options.phase_s;
+  const analysis::TheoryColumns columns = analysis::theoryColumns(law, conditions);
   noteSaturation(law, std::max(std::abs(low), std::abs(high)));
 
   std::string table = "tau_s,msd_cm2,amsd_rad2,cv_cm2_s2,msd_paper_cm2";
-  table += kurtosis ? ",kurtosis\n" : "\n";
+  table += options.kurtosis ? ",kurtosis\n" : "\n";
   for (const double tau : lags) {
     table += fmt::format("{:.15g},{:.15g},{:.15g},{:.15g},{:.15g}", tau, columns.msd(tau) / kCm2,
                          columns.angular_msd(tau), columns.correlation(tau) / kCm2,
                          analysis::paperMsd(law, tau) / kCm2);
-    if (kurtosis) table += fmt::format(",{:.15g}", kurtosis->observed(tau, 4 * sigma * sigma));
+    if (options.kurtosis) table += fmt::format(",{:.15g}", columns.kurtosis(tau));
     table += "\n";
   }
   fmt::print("{}", table);

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "common/calibration/light_file.hpp"
+#include "common/calibration/light_margins.hpp"
 #include "common/experiment/experiment_file.hpp"
 #include "common/math/units.hpp"
 #include "light/optics/simulated_projector.hpp"

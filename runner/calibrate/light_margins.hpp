@@ -4,12 +4,9 @@
 #include <string>
 
 #include "common/calibration/light_file.hpp"
-#include "light/photometry/light_fit.hpp"
+#include "common/experiment/experiment.hpp"
 
 namespace lab::runner {
-
-[[nodiscard]] LightCalibration toCalibration(const calibration::LightFit& fit,
-                                             const Experiment& experiment);
 
 /// A line for each band: how far the light in its middle is from its edge, how probable a wrong
 /// reading is, and what the worst sensor would read at the worst place without the calibration.

@@ -13,9 +13,9 @@ namespace {
 
 using units::kCentimetre;
 
-constexpr double kHour = 3600;      // [s]
-constexpr double kShortFilm = 180;  // [s] figure 4b
-constexpr double kFps = 50;         // 3b and gamma = 3 need as much; the others may have it
+constexpr double kHour = 3600;           // [s]
+constexpr double kShortRecording = 180;  // [s] figure 4b
+constexpr double kFps = 50;              // needed by figure 3b and gamma = 3
 constexpr std::uint64_t kMembers = 1000;
 constexpr std::uint64_t kSeeds = kMembers * 1000;
 
@@ -288,7 +288,7 @@ std::vector<PaperPanel> choosePanels(std::string_view list) {
 }
 
 std::string experimentText(const PaperSet& set, const RecordingOptions& options) {
-  // Each set and member has a seed of its own, whichever panels are asked for.
+  // The seed of each set and member does not depend on the selected panels.
   const std::uint64_t seed = options.seed * kSeeds +
                              static_cast<std::uint64_t>(options.member) * kMembers +
                              static_cast<std::uint64_t>(set.number);
@@ -297,10 +297,10 @@ std::string experimentText(const PaperSet& set, const RecordingOptions& options)
       "duration_s = {:.9g}\nprogram = \"{}\"\n"
       "[[robots]]\nid = 1\nbody = \"{}\"\n"
       "[programs.{}]\n{}"
-      // A robot on the wire cannot tell a wall from a robot; alone it need not.
+      // The firmware cannot distinguish walls from robots; there is only one robot.
       "[reversal]\non = \"{}\"\ndistance_cm = 40\n"
       "[camera]\nfps = {}\nposition_noise_cm = 0.03\nheading_noise_deg = 0.6\n",
-      set.id, seed, set.short_recording ? kShortFilm : options.hours * kHour, set.program_name,
+      set.id, seed, set.short_recording ? kShortRecording : options.hours * kHour, set.program_name,
       options.through_firmware ? "firmware" : "sim", set.program_name, parameters(set.program),
       options.through_firmware ? "any" : "walls", kFps);
 }

@@ -124,7 +124,7 @@ void SyntheticLab::runUntil(double seconds) {
 }
 
 void SyntheticLab::end() {
-  say(experiment_event_t::END, "the script is over");
+  publishEvent(experiment_event_t::END, "the script is over");
   for (Node* node : {simulation_.get(), projector_.get(), runner_.get()}) node->close();
   bus_.deliver();
 }
@@ -206,7 +206,7 @@ void SyntheticLab::restartSimulation() {
   frame_ = 0;
 }
 
-void SyntheticLab::say(std::int8_t kind, const std::string& text) {
+void SyntheticLab::publishEvent(std::int8_t kind, const std::string& text) {
   experiment_event_t event{};
   event.kind = kind;
   event.text = text;
@@ -214,7 +214,7 @@ void SyntheticLab::say(std::int8_t kind, const std::string& text) {
   for (int i = 0; i < kCopies; ++i) runner_->publish(channels::kExperimentEvent, event);
 }
 
-void SyntheticLab::fault(const std::string& text) { say(experiment_event_t::FAULT, text); }
+void SyntheticLab::fault(const std::string& text) { publishEvent(experiment_event_t::FAULT, text); }
 void SyntheticLab::markByHand(const std::string& text) {
   Node node(bus_, loop_, {"lab_mark", robot_state_t::UNKNOWN, loop_.now()});
   experiment_command_t wish{};
@@ -225,7 +225,7 @@ void SyntheticLab::markByHand(const std::string& text) {
   node.close();
 }
 
-void SyntheticLab::mark(const std::string& text) { say(experiment_event_t::MARK, text); }
+void SyntheticLab::mark(const std::string& text) { publishEvent(experiment_event_t::MARK, text); }
 
 TemporaryFolder::TemporaryFolder() {
   std::string name = (std::filesystem::temp_directory_path() / "lab_report_XXXXXX").string();

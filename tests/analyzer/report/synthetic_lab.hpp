@@ -1,5 +1,5 @@
-/// A little lab in virtual time whose messages go into a log: robots that run the paper's programs
-/// under a light that is the same everywhere, reverse at the walls, and may be made to lose things.
+/// A small lab in virtual time that writes its messages to a log. Its robots run the paper's
+/// programs under uniform light and reverse at the walls. Tests can make it lose messages.
 #pragma once
 
 #include <cstdint>
@@ -37,7 +37,7 @@ class SyntheticRobot;
 
 class SyntheticLab {
  public:
-  /// @param keeps whether the logger hears a message; everything by default.
+  /// @param keeps whether the logger receives a message; all by default.
   using Keeps = std::function<bool(const Packet&)>;
 
   SyntheticLab(const std::filesystem::path& log, Experiment experiment, Keeps keeps = {});
@@ -46,31 +46,33 @@ class SyntheticLab {
   /// Runs the whole experiment and ends every service cleanly.
   void run();
 
-  /// The parts of run(), for tests that interfere.
+  /// The parts of run(), for tests that act during the run.
   void begin();
   void runUntil(double seconds);  ///< since the start
   void end();
 
-  /// Starts sim_svc anew, as after a crash: no closing messages, a new instance, robots afresh.
+  /// Restarts sim_svc as after a crash: without closing messages, with a new instance and new
+  /// robots.
   void restartSimulation();
 
   Node& runner() { return *runner_; }
   void fault(const std::string& text);
   void mark(const std::string& text);
-  /// As `lab mark` does: asks twice, and says its last counts.
+  /// Like `lab mark`: sends its request twice, then its final counts.
   void markByHand(const std::string& text);
 
  private:
   void tick();
   void showStep(std::size_t number);
   void publishLight(bool changed);
-  void say(std::int8_t kind, const std::string& text);
+  void publishEvent(std::int8_t kind, const std::string& text);
 
   Experiment experiment_;
   VirtualLoop loop_;
   MemoryBus bus_;
   LogWriter writer_;
-  std::vector<std::unique_ptr<Node>> killed_;  ///< kept since their timers are; unheard
+  std::vector<std::unique_ptr<Node>>
+      killed_;  ///< kept, because their timers still run; their messages are ignored
   std::unique_ptr<Node> runner_;
   std::unique_ptr<Node> projector_;
   std::unique_ptr<Node> simulation_;
@@ -81,7 +83,7 @@ class SyntheticLab {
   bool lit_ = false;
 };
 
-/// A folder of its own for each test, removed with it.
+/// A temporary folder for a test, removed by the destructor.
 class TemporaryFolder {
  public:
   TemporaryFolder();

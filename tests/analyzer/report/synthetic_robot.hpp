@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <lab/robot_state_t.hpp>
 #include <lab/tracked_pose_t.hpp>
 

@@ -20,7 +20,8 @@ TEST(Description, ListsWhatWouldStart) {
   const std::string dut = describeExperiment(shipped("light_switching"));
 
   EXPECT_THAT(dut, HasSubstr("run           90 s, seed 1\n"));
-  EXPECT_THAT(dut, HasSubstr("robots        1 simulated (1), 1 at given and 0 at random places\n"));
+  EXPECT_THAT(dut,
+              HasSubstr("robots        6 simulated (1 to 6), 6 at given and 0 at random places\n"));
   EXPECT_THAT(dut, HasSubstr("bp: Brownian, V = 7 cm/s, epsilon = 0.2 s\n"));
   EXPECT_THAT(dut, HasSubstr("light         3 steps, again every 90 s\n"));
   EXPECT_THAT(dut, HasSubstr("30 s half: ABP: light 0.5, abp\n"));

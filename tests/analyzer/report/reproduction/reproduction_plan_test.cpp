@@ -39,7 +39,7 @@ TEST(ReproductionPlan, HasEveryPanelOfTheFigures) {
                                                 "3d", "4b", "4c", "4d", "4e"));
 }
 
-TEST(ReproductionPlan, HasWhatThePaperPrints) {
+TEST(ReproductionPlan, HasTheParametersOfThePaper) {
   const RobotProgram& b2 = paperSet(panel("2b").curves.at(0)).program;
   EXPECT_DOUBLE_EQ(b2.v, 0.03);
   EXPECT_DOUBLE_EQ(b2.epsilon, 0.5);
@@ -70,7 +70,7 @@ TEST(ReproductionPlan, HasWhatThePaperPrints) {
   EXPECT_EQ(values(panel("4e").curves, &RobotProgram::gamma), (std::set<double>{1}));
 }
 
-TEST(ReproductionPlan, SaysWhatWasChosen) {
+TEST(ReproductionPlan, NamesChosenParameters) {
   EXPECT_EQ(values(panel("2c").curves, &RobotProgram::epsilon), (std::set<double>{0.1, 0.5, 0.9}));
   EXPECT_EQ(values(panel("2c").points, &RobotProgram::epsilon),
             (std::set<double>{0.1, 0.25, 0.5, 0.7, 0.9}));
@@ -87,14 +87,14 @@ TEST(ReproductionPlan, SaysWhatWasChosen) {
   }
 }
 
-TEST(ReproductionPlan, FilmsEachSetOnce) {
+TEST(ReproductionPlan, RecordsEachSetOnce) {
   std::set<std::string> ids;
   for (const PaperSet& set : paperSets()) EXPECT_TRUE(ids.insert(set.id).second) << set.id;
   EXPECT_EQ(setsOf(paperPanels()).size(), paperSets().size()) << "a set that no panel shows";
   EXPECT_EQ(setsOf(choosePanels("2a,2b")).size(), 1U);
 }
 
-TEST(ReproductionPlan, MakesValidExperimentsWithSeedsOfTheirOwn) {
+TEST(ReproductionPlan, MakesValidExperimentsWithDistinctSeeds) {
   std::set<std::uint64_t> seeds;
   for (const PaperSet& set : paperSets()) {
     for (const bool firmware : {false, true}) {
@@ -118,14 +118,14 @@ TEST(ReproductionPlan, MakesValidExperimentsWithSeedsOfTheirOwn) {
   }
 }
 
-TEST(ReproductionPlan, ChoosesPanelsAndWholeFigures) {
+TEST(ReproductionPlan, SelectsPanelsAndCompleteFigures) {
   EXPECT_THAT(idsOf(choosePanels("3d, 2b")), ElementsAre("2b", "3d"));
   EXPECT_THAT(idsOf(choosePanels("4")), ElementsAre("4b", "4c", "4d", "4e"));
   EXPECT_THAT(idsOf(choosePanels("fig3")), ElementsAre("3a", "3b", "3c", "3d"));
   EXPECT_EQ(choosePanels("").size(), paperPanels().size());
 }
 
-TEST(ReproductionPlan, NamesWhatIsNoPanel) {
+TEST(ReproductionPlan, ErrorNamesUnknownPanels) {
   for (const char* wrong : {"5", "2b,", "4a", "b", "2bb"}) {
     try {
       static_cast<void>(choosePanels(wrong));

@@ -1,4 +1,4 @@
-#include "analyzer/observation.hpp"
+#include "analyzer/laws/observation.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 namespace lab::analysis {
 namespace {
 
-TEST(Observation, NoiseIsAddedAndAnInstantChangesNothing) {
+TEST(Observation, AddsNoiseAndChangesNothingWithoutExposure) {
   const ExactLaw law(abpLaw(3, 0.5, 0.03));
   EXPECT_EQ(observedMsd(law, {}, 0.7), law.msd(0.7));
   EXPECT_NEAR(observedMsd(law, {0, 0.001, 0.02}, 0.7), law.msd(0.7) + 4e-6, 1e-18);
@@ -59,7 +59,7 @@ TEST(Observation, HasAClosedFormForAnExponentialCorrelation) {
   }
 }
 
-TEST(Observation, MotionBlurIsWhatItWasFoundToBe) {
+TEST(Observation, MotionBlurHasTheKnownValues) {
   const auto loss = [](const ProgramLaw& program, double frame, double exposure) {
     const ExactLaw law(program);
     return 100 * (observedMsd(law, {exposure, 0, 0}, frame) / law.msd(frame) - 1);

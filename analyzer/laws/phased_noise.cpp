@@ -1,4 +1,4 @@
-#include "analyzer/phased_noise.hpp"
+#include "analyzer/laws/phased_noise.hpp"
 
 #include <algorithm>
 #include <cmath>

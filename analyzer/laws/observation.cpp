@@ -1,4 +1,4 @@
-#include "analyzer/observation.hpp"
+#include "analyzer/laws/observation.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -10,14 +10,15 @@
 namespace lab::analysis {
 namespace {
 
-constexpr double kSmoothTurn = 6;  // rad, over which the Gauss rule is exact to the last digits
+constexpr double kSmoothTurn =
+    6;  // rad of turning over which the 20-point Gauss rule is exact to rounding
 
-/// Laws are smooth between whole multiples of this, s.
+/// The laws are smooth between multiples of this time, s.
 double kinkEvery(const ProgramLaw& law) {
   return law.kind == ProgramKind::kRtp ? law.tau_t : law.epsilon;
 }
 
-/// The fastest turning, rad/s.
+/// The largest turning rate, rad/s.
 double fastestTurn(const ProgramLaw& law) {
   switch (law.kind) {
     case ProgramKind::kAbp:
@@ -34,7 +35,7 @@ double fastestTurn(const ProgramLaw& law) {
   return 0;
 }
 
-/// Where M(tau + w), M(|tau - w|) or M(w) may have a kink, and enough points between.
+/// Integration limits: where M(tau + w), M(|tau - w|) or M(w) may have a kink, and steps between.
 std::vector<double> pieces(const ProgramLaw& law, double tau, double exposure) {
   const double kink = kinkEvery(law);
   const double back = std::fmod(tau, kink);

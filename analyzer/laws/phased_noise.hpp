@@ -4,28 +4,28 @@
 
 namespace lab::analysis {
 
-/// Held noise seen by windows that do not begin at a random phase of the hold: by clocks that are
-/// locked to each other. Exact at all lags, in a sum of fixed length.
+/// Held noise observed by windows that begin at a fixed phase of the hold, as if the clocks of
+/// camera and robot were locked. Exact at all lags, by a sum of fixed length.
 ///
-/// A window is a rest of a hold, N whole holds and a part of one; their draws are independent, and
-/// a hold between two of them turns the later one by chi(epsilon) on average.
+/// A window consists of the rest of a hold, N whole holds and a part of one. Their draws are
+/// independent. Each hold between two of them multiplies their correlation by chi(epsilon).
 class PhasedNoise {
  public:
   explicit PhasedNoise(const HeldNoise& noise);
 
   /// <|r(t + tau) - r(t)|^2> in m^2 of windows that begin `to_update` (0 to epsilon, s) before an
-  /// update. Both ends of that range are a window that begins with a new draw.
+  /// update. At both ends of that range the window begins with a new draw.
   [[nodiscard]] double msd(double tau, double to_update) const;
   /// rad^2.
   [[nodiscard]] double angularMsd(double tau, double to_update) const;
-  /// <v(t) . v(t + s)> in m^2/s^2, t the window's begin.
+  /// <v(t) . v(t + s)> in m^2/s^2, t the beginning of the window.
   [[nodiscard]] double velocityCorrelation(double s, double to_update) const;
 
  private:
-  /// How a window falls on the holds, s.
+  /// The parts of a window, s.
   struct Window {
     double first = 0;
-    double holds = 0;  ///< Whole ones.
+    double holds = 0;  ///< Number of whole holds.
     double last = 0;
   };
   [[nodiscard]] Window window(double tau, double to_update) const;
@@ -37,9 +37,9 @@ class PhasedNoise {
   ChebyshevSeries psi_twice_;
 };
 
-/// The mean over frames that fall on `phases` equally spaced phases of the hold, as of a frame rate
-/// f with f epsilon = phases / m in lowest terms and clocks that keep it. `first` (s) is from one
-/// of the frames to the next update.
+/// The mean over frames at `phases` equally spaced phases of the hold. This is the case of locked
+/// clocks and a frame rate f with f epsilon = phases / m in lowest terms. `first` (s) is the time
+/// from one of the frames to the next update.
 template <typename OfPhase>
 [[nodiscard]] double commensurateMean(double epsilon, int phases, double first,
                                       const OfPhase& of_phase) {

@@ -1,4 +1,4 @@
-#include "analyzer/bp_kurtosis.hpp"
+#include "analyzer/laws/bp_kurtosis.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,6 @@
 #include "analyzer/laws/numerics.hpp"
 
 namespace lab::analysis {
-namespace {}  // namespace
 
 BpKurtosis::BpKurtosis(double amplitude, double wheel_base, double epsilon)
     : noise_(HeldNoise::uniformWheels(0, amplitude, wheel_base, epsilon)),
@@ -62,7 +61,7 @@ double BpKurtosis::fourthMoment(double tau) const {
   static const GaussRule rule = gaussLegendre(24);
   const double holds = std::floor(tau / epsilon_);
   const double rest = std::clamp(tau - holds * epsilon_, 0.0, epsilon_);
-  // The time to the first update: within `rest` one more whole hold fits into the window.
+  // By the time to the first update: if it is below `rest`, the window holds one more whole hold.
   double sum = 0;
   for (std::size_t i = 0; i < rule.nodes.size(); ++i) {
     const double early = rest * rule.nodes[i];

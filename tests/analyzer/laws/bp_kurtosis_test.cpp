@@ -1,4 +1,4 @@
-#include "analyzer/bp_kurtosis.hpp"
+#include "analyzer/laws/bp_kurtosis.hpp"
 
 #include <gtest/gtest.h>
 
@@ -53,7 +53,7 @@ std::vector<WindowMoments> simulate(double amplitude, double epsilon,
   return moments;
 }
 
-TEST(BpKurtosis, AgreesWithSimulatedRobotsAlsoWhereAHoldTurnsFar) {
+TEST(BpKurtosis, AgreesWithSimulatedRobotsAlsoForLargeTurnsPerHold) {
   struct Case {
     double amplitude;
     double epsilon;
@@ -72,7 +72,7 @@ TEST(BpKurtosis, AgreesWithSimulatedRobotsAlsoWhereAHoldTurnsFar) {
   }
 }
 
-TEST(BpKurtosis, KnowsWhatNoiseDoesToIt) {
+TEST(BpKurtosis, TakesNoiseIntoAccount) {
   const double sigma = 0.001;
   const std::vector<double> lags = {0.02, 0.2, 0.6, 2};
   const auto moments = simulate(0.03, 0.2, lags, 100'000, sigma);
@@ -99,7 +99,7 @@ TEST(BpKurtosis, HasTheLimitsOfOneAndTwoDimensions) {
   }
 }
 
-TEST(BpKurtosis, IsWhatItWasFoundToBe) {
+TEST(BpKurtosis, HasTheKnownValues) {
   const BpKurtosis dut(0.07, kBase, 0.2);
   EXPECT_NEAR(dut.kurtosis(1), 2.84, 0.02);
   EXPECT_NEAR(dut.kurtosis(4), 2.74, 0.02);
