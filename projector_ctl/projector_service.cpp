@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <lab/light_command_t.hpp>
 #include <lab/light_status_t.hpp>
 #include <lab/robot_state_t.hpp>
@@ -16,7 +17,6 @@
 #include "common/experiment/light_messages.hpp"
 #include "common/math/units.hpp"
 #include "light/field/raster.hpp"
-#include "projector_ctl/display/overlay.hpp"
 #include "projector_ctl/projector_messages.hpp"
 
 namespace lab::projector {
@@ -34,6 +34,23 @@ ProjectorCore::Config coreConfig(const Experiment& experiment, const light::Imag
     config.sync_patch = experiment.projector.sync_patch;
   }
   return config;
+}
+
+/// The overlay on the projected picture: frame rate, vsync, command, calibration and error.
+/// @param rate measured [Hz]
+std::vector<std::string> overlayLines(const ShownFrame& shown,
+                                      const FrameLoop::SwappedFrame& swapped, double rate) {
+  constexpr std::size_t kLongest = 60;  // characters
+  char frames[32];
+  std::snprintf(frames, sizeof frames, "%.1f fps", rate);
+  std::vector<std::string> lines = {
+      frames + (", vsync " + swapped.vsync),
+      shown.commander.empty() ? shown.label.substr(0, kLongest)
+                              : shown.commander + " " + std::to_string(shown.seq) + " " +
+                                    shown.label.substr(0, kLongest),
+      "calibration " + (swapped.calibration_id.empty() ? "none" : swapped.calibration_id)};
+  if (!swapped.trouble.empty()) lines.push_back(swapped.trouble.substr(0, kLongest));
+  return lines;
 }
 
 }  // namespace

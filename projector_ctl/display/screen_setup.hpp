@@ -10,9 +10,6 @@
 
 namespace lab::projector {
 
-/// The safe field of an experiment.
-[[nodiscard]] light::Field safeField(const Experiment& experiment);
-
 /// @param directory of the experiment file: the calibration lies beside it
 /// @param loop a live one: its now() is read by the thread that shows pictures; outlives the screen
 [[nodiscard]] Screen::Setup screenSetup(const Experiment& experiment,

@@ -1,7 +1,5 @@
 #include "robot/firmware/device.hpp"
 
-#include "robot/firmware/due.hpp"
-
 namespace lab {
 namespace firmware {
 namespace {

@@ -20,6 +20,11 @@ namespace firmware {
 /// Major * 256 + minor, as HELLO says it.
 constexpr uint16_t kFirmwareVersion = 0x0100;
 
+/// Whether a time has come, on a clock that wraps around.
+inline bool reached(uint32_t now_ms, uint32_t due_ms) {
+  return static_cast<int32_t>(now_ms - due_ms) >= 0;
+}
+
 constexpr uint16_t kHelloPeriodMs = 1000;
 constexpr uint16_t kStatePeriodMs = 250;
 constexpr uint16_t kCountersPeriodMs = 1000;

@@ -1,5 +1,4 @@
 #include "robot/firmware/device.hpp"
-#include "robot/firmware/due.hpp"
 
 namespace lab {
 namespace firmware {

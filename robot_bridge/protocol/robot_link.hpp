@@ -2,18 +2,17 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
 #include <lab/program_t.hpp>
 #include <lab/robot_order_t.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "common/experiment/order_settings.hpp"
 #include "robot/wire/messages.hpp"
 #include "robot_bridge/protocol/calibration_writer.hpp"
 #include "robot_bridge/protocol/clock_estimate.hpp"
 #include "robot_bridge/protocol/command_sender.hpp"
+#include "robot_bridge/protocol/desired_state.hpp"
 #include "robot_bridge/protocol/robot_view.hpp"
 
 namespace lab::bridge {
@@ -105,11 +104,13 @@ class RobotLink {
   /// The last ROBOT_STOP that the robot has shown, 0: none.
   [[nodiscard]] std::int64_t stopSeq() const { return stop_.shown_seq; }
   /// Whether the last order was refused.
-  [[nodiscard]] bool isRejected() const { return rejected_; }
+  [[nodiscard]] bool isRejected() const { return desired_.isRejected(); }
   /// What the robot runs in a slot of the settings with this CRC; NONE where that is not known.
-  [[nodiscard]] program_t programOf(std::uint16_t config, std::uint8_t slot) const;
+  [[nodiscard]] program_t programOf(std::uint16_t config, std::uint8_t slot) const {
+    return desired_.programOf(config, slot);
+  }
   /// What it runs while its wheels are driven by hand.
-  [[nodiscard]] const program_t& driven() const { return driven_; }
+  [[nodiscard]] const program_t& driven() const { return desired_.driven(); }
 
   /// The motor calibration that the robot holds, once the last ROBOT_CALIBRATION is fulfilled.
   [[nodiscard]] std::optional<motor_calibration_t> calibration() const {
@@ -120,11 +121,6 @@ class RobotLink {
   [[nodiscard]] std::vector<std::string> takeNotes();
 
  private:
-  struct Key {
-    std::int64_t seq = 0;
-    std::int64_t instance = 0;
-    bool operator==(const Key&) const = default;
-  };
   static constexpr std::size_t kParamsWanted = 2;  ///< telemetry period, log of steps
 
   struct StopRequest {
@@ -134,10 +130,6 @@ class RobotLink {
     std::int64_t seq = 0;
     std::int64_t shown_seq = 0;
     std::int64_t sent_utime = 0;
-  };
-  struct ProgramTable {
-    std::uint16_t config = 0;
-    std::vector<program_t> programs;
   };
 
   void restart();
@@ -156,7 +148,6 @@ class RobotLink {
   [[nodiscard]] std::int32_t silence_ms(std::int64_t now) const;
 
   void convertOrder();
-  void rememberPrograms(std::uint16_t config, const std::vector<program_t>& programs);
   void pump(std::int64_t now);
   void sendStop(std::int64_t now);
   void sendPing(std::int64_t now);
@@ -166,7 +157,6 @@ class RobotLink {
   void sendSettings(std::int64_t now);
   void sendOrder(std::int64_t now);
   void shortenLease(wire::Frame& command, std::int64_t now) const;
-  [[nodiscard]] std::uint32_t leaseLeft_ms(std::int64_t now) const;
   void sendCalibration(std::int64_t now);
   template <class Message>
   void send(const Message& message, std::uint8_t seq);
@@ -201,21 +191,8 @@ class RobotLink {
   std::uint16_t config_ = 0;         ///< of the settings in force there, 0: none
 
   // What the lab wants.
-  Key heard_;    ///< last ROBOT_COMMAND
-  Key ordered_;  ///< the one that order_id_ stands for
-  Key echo_;
-  std::optional<robot_order_t> unconverted_;
-  OrderSettings wanted_;
-  std::int8_t mode_ = robot_order_t::STAND;
-  bool wants_ = false;               ///< there is an order
-  bool refused_ = false;             ///< by the robot itself
-  bool rejected_ = false;            ///< the last order, by whomever
-  bool standing_ = false;            ///< after a reboot
-  std::uint16_t wanted_config_ = 0;  ///< 0: any
-  std::uint8_t order_id_ = 0;
-  program_t driven_{};
-  std::deque<ProgramTable> tables_;
-  std::int64_t lease_end_ = 0;
+  DesiredState desired_;
+  CommandKey echo_;  ///< the ROBOT_COMMAND that the robot follows or has refused
   std::int64_t ordered_utime_ = 0;
   bool order_due_ = false;
   StopRequest stop_;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "common/math/units.hpp"
+#include "sim_svc/bodies/experiment_setup.hpp"
 
 namespace lab::sim {
 namespace {
@@ -25,14 +26,6 @@ bool contains(const std::vector<std::int32_t>& ids, std::int32_t id) {
 }
 
 }  // namespace
-
-dynamics::WheelCalibration wheelCalibration(double gain, double dead_band) {
-  dynamics::WheelCalibration wheel;
-  wheel.gain_ppm = static_cast<std::int32_t>(std::lround(std::clamp(gain, 0.5, 1.5) * 1e6));
-  const double duty = std::clamp(dead_band, 0.0, 0.5) * dynamics::kMaxDuty;
-  wheel.dead_band = static_cast<std::uint8_t>(std::min(127L, std::lround(duty)));
-  return wheel;
-}
 
 BusRobots::BusRobots(World& world, const std::vector<std::size_t>& bodies, double sensor_period)
     : world_(world), sensor_period_(sensor_period) {

@@ -16,10 +16,6 @@
 
 namespace lab::sim {
 
-/// What a robot's EEPROM makes of a calibrated wheel: whole duties, within the robot's limits.
-/// @param dead_band share of full duty
-[[nodiscard]] dynamics::WheelCalibration wheelCalibration(double gain, double dead_band);
-
 /// Obeys and reports as robot_bridge does for robots on the wire.
 class BusRobots {
  public:

@@ -16,7 +16,9 @@ namespace lab::emulator {
 namespace {
 
 constexpr std::uint32_t kSupplyMv = 3300;
-constexpr std::uint64_t kSettleCycles = 400;  // 50 us
+constexpr std::uint64_t kSettleCycles = 400;         // 50 us
+constexpr std::uint64_t kEepromWriteCycles = 27200;  // 3.4 ms (ATmega328P data sheet)
+constexpr unsigned kReceiverDepth = 2;               // bytes
 
 /// Smallest voltage that the converter turns into these counts (simavr: counts = mV * 1023 / 3300).
 std::uint32_t millivolts(std::uint16_t counts) {
@@ -142,8 +144,7 @@ void Chip::reset(std::uint64_t held_cycles) {
 void Chip::halt(ChipPower power) {
   power_ = power;
   const std::uint64_t now = cycle();
-  std::erase_if(sent_, [now](const SentByte& byte) { return byte.cycle > now; });
-  transmitter_free_ = now;
+  uart_.cutOff(now);
   if (duty_ != Duty{}) {
     duty_ = {};
     changes_.push_back({now, duty_});
@@ -169,14 +170,13 @@ void Chip::afterReset() {
   avr_extint_set_strict_lvl_trig(s.avr, 1, 0);
   s.writing_eeprom = false;
   settling_ = false;
-  bit_cycles_ = 0;
+  uart_.setBitCycles(0);
   interrupts_seen_on_ = false;
   emitters_on_ = false;
   applyInputs();
   halt(power_);
-  const double now = static_cast<double>(cycle());
-  while (!arriving_.empty() && arriving_.front().end <= now) {
-    arriving_.pop_front();  // nobody was listening
+  while (uart_.takeArrived(cycle())) {
+    // Bytes that arrived while the chip was off are lost.
   }
   armReceiver();
 }
@@ -298,6 +298,119 @@ void Chip::hang() {
   simavr_->avr->pc = program_->endlessLoop();
   simavr_->avr->state = cpu_Running;
   simavr_->avr->sreg[S_I] = 1;
+}
+
+// ---- serial line ----
+
+void Chip::Simavr::onSent(avr_irq_t*, std::uint32_t value, void* object) {
+  Chip& chip = chipOf(object);
+  chip.uart_.send(static_cast<std::uint8_t>(value), chip.cycle());
+  ++chip.counts_.bytes_sent;
+}
+
+avr_cycle_count_t Chip::Simavr::onArrival(avr_t* avr, avr_cycle_count_t, void* object) {
+  Chip& chip = chipOf(object);
+  const std::uint64_t now = chip.cycle();
+  while (const std::optional<LineByte> byte = chip.uart_.takeArrived(now)) {
+    chip.deliver(*byte);
+  }
+  const std::optional<std::uint64_t> next = chip.uart_.nextArrival();
+  return next ? std::max(*next - chip.offset_, avr->cycle + 1) : 0;
+}
+
+void Chip::receive(LineByte byte) {
+  uart_.receive(byte, now_);
+  if (uart_.arriving() == 1 && power_ == ChipPower::kRunning) {
+    armReceiver();
+  }
+}
+
+void Chip::receive(std::span<const std::uint8_t> bytes) {
+  for (const std::uint8_t byte : bytes) {
+    receive(LineByte{byte, false});
+  }
+}
+
+void Chip::armReceiver() {
+  const std::optional<std::uint64_t> next = uart_.nextArrival();
+  if (!next) {
+    return;
+  }
+  avr_cycle_timer_register(simavr_->avr, *next > cycle() ? *next - cycle() : 1, Simavr::onArrival,
+                           this);
+}
+
+/// A byte whose stop bit has just ended. simavr would begin to receive it now.
+void Chip::deliver(LineByte byte) {
+  avr_uart_t* uart = simavr_->uart;
+  if (avr_regbit_get(simavr_->avr, uart->rxen) == 0) {
+    return;
+  }
+  if (simavr_->waiting() >= kReceiverDepth) {
+    ++counts_.bytes_overrun;
+    avr_regbit_set(simavr_->avr, uart->dor);
+    return;
+  }
+  ++counts_.bytes_received;
+  const auto cycles_per_byte = uart->cycles_per_byte;
+  uart->cycles_per_byte = 1;
+  avr_raise_irq(uart->io.irq + UART_IRQ_INPUT,
+                byte.value | (byte.framing_error ? static_cast<std::uint32_t>(UART_INPUT_FE) : 0U));
+  uart->cycles_per_byte = cycles_per_byte;
+}
+
+/// simavr counts a parity bit that is not there, and only when the divider is written.
+void Chip::updateBaud() {
+  const Simavr& s = *simavr_;
+  const std::uint64_t divider =
+      1U + (s.data(kUbrr0Low) | (static_cast<std::uint64_t>(s.data(kUbrr0High) & 0x0FU) << 8U));
+  uart_.setBitCycles(divider * ((s.data(kUcsr0A) & kU2x0) != 0 ? 8U : 16U));
+  s.uart->cycles_per_byte = 10 * uart_.bitCycles();
+}
+
+double Chip::baud() const {
+  const std::uint64_t bit_cycles = uart_.bitCycles();
+  return bit_cycles == 0 ? 0 : kChipHz / static_cast<double>(bit_cycles);
+}
+
+// ---- EEPROM ----
+
+avr_cycle_count_t Chip::Simavr::onEepromWritten(avr_t*, avr_cycle_count_t, void* object) {
+  Simavr& self = *chipOf(object).simavr_;
+  self.writing_eeprom = false;
+  self.data(kEecr) = static_cast<std::uint8_t>(self.data(kEecr) & ~kEepe);
+  return 0;
+}
+
+std::vector<std::uint8_t> Chip::eeprom() const {
+  return {simavr_->eeprom->eeprom, simavr_->eeprom->eeprom + kEepromSize};
+}
+
+void Chip::loadEeprom(std::span<const std::uint8_t> bytes) {
+  const std::size_t size = std::min<std::size_t>(bytes.size(), kEepromSize);
+  std::fill_n(simavr_->eeprom->eeprom, kEepromSize, std::uint8_t{0xFF});
+  std::copy_n(bytes.begin(), size, simavr_->eeprom->eeprom);
+}
+
+/// Called at every access to EECR. simavr stores at once and is ready at once; the chip says "busy"
+/// in bit EEPE for 3.4 ms.
+void Chip::watchEeprom(std::uint32_t value) {
+  Simavr& s = *simavr_;
+  if (s.writing_eeprom || (value & (kEepe | kEempe)) != (kEepe | kEempe)) {
+    return;
+  }
+  s.writing_eeprom = true;
+  ++counts_.eeprom_writes;
+  s.data(kEecr) = static_cast<std::uint8_t>(s.data(kEecr) | kEepe);
+  avr_cycle_timer_register(s.avr, kEepromWriteCycles, Simavr::onEepromWritten, this);
+  if (cut_in_write_ > 0 && --cut_in_write_ == 0) {
+    const std::size_t address =
+        (s.data(kEearLow) | (static_cast<std::size_t>(s.data(kEearHigh)) << 8U)) % kEepromSize;
+    Random random(settings_.seed, address);
+    s.eeprom->eeprom[address] = static_cast<std::uint8_t>(random.next());
+    power_cut_ = true;
+    s.avr->run_cycle_count = 1;  // leave the simulator after this instruction
+  }
 }
 
 }  // namespace lab::emulator

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "sim_svc/emulator/chip_uart.hpp"
 #include "sim_svc/emulator/firmware_image.hpp"
 #include "sim_svc/emulator/line_faults.hpp"
 
@@ -33,12 +34,6 @@ struct Duty {
 struct DutyChange {
   std::uint64_t cycle = 0;
   Duty duty;
-};
-
-/// A byte from the chip's transmitter and the cycle at which its stop bit ends.
-struct SentByte {
-  std::uint64_t cycle = 0;
-  std::uint8_t value = 0;
 };
 
 enum class ChipPower : std::uint8_t {
@@ -109,12 +104,14 @@ class Chip {
   void receive(LineByte byte);
   void receive(std::span<const std::uint8_t> bytes);
   /// Until when the line to the chip is busy [cycles].
-  [[nodiscard]] std::uint64_t receivingUntil() const;
+  [[nodiscard]] std::uint64_t receivingUntil() const { return uart_.receivingUntil(); }
   /// Speed at which the other end sends, see ChipSettings.
-  void setLineBaud(double line_baud) { line_bit_cycles_ = kChipHz / line_baud; }
+  void setLineBaud(double line_baud) { uart_.setLineBitCycles(kChipHz / line_baud); }
 
   /// The bytes whose stop bits ended by `cycle`.
-  [[nodiscard]] std::vector<SentByte> takeSent(std::uint64_t cycle);
+  [[nodiscard]] std::vector<SentByte> takeSent(std::uint64_t cycle) {
+    return uart_.takeSent(cycle);
+  }
   /// The bits per second of the chip's transmitter and receiver, 0: not set up.
   [[nodiscard]] double baud() const;
 
@@ -166,17 +163,7 @@ class Chip {
   AnalogInputs inputs_;
   bool emitters_on_ = false;
 
-  struct Arriving {
-    double end = 0;  // cycle at which its stop bit ends
-    LineByte byte;
-  };
-  std::deque<Arriving> arriving_;
-  double line_bit_cycles_ = 0;
-  double line_free_ = 0;  // cycle
-
-  std::deque<SentByte> sent_;
-  std::uint64_t bit_cycles_ = 0;
-  std::uint64_t transmitter_free_ = 0;  // cycle
+  ChipUart uart_;
 
   Duty duty_;
   bool settling_ = false;
