@@ -12,7 +12,7 @@ constexpr std::array<std::uint8_t, 5> kIds = {
     wire::kGainLeft, wire::kGainRight, wire::kDeadBandLeft, wire::kDeadBandRight, wire::kWheelBase};
 constexpr double kMillion = 1e6;
 
-/// Of a number that the robot will refuse if it makes no sense.
+/// Rounds; values that do not fit become -1, which the robot refuses.
 std::int32_t rounded(double value) {
   return std::abs(value) < 2e9 ? static_cast<std::int32_t>(std::lround(value)) : -1;
 }

@@ -37,7 +37,7 @@ void RobotLink::note(const std::string& what) {
 
 std::vector<std::string> RobotLink::takeNotes() { return std::exchange(notes_, {}); }
 
-// ---- the line ----
+// ---- the serial line ----
 
 void RobotLink::plug(const wire::Hello& hello, std::int64_t now) {
   plugged_ = true;
@@ -56,7 +56,7 @@ void RobotLink::unplug() {
   outgoing_.clear();
 }
 
-// Everything the robot knew is gone, and with it the permission to move.
+// The robot has lost all its state, including the permission to move.
 void RobotLink::restart() {
   if (hello_) {
     ++counters_.reboots;
@@ -76,7 +76,7 @@ void RobotLink::restart() {
   params_set_ = 0;
   wheel_base_ = 0;
   calibration_writer_.restart();
-  stop_.shown = false;
+  stop_.confirmed = false;
   stop_.sent_utime = 0;
   order_due_ = true;
 }
@@ -88,7 +88,7 @@ void RobotLink::forgetState() {
   sender_.forget();
 }
 
-/// By how much a robot's clock has gone on at least since it was last heard.
+/// A lower bound of the time that has passed on the robot's clock since its last frame.
 std::int32_t RobotLink::silence_ms(std::int64_t now) const {
   constexpr std::int64_t kDay_ms = 86'400'000;
   const std::int64_t silence = (now - heard_utime_) / units::kMillisecond_us;
@@ -96,13 +96,12 @@ std::int32_t RobotLink::silence_ms(std::int64_t now) const {
 }
 
 void RobotLink::take(const wire::Hello& hello, std::int64_t now) {
-  // A robot that lost its memory may count its boots from the same number again: then its clock
-  // tells.
-  const bool began_again =
+  // A robot that lost its EEPROM may repeat an old boot number; then its clock shows the restart.
+  const bool clock_restarted =
       latest_robot_ms_ &&
       msBetween(hello.uptime_ms, *latest_robot_ms_) + silence_ms(now) > kLongestJump_ms;
   heard_utime_ = now;
-  if (!hello_ || hello.boot_id != hello_->boot_id || began_again) {
+  if (!hello_ || hello.boot_id != hello_->boot_id || clock_restarted) {
     restart();
   } else if (identity_in_doubt_) {
     forgetState();
@@ -113,7 +112,8 @@ void RobotLink::take(const wire::Hello& hello, std::int64_t now) {
   clock_.hear(now, hello.uptime_ms, wire_us(wire::payloadSize<wire::Hello>()));
 }
 
-/// Something that only a restart explains. Nothing is believed or sent until HELLO has come.
+/// Called when only a restart explains the robot's report. Until HELLO comes, its reports are
+/// ignored and no commands are sent.
 void RobotLink::verifyIdentity() {
   if (identity_in_doubt_) return;
   identity_in_doubt_ = true;
@@ -135,9 +135,9 @@ void RobotLink::receive(const wire::Frame& frame, std::int64_t now) {
   if (is_hello) take(hello, now);
   heard_utime_ = now;
   if (is_hello) {
-    // It has said all that it says.
+    // Already processed.
   } else if (identity_in_doubt_) {
-    // What it says may be another life's.
+    // It may refer to the state before or after the restart.
   } else if (wire::unpack(frame, telemetry)) {
     take(telemetry, frame, now);
   } else if (wire::unpack(frame, state)) {
@@ -152,7 +152,7 @@ void RobotLink::receive(const wire::Frame& frame, std::int64_t now) {
     take(ack, frame.seq);
   } else if (wire::unpack(frame, param)) {
     take(param, frame.seq);
-  }  // EVENT says nothing that telemetry does not; other types are a newer robot's
+  }  // EVENT repeats what telemetry shows; other types come from a newer robot
   pump(now);
 }
 
@@ -170,8 +170,8 @@ void RobotLink::take(const wire::Telemetry& telemetry, const wire::Frame& frame,
   config_ = telemetry.config;
   if (stop_.id != 0) {
     const bool stopped = (telemetry.flags & dynamics::kStopped) != 0;
-    stop_.shown = telemetry.stop_id == stop_.id && stopped != stop_.release;
-    if (stop_.shown) stop_.shown_seq = stop_.seq;
+    stop_.confirmed = telemetry.stop_id == stop_.id && stopped != stop_.release;
+    if (stop_.confirmed) stop_.confirmed_seq = stop_.seq;
   }
   if (desired_.isInForce(telemetry.order_id)) echo_ = desired_.inForce();
 }
@@ -179,7 +179,7 @@ void RobotLink::take(const wire::Telemetry& telemetry, const wire::Frame& frame,
 void RobotLink::take(const wire::Pong& pong, std::int64_t now) {
   const std::uint64_t token = std::uint64_t{pong.token_high} << 32U | pong.token_low;
   const auto sent = static_cast<std::int64_t>(token);
-  if (sent != pinged_utime_) return;  // an old one, or not ours
+  if (sent != pinged_utime_) return;  // the answer to another PING
   counters_.round_trip_us = now - sent;
   clock_.add(sent, now, std::uint64_t{pong.t_ms} * 1000U + pong.t_us,
              wire_us(wire::payloadSize<wire::Ping>()), wire_us(wire::payloadSize<wire::Pong>()));
@@ -189,8 +189,8 @@ void RobotLink::take(const wire::Ack& ack, std::uint8_t seq) {
   degraded_ = false;
   if (ack.type == wire::Stop::kType) {
     if (ack.status == wire::kOk && stop_.id != 0 && seq == stop_.id) {
-      stop_.shown = true;
-      stop_.shown_seq = stop_.seq;
+      stop_.confirmed = true;
+      stop_.confirmed_seq = stop_.seq;
     }
     return;
   }
@@ -218,11 +218,11 @@ void RobotLink::finish(const wire::Frame& command, const wire::Ack& ack) {
       return;
     case wire::GetParam::kType:
       if (wheel_base_ != 0) return calibration_writer_.finish(command, ack);
-      wheel_base_ = settings_.wheel_base;  // it does not know its own
+      wheel_base_ = settings_.wheel_base;  // the robot has no such parameter
       return;
     case wire::Commit::kType:
       calibration_writer_.finish(command, ack);
-      wheel_base_ = 0;  // it may be another now
+      wheel_base_ = 0;  // it may have changed
       return;
     case wire::Apply::kType:
       return finishApply(command, ack);
@@ -247,7 +247,7 @@ void RobotLink::finishApply(const wire::Frame& command, const wire::Ack& ack) {
     config_ = static_cast<std::uint16_t>(command.payload[0] | command.payload[1] << 8);
     order_due_ = true;
   } else if (ack.status == wire::kWrongConfig) {
-    staged_.clear();  // something else than meant is staged
+    staged_.clear();  // the staged settings are not the desired ones
   } else {
     refuse(ack);
   }
@@ -255,7 +255,7 @@ void RobotLink::finishApply(const wire::Frame& command, const wire::Ack& ack) {
 
 void RobotLink::finishOrder(const wire::Frame& command, const wire::Ack& ack) {
   if (ack.status == wire::kWrongConfig) {
-    verifyIdentity();  // settings do not change by themselves
+    verifyIdentity();  // only a restart explains that the settings are gone
   } else if (ack.status == wire::kOk && desired_.isInForce(command.payload[0])) {
     echo_ = desired_.inForce();
   }
@@ -269,7 +269,7 @@ void RobotLink::refuse(const wire::Ack& ack) {
        "): it stands; give it an order within its limits");
 }
 
-// ---- the lab ----
+// ---- requests from the bus ----
 
 void RobotLink::command(std::int64_t seq, std::int64_t instance, std::int32_t lease_ms,
                         const robot_order_t& order, std::int64_t now) {
@@ -293,7 +293,7 @@ void RobotLink::stop(std::int64_t seq, bool release, std::int64_t now) {
     stop_.id = static_cast<std::uint8_t>(stop_.id % 255 + 1);
     stop_.seq = seq;
     stop_.release = release;
-    stop_.shown = false;
+    stop_.confirmed = false;
     stop_.sent_utime = 0;
   }
   pump(now);
@@ -331,7 +331,7 @@ void RobotLink::send(const Message& message, std::uint8_t seq) {
   send(frame);
 }
 
-/// Consecutive commands have different numbers, so that none is taken for a repetition.
+/// Consecutive commands get different seqs, so that the robot takes none for a repetition.
 template <class Message>
 void RobotLink::sendCommand(const Message& message, std::int64_t now) {
   wire::Frame frame;
@@ -375,7 +375,7 @@ void RobotLink::tick(std::int64_t now) {
   pump(now);
 }
 
-// An order that is sent again must not let the robot move for longer than the lab allows.
+// An order that is sent again must not extend the lease.
 void RobotLink::shortenLease(wire::Frame& command, std::int64_t now) const {
   wire::Order order;
   if (!wire::unpack(command, order)) return;
@@ -395,13 +395,13 @@ void RobotLink::pump(std::int64_t now) {
   }
   if (sender_.isWaiting()) return;
   sendPing(now);
-  // A silent robot may be in its bootloader, which must not be talked to.
+  // A silent robot may be in its bootloader, which bytes would keep from starting the program.
   if (isStale(now) || now < wait_until_) return;
   sendNextCommand(now);
 }
 
 void RobotLink::sendStop(std::int64_t now) {
-  if (stop_.id == 0 || stop_.shown || now - stop_.sent_utime < kStopPeriod_us) return;
+  if (stop_.id == 0 || stop_.confirmed || now - stop_.sent_utime < kStopPeriod_us) return;
   stop_.sent_utime = now;
   wire::Stop stop;
   stop.id = stop_.id;
@@ -428,11 +428,11 @@ void RobotLink::sendNextCommand(std::int64_t now) {
   sendCalibration(now);
 }
 
-/// Whether the robot lacked something of what the lab wants.
+/// Sends settings or order if the robot needs them. @return whether something was sent
 bool RobotLink::sendWanted(std::int64_t now) {
   if (!desired_.hasOrder() || desired_.leaseExpired(now) || desired_.isRefused()) return false;
-  // A robot that has not shown its stop yet is told nothing that could move it.
-  if (stop_.id != 0 && !stop_.release && !stop_.shown) return false;
+  // Until the robot has confirmed its stop, it is sent nothing that could move it.
+  if (stop_.id != 0 && !stop_.release && !stop_.confirmed) return false;
   if (desired_.needsSettings() && config_ != desired_.config()) {
     sendSettings(now);
     return true;
@@ -447,11 +447,11 @@ void RobotLink::sendCalibration(std::int64_t now) {
   if (command) sendCommand(*command, now);
 }
 
-/// Whether there was something that comes before any order.
+/// Sends what must precede any order. @return whether something was sent
 bool RobotLink::sendPreparation(std::int64_t now) {
   if (!seeded_) {
-    // After a restart other numbers, or the same draws would come again. A real robot's boots are
-    // counted by itself, also while nobody listens; a simulated one begins with its lab.
+    // The seed includes the restarts, so that draws do not repeat after a restart. A real robot
+    // counts its boots itself, also without a host; a simulated one starts with the run.
     std::string purpose = "program";
     if (!settings_.simulated) purpose += " boot " + std::to_string(hello_->boot_id);
     if (counters_.reboots > 0) purpose += " restart " + std::to_string(counters_.reboots);
@@ -478,7 +478,7 @@ bool RobotLink::sendPreparation(std::int64_t now) {
   return false;
 }
 
-/// Sends the next message that the robot lacks, or APPLY.
+/// Sends the next settings message that the robot lacks, or APPLY.
 void RobotLink::sendSettings(std::int64_t now) {
   const auto sendIfNew = [&](const auto& message) {
     wire::Frame frame;
