@@ -54,7 +54,7 @@ class BridgeService final : public Service {
   PortManager port_manager_;
 };
 
-/// The service as a process or as a part of a lab in one process.
+/// The service, for a process of its own or as part of a lab in one process.
 [[nodiscard]] ServiceDescription serviceDescription();
 
 }  // namespace lab::bridge

@@ -18,7 +18,7 @@ constexpr int kShakes = 300;
 
 using dynamics::Pose;
 
-/// The places taken so far, and which robot has which.
+/// The poses assigned so far, by robot.
 class Board {
  public:
   Board(const std::vector<Place>& places, const Arena& arena, double radius, std::uint64_t seed)
@@ -108,7 +108,7 @@ class Board {
     return sites;
   }
 
-  // Random small moves of hard disks, so that no lattice remains.
+  // Applies random small moves of hard disks, so that the lattice disappears.
   void shake() {
     Random random(deriveSeed(seed_, 0, "shake"));
     const double step = radius_ / 2;
@@ -129,7 +129,7 @@ class Board {
            pose.y <= arena_.height - radius_;
   }
 
-  // Some placed robot other than i that a robot at `pose` would come too close to.
+  // Any placed robot other than i that a robot at `pose` would be too close to.
   std::optional<std::size_t> overlapping(const Pose& pose, std::size_t i, double clearance) const {
     const double distance = 2 * radius_ + clearance;
     for (const std::size_t j : placed_) {

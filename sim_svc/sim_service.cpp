@@ -17,7 +17,7 @@ namespace lab::sim {
 namespace {
 
 constexpr double kTruthRate = 10;                  // [1/s]
-constexpr std::int64_t kOldestFrame_us = 200'000;  // a live camera does not queue more than this
+constexpr std::int64_t kOldestFrame_us = 200'000;  // older frames are skipped in real time
 
 /// Time of sample `number` at this rate; rounding errors do not accumulate.
 std::int64_t sampleUtime(std::int64_t start_utime, std::int64_t number, double rate) {
@@ -46,7 +46,7 @@ SimService::SimService(const ServiceContext& context)
                                                     tonesOf(experiment_, context.directory))
                   : nullptr),
       start_utime_(context.loop.now()),
-      // The robots were switched on a little earlier, each at an instant of its own.
+      // The robots boot before the start, each at its own time.
       origin_utime_(start_utime_ - units::microseconds(world_.settings().boot_spread)),
       kinematic_robots_(world_, context.experiment, context.directory, start_utime_) {
   world_.setLight(&light_);
@@ -106,7 +106,7 @@ void SimService::subscribe() {
   node_.subscribe<light_status_t>(channels::kLightStatus,
                                   [this](const light_status_t& status) { show(status); });
   if (!kinematic_robots_.anyReal()) return;
-  // Also hears its own frames, in which there is no real robot.
+  // This also receives the service's own frames, but they contain no real robots.
   node_.subscribe<tracked_frame_t>(channels::kTrackedFrame, [this](const tracked_frame_t& frame) {
     follow(loop_.now());
     kinematic_robots_.see(frame, loop_.now());
@@ -120,7 +120,7 @@ void SimService::show(const light_status_t& status) {
     return;
   }
   const std::int64_t now = loop_.now();
-  // Of a projector that began anew, what the one before it announced never comes.
+  // A restarted projector does not show what it had announced before for later times.
   std::erase_if(pending_light_,
                 [&](const PendingLight& other) { return other.utime >= status.utime; });
   if (status.utime > now) {
@@ -136,15 +136,14 @@ void SimService::show(light::Field field) {
   if (camera_) camera_->show(std::move(field));
 }
 
-/// Whatever it is that moves the world on, the camera sees it at its own instants: a timer that
-/// comes late on a busy machine must not show a frame what happened after it.
+/// Advances the world and exposes all camera frames on the way at their exact times. Otherwise a
+/// frame whose timer is late on a busy machine would show a later state.
 void SimService::follow(std::int64_t utime) {
   sampleFrames(utime);
   advance(utime);
 }
 
-/// Light that was announced comes on at its time exactly: whoever asks for a later state of the
-/// world gets one that has seen it.
+/// Advances the world and switches announced light at its exact time on the way.
 void SimService::advance(std::int64_t utime) {
   while (!pending_light_.empty() && pending_light_.front().utime <= utime) {
     moveWorld(pending_light_.front().utime);
@@ -167,7 +166,7 @@ void SimService::sampleFrames(std::int64_t until_utime) {
        exposure <= until_utime; exposure = sampleUtime(start_utime_, ++frame_number_, fps)) {
     const bool seen = tracker_.begin(exposure);
     if (!loop_.isVirtual() && now - exposure > kOldestFrame_us) {
-      // The machine stalled. A burst of old frames would drown the listeners.
+      // The machine stalled. A burst of old frames would flood the subscribers.
       node_.noteError("stalled: camera frames from number " +
                       std::to_string(tracker_.frame().frame) + " on were skipped");
       continue;
@@ -209,7 +208,7 @@ void SimService::sampleRobots() {
   const double rate = experiment_.hardware.status_rate;
   std::int64_t due = sampleUtime(start_utime_, status_number_, rate);
   if (due > now) return;
-  // What a late timer missed is missed: the next report says all that this one would have.
+  // Skip reports that a late timer has missed; the next report contains the full state.
   while (sampleUtime(start_utime_, status_number_ + 1, rate) <= now) {
     due = sampleUtime(start_utime_, ++status_number_, rate);
   }

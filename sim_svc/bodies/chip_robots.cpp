@@ -16,7 +16,7 @@ void append(std::vector<std::uint8_t>& packet, const T& item) {
   std::memcpy(packet.data() + packet.size() - sizeof item, &item, sizeof item);
 }
 
-/// Takes an answer apart, front to back.
+/// Reads an answer from front to back.
 class Parser {
  public:
   explicit Parser(std::span<const std::uint8_t> bytes) : left_(bytes) {}
@@ -51,7 +51,7 @@ void append(std::vector<std::uint8_t>& packet, chip::Packet kind, std::int64_t u
   append(packet, header);
 }
 
-/// Reads the header of an answer, which must be of this kind.
+/// Reads the header of an answer and checks its kind.
 void expect(Parser& answer, chip::Packet kind, std::size_t robots) {
   const auto header = answer.take<chip::Header>();
   if (header.version != chip::kLinkVersion) {
@@ -114,7 +114,7 @@ void ChipRobots::start(std::int64_t now_us) {
 }
 
 void ChipRobots::receive(std::size_t k, std::span<const std::uint8_t> bytes) {
-  // One STEP must stay a packet, whatever is poured into a line.
+  // Limits the size of a STEP packet, however much is written to a line.
   constexpr std::size_t kMost = 1024;
   std::vector<std::uint8_t>& received = chips_[k].received;
   const auto taken = bytes.first(std::min(bytes.size(), kMost - received.size()));

@@ -20,7 +20,8 @@ constexpr std::uint64_t kSettleCycles = 400;         // 50 us
 constexpr std::uint64_t kEepromWriteCycles = 27200;  // 3.4 ms (ATmega328P data sheet)
 constexpr unsigned kReceiverDepth = 2;               // bytes
 
-/// Smallest voltage that the converter turns into these counts (simavr: counts = mV * 1023 / 3300).
+/// Smallest voltage that the converter converts into these counts (simavr: counts = mV * 1023 /
+/// 3300).
 std::uint32_t millivolts(std::uint16_t counts) {
   return (std::min<std::uint32_t>(counts, 1023) * kSupplyMv + 1022) / 1023;
 }
@@ -46,7 +47,7 @@ Chip::Simavr::Simavr(Chip& chip) {
   avr->custom.data = &chip;
   avr->frequency = static_cast<std::uint32_t>(kChipHz);
   avr->vcc = avr->avcc = avr->aref = kSupplyMv;
-  avr->sleep = onSleep;  // the caller paces, not simavr
+  avr->sleep = onSleep;  // replaces simavr's real-time sleep
   core_reset = avr->reset;
   avr->reset = onReset;
 
@@ -65,9 +66,10 @@ Chip::Simavr::Simavr(Chip& chip) {
   watch(kEecr, onEeprom, chip);
 }
 
-/// Called before the count of cycles goes on by `cycles` + 1: a sleep ends one cycle after the
-/// timer that ends it. Where our stop ends it one cycle before another timer, that one would be
-/// punctual for once: go past it, as without the stop.
+/// Called before simavr adds `cycles` + 1 to its cycle count: a sleep ends one cycle after the
+/// timer that ends it. If onStop ends the sleep one cycle before another timer, that timer would
+/// come one cycle earlier than without the stop. Skipping a cycle keeps its time independent of the
+/// stop.
 void Chip::Simavr::onSleep(avr_t* avr, avr_cycle_count_t cycles) {
   const avr_cycle_timer_slot_t* first = avr->cycle_timers.timer;
   if (first != nullptr && first->timer == onStop && first->next != nullptr &&
@@ -140,7 +142,7 @@ void Chip::reset(std::uint64_t held_cycles) {
   held_until_ = cycle() + held_cycles;
 }
 
-/// Pins float, so the motors stand; what was on its way out is cut off.
+/// The pins float, so the motors stand, and a transmission is cut off.
 void Chip::halt(ChipPower power) {
   power_ = power;
   const std::uint64_t now = cycle();
@@ -159,13 +161,13 @@ void Chip::start(ResetSource source) {
   simavr_->data(kMcusr) = static_cast<std::uint8_t>(source);
 }
 
-/// A reset gives simavr its defaults back and forgets all of our timers.
+/// A reset restores simavr's defaults and removes all our timers.
 void Chip::afterReset() {
   Simavr& s = *simavr_;
   s.reset_seen = false;
   s.avr->run_cycle_limit = settings_.profile ? 1 : settings_.run_limit;
   s.uart->flags = 0;  // no text on stdout, no sleep when the program polls
-  // Else a low D2 or D3, output or not, is looked at in every cycle.
+  // Otherwise simavr polls D2 and D3 in every cycle while they are low.
   avr_extint_set_strict_lvl_trig(s.avr, 0, 0);
   avr_extint_set_strict_lvl_trig(s.avr, 1, 0);
   s.writing_eeprom = false;
@@ -340,7 +342,8 @@ void Chip::armReceiver() {
                            this);
 }
 
-/// A byte whose stop bit has just ended. simavr would begin to receive it now.
+/// Passes a byte whose stop bit has just ended to simavr, which would only begin to receive it now;
+/// therefore its time per byte is set to one cycle meanwhile.
 void Chip::deliver(LineByte byte) {
   avr_uart_t* uart = simavr_->uart;
   if (avr_regbit_get(simavr_->avr, uart->rxen) == 0) {
@@ -359,7 +362,8 @@ void Chip::deliver(LineByte byte) {
   uart->cycles_per_byte = cycles_per_byte;
 }
 
-/// simavr counts a parity bit that is not there, and only when the divider is written.
+/// Computes the speed, because simavr adds a parity bit that does not exist, and only computes it
+/// when the divider is written.
 void Chip::updateBaud() {
   const Simavr& s = *simavr_;
   const std::uint64_t divider =
@@ -392,8 +396,8 @@ void Chip::loadEeprom(std::span<const std::uint8_t> bytes) {
   std::copy_n(bytes.begin(), size, simavr_->eeprom->eeprom);
 }
 
-/// Called at every access to EECR. simavr stores at once and is ready at once; the chip says "busy"
-/// in bit EEPE for 3.4 ms.
+/// Called at every access to EECR. simavr writes the EEPROM in no time; on the chip, bit EEPE is
+/// set for 3.4 ms.
 void Chip::watchEeprom(std::uint32_t value) {
   Simavr& s = *simavr_;
   if (s.writing_eeprom || (value & (kEepe | kEempe)) != (kEepe | kEempe)) {
