@@ -68,8 +68,8 @@ ProjectorService::ProjectorService(const ServiceContext& context, std::filesyste
       core_(coreConfig(context.experiment, images_)) {
   const Projector& projector = experiment_.projector;
   if (presenter == nullptr) {
-    // A display that is named and not there, as in virtual time, has the size that it was
-    // calibrated with.
+    // A display that is not opened, as in virtual time, is assumed to have the size in its
+    // calibration.
     const std::string& file = projector.calibration;
     const bool simulated = projector.display == kHeadless || file.empty();
     const std::string placed = simulated
@@ -84,9 +84,9 @@ ProjectorService::ProjectorService(const ServiceContext& context, std::filesyste
     arrivals_.push_back({toCommand(message, experiment_, images_), loop_.now()});
   });
   node_.subscribe<tracked_frame_t>(channels::kTrackedFrame, [this](const tracked_frame_t& message) {
-    // A tracker whose clock runs ahead would make the present look old for ever.
+    // If a tracker's clock runs ahead, all later correct times would be taken for old ones.
     if (message.utime > loop_.now() + kAhead_us) {
-      if (!std::exchange(told_of_future_, true)) {
+      if (!std::exchange(future_frame_reported_, true)) {
         node_.noteError(
             "TRACKED_FRAME " + std::to_string(message.frame) + " of " + message.sender +
             " is dated more than a second ahead: not used for the light; set the clocks");
@@ -108,7 +108,7 @@ ProjectorService::ProjectorService(const ServiceContext& context, std::filesyste
 
 void ProjectorService::applyUntil(std::int64_t utime) {
   std::size_t applied = 0;
-  // What arrived while a late timer was on its way belongs to the next frame.
+  // If the timer is late, commands that arrived after the frame's time belong to the next frame.
   while (applied < arrivals_.size() && arrivals_[applied].utime <= utime) {
     const LightCommand& command = arrivals_[applied].command;
     const Answer answer = core_.apply(command, arrivals_[applied].utime);
@@ -126,8 +126,8 @@ void ProjectorService::applyUntil(std::int64_t utime) {
   takeFrames(utime);
 }
 
-/// A status names the frames of one tracker. Where there are two, those of the other wait for the
-/// next picture.
+/// A LIGHT_STATUS names the frames of one tracker only. Frames of another tracker wait for the next
+/// picture.
 void ProjectorService::takeFrames(std::int64_t utime) {
   if (frames_.empty()) return;
   const std::int64_t instance =
@@ -242,7 +242,7 @@ void ProjectorService::savePicture(const ShownFrame& shown) {
 ServiceDescription serviceDescription() {
   ServiceDescription description;
   description.name = "projector_ctl";
-  description.summary = "The light field: what the arena shows, where, since when";
+  description.summary = "Light-field server: shows light on the arena and reports what is shown";
   description.origin = robot_state_t::SIM;
   description.make = [](const ServiceContext& context) {
     return std::make_unique<ProjectorService>(context);

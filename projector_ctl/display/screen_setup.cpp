@@ -40,7 +40,7 @@ std::unique_ptr<Presenter> makePresenter(const Experiment& experiment,
   try {
     return std::make_unique<ThreadPresenter>(
         screenSetup(experiment, directory, loop, [display] { return openSdlDisplay(display); }));
-  } catch (const DisplayError& error) {  // what the experiment asks for is not there
+  } catch (const DisplayError& error) {  // the experiment's display is missing
     throw ExperimentError({error.what()});
   }
 }
