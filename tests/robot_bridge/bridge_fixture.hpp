@@ -1,5 +1,5 @@
-/// The whole bridge in virtual time: lines in memory, robots that run their own program, and
-/// somebody on the bus who commands and listens.
+/// The whole bridge in virtual time: lines in memory, robots that run the firmware, and another
+/// node on the bus that sends commands and receives the results.
 #pragma once
 
 #include <gmock/gmock.h>
@@ -77,7 +77,7 @@ eta_rad_s = 3
 
   void run(double seconds) { loop.runUntil(loop.now() + static_cast<std::int64_t>(seconds * 1e6)); }
 
-  /// Runs with the present command repeated at 5 Hz, as the lab does.
+  /// Runs while the last command is repeated at 5 Hz, as the lab does.
   void runCommanded(double seconds) {
     for (double t = 0; t < seconds; t += 0.2) {
       repeatCommand();
