@@ -7,6 +7,8 @@
 #include <numbers>
 #include <utility>
 
+#include "common/math/units.hpp"
+
 namespace lab::projector {
 namespace {
 
@@ -22,7 +24,7 @@ constexpr std::size_t kDigestBytes = 64;            // size of an image's SHA-25
 constexpr std::size_t kMostTrailCells = 160 * 120;  // sum over all trails of a command
 constexpr std::size_t kMostNamed = 8;               // lost robots named in one text
 
-double seconds(std::int64_t us) { return static_cast<double>(us) * 1e-6; }
+using units::seconds;
 
 /// The time of day in UTC, as "12:34:56.789".
 std::string clockText(std::int64_t utime) {

@@ -356,8 +356,8 @@ void CameraPainter::setLight(const light::Field& field) { parts_->setLight(field
 void CameraPainter::paint(std::span<const PaintedRobot> robots, std::int64_t number,
                           std::span<std::uint8_t> out) {
   if (out.size() != parts_->mean.size()) {
-    throw std::invalid_argument(
-        fmt::format("a canvas of {} bytes for a picture of {}", out.size(), parts_->mean.size()));
+    throw std::invalid_argument(fmt::format("a buffer of {} bytes for a picture of {} bytes",
+                                            out.size(), parts_->mean.size()));
   }
   parts_->expose(robots);
   const PainterSettings& settings = parts_->settings;

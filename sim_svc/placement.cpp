@@ -44,10 +44,10 @@ class Board {
       poses_[i] = *places_[i].given;
       const std::string name = "robot " + std::to_string(places_[i].id);
       if (!isInside(poses_[i])) {
-        throw std::invalid_argument(name + " is given a place outside the arena");
+        throw std::invalid_argument(name + " has a start pose outside the arena");
       }
       if (const auto other = overlapping(poses_[i], i, 0)) {
-        throw std::invalid_argument(name + " is given a place that overlaps robot " +
+        throw std::invalid_argument(name + " has a start pose that overlaps robot " +
                                     std::to_string(places_[*other].id));
       }
       placed_.push_back(i);
@@ -153,7 +153,7 @@ std::vector<Pose> placeRobots(const std::vector<Place>& places, const Arena& are
   std::set<std::int32_t> ids;
   for (const Place& place : places) {
     if (!ids.insert(place.id).second) {
-      throw std::invalid_argument("robot " + std::to_string(place.id) + " is named twice");
+      throw std::invalid_argument("robot " + std::to_string(place.id) + " is listed twice");
     }
   }
   return Board(places, arena, radius, seed).place();

@@ -63,7 +63,7 @@ DisplayInfo choose(const std::string& wanted) {
   const auto matches = std::count_if(found.begin(), found.end(), is_wanted);
   if (matches == 1) return *std::find_if(found.begin(), found.end(), is_wanted);
   throw DisplayError(
-      fmt::format("projector.display = \"{}\": {} displays of that name or number, "
+      fmt::format("projector.display = \"{}\": {} displays have that name or number, "
                   "expected one of\n{}",
                   wanted, matches, describe(found)));
 }

@@ -5,6 +5,8 @@
 #include <numbers>
 #include <utility>
 
+#include "common/math/units.hpp"
+
 namespace lab::projector {
 namespace {
 
@@ -15,7 +17,7 @@ constexpr double kSigmas = 6;                // larger deviations are jumps, not
 constexpr std::size_t kFewest = 3;           // poses in a window
 constexpr double kStraight = 1e-6;           // [rad/s] slower turns are treated as straight lines
 
-double seconds(std::int64_t us) { return static_cast<double>(us) * 1e-6; }
+using units::seconds;
 
 double shrunk(double rate, double variance) {
   return rate * std::max(0.0, 1 - variance / std::max(rate * rate, 1e-300));

@@ -6,13 +6,15 @@
 #include <numeric>
 #include <utility>
 
+#include "common/math/units.hpp"
+
 namespace lab::projector {
 namespace {
 
 constexpr double kLargestShare = 0.2;  // share of a cell that diffuses to each neighbour per step
 constexpr double kNothing = 1e-200;    // smaller values are set to 0: denormals are slow
 
-double seconds(std::int64_t us) { return static_cast<double>(us) * 1e-6; }
+using units::seconds;
 
 /// The smallest side of cells such that columns and rows are within an image's limits and there are
 /// at most `most` cells.

@@ -138,8 +138,8 @@ void PortManager::attachRobot(Entry& entry, const wire::Hello& hello, std::int64
   if (Entry* other = lineWith(robot)) {
     if (now - robot.heardUtime() <= kAbandoned_us) {
       line.refusal = fmt::format(
-          "uid {} of robot {}, which is on {} already; unplug one of the two, or give it a uid of "
-          "its own",
+          "uid {} of robot {}, which is on {} already; unplug one of the two, or store another uid "
+          "in it",
           hello.uid, robot.settings().id, other->first);
       return;
     }

@@ -41,7 +41,7 @@ void UidWriter::take(const wire::Frame& frame) {
       if (hello.uid == uid_) {
         start(Step::kDone);
       } else {
-        fail("the robot says uid " + std::to_string(hello.uid) + " after it stored another");
+        fail("the robot reports uid " + std::to_string(hello.uid) + " after storing another one");
       }
     }
   } else if (wire::unpack(frame, ack) && sender_.answer(ack.type, frame.seq)) {

@@ -42,7 +42,8 @@ void ClockEstimate::add(std::int64_t sent_utime, std::int64_t came_utime, std::u
   fit();
 }
 
-void ClockEstimate::hear(std::int64_t came_utime, std::uint32_t robot_ms, std::int64_t answer_us) {
+void ClockEstimate::addReading(std::int64_t came_utime, std::uint32_t robot_ms,
+                               std::int64_t answer_us) {
   if (measured_) return;
   const std::int64_t latest = came_utime - answer_us;
   const std::int64_t reading = unwrap(std::uint64_t{robot_ms} * 1000U);

@@ -26,7 +26,7 @@ class ClockEstimate {
 
   /// Uses an unsolicited reading, which only bounds the clock from one side (it was taken before it
   /// came). Ignored once there is a round trip.
-  void hear(std::int64_t came_utime, std::uint32_t robot_ms, std::int64_t answer_us);
+  void addReading(std::int64_t came_utime, std::uint32_t robot_ms, std::int64_t answer_us);
 
   /// Forgets everything: the robot has restarted, or it is another one.
   void reset();

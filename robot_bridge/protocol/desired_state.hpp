@@ -1,4 +1,4 @@
-/// What the lab wants one robot to do, from its ROBOT_COMMANDs.
+/// The desired state of one robot, from its ROBOT_COMMANDs.
 #pragma once
 
 #include <cstdint>

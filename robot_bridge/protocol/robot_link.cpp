@@ -109,7 +109,7 @@ void RobotLink::take(const wire::Hello& hello, std::int64_t now) {
   hello_ = hello;
   latest_robot_ms_ = hello.uptime_ms;
   identity_in_doubt_ = false;
-  clock_.hear(now, hello.uptime_ms, wire_us(wire::payloadSize<wire::Hello>()));
+  clock_.addReading(now, hello.uptime_ms, wire_us(wire::payloadSize<wire::Hello>()));
 }
 
 /// Called when only a restart explains the robot's report. Until HELLO comes, its reports are
@@ -164,7 +164,7 @@ void RobotLink::take(const wire::Telemetry& telemetry, const wire::Frame& frame,
     verifyIdentity();
     return;
   }
-  clock_.hear(now, telemetry.t_ms, wire_us(wire::payloadSize<wire::Telemetry>()));
+  clock_.addReading(now, telemetry.t_ms, wire_us(wire::payloadSize<wire::Telemetry>()));
   latest_robot_ms_ = telemetry.t_ms;
   view_.take(telemetry, frame.seq);
   config_ = telemetry.config;
@@ -303,8 +303,8 @@ void RobotLink::calibrate(std::int64_t seq, std::int64_t instance,
                           const motor_calibration_t& wanted, std::int64_t now) {
   const std::optional<wire::Ack>& failure = calibration_writer_.failure();
   if (failure) {
-    note("did not take its calibration (message " + std::to_string(failure->type) + ", status " +
-         std::to_string(failure->status) + "); it must stand, and the numbers be possible");
+    note("did not accept its calibration (message " + std::to_string(failure->type) + ", status " +
+         std::to_string(failure->status) + "); it must stand, and the values must be in range");
   }
   calibration_writer_.ask(seq, instance, wanted);
   pump(now);

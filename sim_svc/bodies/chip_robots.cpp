@@ -29,7 +29,7 @@ class Parser {
   }
 
   std::span<const std::uint8_t> takeBytes(std::size_t size) {
-    if (size > left_.size()) throw std::runtime_error("its answer is cut short");
+    if (size > left_.size()) throw std::runtime_error("its answer is truncated");
     const auto bytes = left_.first(size);
     left_ = left_.subspan(size);
     return bytes;
@@ -55,13 +55,13 @@ void append(std::vector<std::uint8_t>& packet, chip::Packet kind, std::int64_t u
 void expect(Parser& answer, chip::Packet kind, std::size_t robots) {
   const auto header = answer.take<chip::Header>();
   if (header.version != chip::kLinkVersion) {
-    throw std::runtime_error("it speaks version " + std::to_string(header.version) +
+    throw std::runtime_error("it uses version " + std::to_string(header.version) +
                              " of the link, expected " + std::to_string(chip::kLinkVersion) +
-                             "; build both anew");
+                             "; build both programs again");
   }
   if (header.packet == chip::Packet::kFailed) throw std::runtime_error(answer.rest());
   if (header.packet != kind || header.robots != robots) {
-    throw std::runtime_error("its answer is not one to what it was asked");
+    throw std::runtime_error("its answer does not match the request");
   }
 }
 
@@ -87,7 +87,7 @@ ChipRobots::ChipRobots(const World& world, std::vector<ChipRobotSetup> setups,
         installation().installHint(file,
                                    "install gcc-avr, avr-libc and libsimavr-dev "
                                    "and build again") +
-        ", or say body = \"wire\"");
+        ", or use body = \"wire\"");
   }
   try {
     start(world.timeUs());
@@ -191,7 +191,7 @@ void ChipRobots::fail(World& world, const std::string& why) {
   }
   report_(
       "robot_emulator: " + why + "; its robots stand and " +
-      (failures_ < kMostFailures ? "are switched on anew in 1 s" : "stay off: restart the lab"));
+      (failures_ < kMostFailures ? "are switched on again in 1 s" : "stay off: restart the lab"));
 }
 
 }  // namespace lab::sim

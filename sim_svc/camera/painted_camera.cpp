@@ -63,7 +63,7 @@ void PaintedCamera::take(std::int64_t number, std::int64_t exposure_utime,
 }
 
 void PaintedCamera::develop(const Scene& scene) {
-  // Pictures nobody watches need not be painted, because a picture depends on its own scene only.
+  // A picture depends only on its own scene, so pictures without a subscriber need not be painted.
   if (!sink_->isWatched()) return;
   if (scene.light != painted_light_) painter_.setLight(*scene.light);
   painted_light_ = scene.light;

@@ -41,7 +41,7 @@ Module* findModule(avr_t* avr, const char* kind) {
 Chip::Simavr::Simavr(Chip& chip) {
   avr = avr_make_mcu_by_name("atmega328p");
   if (avr == nullptr) {
-    throw FirmwareImageError("this libsimavr knows no ATmega328P");
+    throw FirmwareImageError("this libsimavr does not support the ATmega328P");
   }
   avr_init(avr);
   avr->custom.data = &chip;

@@ -86,7 +86,7 @@ std::uint32_t FirmwareImage::endlessLoop() const {
       return flash_base_ + static_cast<std::uint32_t>(i);
     }
   }
-  throw FirmwareImageError("the program has no endless loop to hang in");
+  throw FirmwareImageError("the program contains no endless loop");
 }
 
 }  // namespace lab::emulator

@@ -141,7 +141,7 @@ std::string FreeRun::summary() const {
   }
   return std::to_string(received) + " bytes received, " + std::to_string(overrun) + " overrun, " +
          std::to_string(sent) + " sent, " + std::to_string(resets) + " resets, " +
-         std::to_string(skipped_us_ / 1000) + " ms given up";
+         std::to_string(skipped_us_ / 1000) + " ms skipped";
 }
 
 int freeRun(const FreeRunSettings& settings) {

@@ -421,7 +421,7 @@ TEST_F(BridgeServiceTest, AnInvalidCalibrationIsReportedAndChangesNothing) {
     other.publishCommand(channels::kRobotCalibration, request);
     run(0.5);
   }
-  EXPECT_THAT(complaints, Contains(HasSubstr("robot 1: did not take its calibration")));
+  EXPECT_THAT(complaints, Contains(HasSubstr("robot 1: did not accept its calibration")));
   EXPECT_EQ(robot.device().settings().left.gain_ppm, 1'000'000);
 }
 

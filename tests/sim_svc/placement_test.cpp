@@ -75,7 +75,7 @@ TEST(PlaceRobots, NamesTheRobotsThatDoNotFit) {
   EXPECT_THAT(place({{4, dynamics::Pose{0.03, 0.4, 0}}}),
               ThrowsMessage<std::invalid_argument>(HasSubstr("outside")));
   EXPECT_THAT(place({{4, std::nullopt}, {4, std::nullopt}}),
-              ThrowsMessage<std::invalid_argument>(HasSubstr("robot 4 is named twice")));
+              ThrowsMessage<std::invalid_argument>(HasSubstr("robot 4 is listed twice")));
   EXPECT_THAT(place(anywhere(300)), ThrowsMessage<std::invalid_argument>(HasSubstr("no room")));
 }
 

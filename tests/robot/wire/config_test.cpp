@@ -190,7 +190,7 @@ const std::vector<Case> kCases{
     {"reversal of 4 m", kNoFault, [](CoreSettings& s) { s.reversal.distance_um = 4000000; }},
     {"reversal beyond 4 m", kBadReversal,
      [](CoreSettings& s) { s.reversal.distance_um = 4000001; }},
-    {"no reversal, whatever it says", kNoFault,
+    {"disabled reversal with any values", kNoFault,
      [](CoreSettings& s) {
        s.reversal = {false, 4000001, -1, 0};
      }},

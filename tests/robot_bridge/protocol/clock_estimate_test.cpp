@@ -111,17 +111,17 @@ TEST(ClockEstimate, WorksOverManyWraps) {
 
 TEST(ClockEstimate, UsesUnsolicitedReadingsUntilTheFirstRoundTrip) {
   ClockEstimate dut;
-  dut.hear(kStart + 30'000, 1000, 10'000);
+  dut.addReading(kStart + 30'000, 1000, 10'000);
   EXPECT_EQ(dut.utimeOf(1000), kStart + 20'000);
-  dut.hear(kStart + 65'000, 1050, 10'000);  // shorter delay
+  dut.addReading(kStart + 65'000, 1050, 10'000);  // shorter delay
   EXPECT_EQ(dut.utimeOf(1050), kStart + 55'000);
-  dut.hear(kStart + 150'000, 1100, 10'000);  // longer delay
+  dut.addReading(kStart + 150'000, 1100, 10'000);  // longer delay
   EXPECT_EQ(dut.utimeOf(1050), kStart + 55'000);
   Robot robot;
   robot.start_ms = 2000;
   robot.ping(dut, 1e6);
   EXPECT_NEAR(robot.error(dut, 1.1e6), 0, 2);
-  dut.hear(kStart, 3000, 0);  // ignored
+  dut.addReading(kStart, 3000, 0);  // ignored
   EXPECT_NEAR(robot.error(dut, 1.1e6), 0, 2);
 }
 
