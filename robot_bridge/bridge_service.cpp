@@ -27,9 +27,9 @@ std::uint32_t uidOf(const RobotSpec& robot) {
 /// The period of ROBOT_STATUS, limited so that telemetry takes at most a quarter of the line.
 /// @return ms
 std::uint32_t telemetryPeriod(double rate, int baud) {
-  const long wanted = std::lround(1000 / rate);
+  const long requested = std::lround(1000 / rate);
   const long shortest = baud >= 500000 ? 20 : std::lround(50.0 * 38400 / baud);
-  return static_cast<std::uint32_t>(std::clamp(wanted, shortest, 60000L));
+  return static_cast<std::uint32_t>(std::clamp(requested, shortest, 60000L));
 }
 
 LinkSettings linkSettings(const Experiment& experiment, const RobotSpec& robot) {
@@ -122,11 +122,11 @@ void BridgeService::take(const robot_stop_t& stop) {
 void BridgeService::take(const robot_calibration_t& request) {
   robot_calibration_t answer{};
   answer.seq = request.seq;
-  for (const motor_calibration_t& wanted : request.robots) {
-    const auto robot = robots_.find(wanted.robot_id);
+  for (const motor_calibration_t& requested : request.robots) {
+    const auto robot = robots_.find(requested.robot_id);
     if (robot == robots_.end()) continue;
     RobotLink& link = robot->second.link;
-    link.calibrate(request.seq, request.instance, wanted, loop_.now());
+    link.calibrate(request.seq, request.instance, requested, loop_.now());
     if (const auto held = link.calibration()) answer.robots.push_back(*held);
   }
   port_manager_.flush();

@@ -19,18 +19,19 @@ constexpr int kShakes = 300;
 using dynamics::Pose;
 
 /// The poses assigned so far, by robot.
-class Board {
+class PlacementSearch {
  public:
-  Board(const std::vector<Place>& places, const Arena& arena, double radius, std::uint64_t seed)
+  PlacementSearch(const std::vector<Place>& places, const Arena& arena, double radius,
+                  std::uint64_t seed)
       : places_(places), arena_(arena), radius_(radius), seed_(seed), poses_(places.size()) {
-    takeGiven();
+    placeGiven();
   }
 
   std::vector<Pose> place() {
     for (std::size_t i = 0; i < places_.size(); ++i) {
       if (!places_[i].given && !placeAtRandom(i)) {
         placeOnLattice();
-        shake();
+        perturb();
         break;
       }
     }
@@ -38,7 +39,7 @@ class Board {
   }
 
  private:
-  void takeGiven() {
+  void placeGiven() {
     for (std::size_t i = 0; i < places_.size(); ++i) {
       if (!places_[i].given) continue;
       poses_[i] = *places_[i].given;
@@ -109,7 +110,7 @@ class Board {
   }
 
   // Applies random small moves of hard disks, so that the lattice disappears.
-  void shake() {
+  void perturb() {
     Random random(deriveSeed(seed_, 0, "shake"));
     const double step = radius_ / 2;
     for (int round = 0; round < kShakes; ++round) {
@@ -156,7 +157,7 @@ std::vector<Pose> placeRobots(const std::vector<Place>& places, const Arena& are
       throw std::invalid_argument("robot " + std::to_string(place.id) + " is listed twice");
     }
   }
-  return Board(places, arena, radius, seed).place();
+  return PlacementSearch(places, arena, radius, seed).place();
 }
 
 }  // namespace lab::sim

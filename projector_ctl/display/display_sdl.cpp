@@ -55,17 +55,17 @@ std::vector<DisplayInfo> displays() {
   return found;
 }
 
-DisplayInfo choose(const std::string& wanted) {
+DisplayInfo choose(const std::string& name_or_number) {
   const std::vector<DisplayInfo> found = displays();
   const auto is_wanted = [&](const DisplayInfo& info) {
-    return info.name == wanted || std::to_string(info.number) == wanted;
+    return info.name == name_or_number || std::to_string(info.number) == name_or_number;
   };
   const auto matches = std::count_if(found.begin(), found.end(), is_wanted);
   if (matches == 1) return *std::find_if(found.begin(), found.end(), is_wanted);
   throw DisplayError(
       fmt::format("projector.display = \"{}\": {} displays have that name or number, "
                   "expected one of\n{}",
-                  wanted, matches, describe(found)));
+                  name_or_number, matches, describe(found)));
 }
 
 std::optional<DisplayEvent> arrow(SDL_Keycode key, bool fast) {
@@ -132,7 +132,7 @@ bool isCard(SDL_Renderer* renderer) {
 
 class SdlDisplay final : public Display {
  public:
-  explicit SdlDisplay(const std::string& wanted) : info_(choose(wanted)) {
+  explicit SdlDisplay(const std::string& name_or_number) : info_(choose(name_or_number)) {
     openWindow();
     renderer_ =
         SDL_CreateRenderer(window_, -1, SDL_RENDERER_ACCELERATED | SDL_RENDERER_PRESENTVSYNC);
@@ -295,8 +295,8 @@ std::string describe(const std::vector<DisplayInfo>& displays) {
   return text;
 }
 
-std::unique_ptr<Display> openSdlDisplay(const std::string& wanted) {
-  return std::make_unique<SdlDisplay>(wanted);
+std::unique_ptr<Display> openSdlDisplay(const std::string& name_or_number) {
+  return std::make_unique<SdlDisplay>(name_or_number);
 }
 
 }  // namespace lab::projector

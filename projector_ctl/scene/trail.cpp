@@ -131,11 +131,11 @@ void Trail::add(double x, double y, double amount) {
 void Trail::lay(double from_x, double from_y, std::int64_t from_utime, double to_x, double to_y,
                 std::int64_t to_utime) {
   if (to_utime <= from_utime) return;
-  const double way = std::hypot(to_x - from_x, to_y - from_y);
+  const double distance = std::hypot(to_x - from_x, to_y - from_y);
   // The path is divided into points that are at most half a cell and a fifth of the radius apart,
   // so that the trail has no visible beads.
-  const double stretch = std::min(0.5 * cell_, 0.2 * settings_.radius);
-  const int pieces = std::max(1, static_cast<int>(std::ceil(way / stretch)));
+  const double spacing = std::min(0.5 * cell_, 0.2 * settings_.radius);
+  const int pieces = std::max(1, static_cast<int>(std::ceil(distance / spacing)));
   const double time = seconds(to_utime - from_utime) / pieces;
   const double oldest = seconds(utime_ - from_utime);
   // Integral of the decaying source over one piece, at the end of the piece.

@@ -196,9 +196,9 @@ void PortManager::close(Entry& entry, std::int64_t retry_utime) {
 
 void PortManager::handleLoss(Entry& entry, const std::string& why) {
   Line& line = entry.second;
-  const std::string who =
+  const std::string robot_text =
       line.robot == nullptr ? "" : fmt::format("; robot {} was on it", line.robot->settings().id);
-  reportFault(entry, "lost", why + who);
+  reportFault(entry, "lost", why + robot_text);
   line.last_fault.clear();  // the next loss is another one
   line.found = false;
   const std::int64_t retry_utime = loop_.now() + std::max(line.back_off_us, kShortestBackOff_us);

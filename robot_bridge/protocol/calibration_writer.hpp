@@ -17,7 +17,7 @@ namespace lab::bridge {
 class CalibrationWriter {
  public:
   /// Takes a request, which may be a repetition.
-  void ask(std::int64_t seq, std::int64_t instance, const motor_calibration_t& wanted);
+  void request(std::int64_t seq, std::int64_t instance, const motor_calibration_t& requested);
 
   /// The robot has restarted, and values that it had not stored are lost.
   void restart();
@@ -44,7 +44,7 @@ class CalibrationWriter {
   std::int64_t seq_ = 0;
   std::int64_t instance_ = 0;
   std::int32_t robot_id_ = 0;
-  std::array<std::int32_t, kParams> wanted_{};
+  std::array<std::int32_t, kParams> requested_{};
   std::array<std::int32_t, kParams> held_{};
   std::size_t begin_ = 0;
   std::size_t step_ = kDone;

@@ -300,13 +300,13 @@ void RobotLink::stop(std::int64_t seq, bool release, std::int64_t now) {
 }
 
 void RobotLink::calibrate(std::int64_t seq, std::int64_t instance,
-                          const motor_calibration_t& wanted, std::int64_t now) {
+                          const motor_calibration_t& requested, std::int64_t now) {
   const std::optional<wire::Ack>& failure = calibration_writer_.failure();
   if (failure) {
     note("did not accept its calibration (message " + std::to_string(failure->type) + ", status " +
          std::to_string(failure->status) + "); it must stand, and the values must be in range");
   }
-  calibration_writer_.ask(seq, instance, wanted);
+  calibration_writer_.request(seq, instance, requested);
   pump(now);
 }
 

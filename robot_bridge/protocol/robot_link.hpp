@@ -82,7 +82,7 @@ class RobotLink {
   void stop(std::int64_t seq, bool release, std::int64_t now);
 
   /// A ROBOT_CALIBRATION that contains this robot.
-  void calibrate(std::int64_t seq, std::int64_t instance, const motor_calibration_t& wanted,
+  void calibrate(std::int64_t seq, std::int64_t instance, const motor_calibration_t& requested,
                  std::int64_t now);
 
   // ---- state of the robot

@@ -78,11 +78,12 @@ ChipRobots::ChipRobots(const World& world, std::vector<ChipRobotSetup> setups,
     chip.setup = std::move(setup);
     chips_.push_back(std::move(chip));
   }
-  const std::string who = chips_.empty() ? "robots" : "robot " + std::to_string(chips_.front().id);
+  const std::string robot =
+      chips_.empty() ? "robots" : "robot " + std::to_string(chips_.front().id);
   for (const char* file : {"robot_emulator", "robot_firmware.elf"}) {
     if (std::filesystem::exists(programs / file)) continue;
     throw std::runtime_error(
-        who + " has body = \"firmware\", which needs " + (programs / file).string() +
+        robot + " has body = \"firmware\", which needs " + (programs / file).string() +
         ": not there; " +
         installation().installHint(file,
                                    "install gcc-avr, avr-libc and libsimavr-dev "

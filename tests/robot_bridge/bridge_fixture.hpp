@@ -41,7 +41,7 @@ class BridgeFixture : public testing::Test {
     other.subscribe<service_status_t>(channels::kServiceStatus,
                                       [this](const service_status_t& status) {
                                         if (status.sender == "robot_bridge")
-                                          complaints.insert(status.last_error);
+                                          errors.insert(status.last_error);
                                       });
   }
 
@@ -155,7 +155,7 @@ eta_rad_s = 3
   std::vector<robot_status_t> statuses;
   std::map<std::int32_t, robot_state_t> last;
   std::vector<robot_step_t> steps;
-  std::set<std::string> complaints;
+  std::set<std::string> errors;
 };
 
 }  // namespace lab::bridge

@@ -100,7 +100,7 @@ TEST_F(BridgeServiceTest, ARobotThatRestartsStandsUntilANewOrder) {
   runCommanded(3);
   EXPECT_EQ(robot.left(), 0);
   EXPECT_EQ(last[1].command_seq, 0);
-  EXPECT_THAT(complaints, Contains(HasSubstr("robot 1: restarted; it stands")));
+  EXPECT_THAT(errors, Contains(HasSubstr("robot 1: restarted; it stands")));
   command(drive({1}, 0.1, 0.1), 2);
   runCommanded(1);
   EXPECT_GT(robot.left(), 0);
@@ -121,7 +121,7 @@ TEST_F(BridgeServiceTest, ARobotThatRestartsWithTheSameBootNumberStandsToo) {
   const std::int64_t restarted = loop.now() - 500'000;
   runCommanded(4);
   EXPECT_EQ(robot.left(), 0) << "it moves without a new order";
-  EXPECT_THAT(complaints, testing::Contains(HasSubstr("robot 1: restarted")));
+  EXPECT_THAT(errors, testing::Contains(HasSubstr("robot 1: restarted")));
   EXPECT_NEAR(static_cast<double>(last.at(1).utime - loop.now()), 0, 100'000);
   EXPECT_GE(last.at(1).program_start_utime, restarted - 10'000);
   command(drive({1}, 0.1, 0.1), 2);
@@ -176,7 +176,7 @@ TEST_F(BridgeServiceTest, AnOrderBeyondTheWheelLimitIsRejectedAndOthersContinue)
   EXPECT_FALSE(last[2].flags & robot_state_t::FLAG_REJECTED);
   EXPECT_EQ(last[2].command_seq, 2);
   EXPECT_EQ(second.left(), 47);
-  EXPECT_THAT(complaints, Contains(HasSubstr("beyond the wheels' limit")));
+  EXPECT_THAT(errors, Contains(HasSubstr("beyond the wheels' limit")));
   command(drive({1, 2}, 0.02, 0.02), 3);
   runCommanded(1);
   EXPECT_FALSE(last[1].flags & robot_state_t::FLAG_REJECTED);
@@ -205,7 +205,7 @@ TEST_F(BridgeServiceTest, DetectsARestartWhoseHelloWasLost) {
   robot.loseOutput();  // loses HELLO, which is not repeated after the next frame from the host
   runCommanded(3);
   EXPECT_EQ(robot.left(), 0);
-  EXPECT_THAT(complaints, Contains(HasSubstr("robot 1: restarted; it stands")));
+  EXPECT_THAT(errors, Contains(HasSubstr("robot 1: restarted; it stands")));
 }
 
 TEST_F(BridgeServiceTest, AStopAlsoHoldsRobotsThatRestartOrConnectLater) {
@@ -282,10 +282,10 @@ TEST_F(BridgeServiceTest, SendsTheSameSettingsAsASimulatedRobotGets) {
   start();
   command(table({1}), 1);
   runCommanded(3);
-  const OrderSettings wanted =
+  const OrderSettings requested =
       settingsFrom(table({1}), {experiment.hardware.max_wheel_speed, experiment.hardware.diameter},
                    experiment.hardware.sensor_period);
-  EXPECT_TRUE(robot.device().core().settings() == wanted.core);
+  EXPECT_TRUE(robot.device().core().settings() == requested.core);
 }
 
 TEST_F(BridgeServiceTest, ASilentRobotIsOmittedAndReported) {
@@ -297,7 +297,7 @@ TEST_F(BridgeServiceTest, ASilentRobotIsOmittedAndReported) {
   first.switchOff();
   run(2.5);
   EXPECT_EQ(statuses.back().robots.size(), 1U);
-  EXPECT_THAT(complaints, Contains(HasSubstr("robot_1: robot 1 is silent")));
+  EXPECT_THAT(errors, Contains(HasSubstr("robot_1: robot 1 is silent")));
   const std::size_t before = statuses.size();
   robots[1].switchOff();
   run(3);
@@ -319,7 +319,7 @@ TEST_F(ManyRobots, ReportsAllRobotsThatBecomeSilentAtOnce) {
   for (int id = 1; id <= 60; ++id) {
     const std::string number = std::to_string(id);
     const std::string name = "robot_" + number + ": robot " + number + " is silent";
-    EXPECT_THAT(complaints, Contains(HasSubstr(name)));
+    EXPECT_THAT(errors, Contains(HasSubstr(name)));
   }
 }
 
@@ -350,14 +350,14 @@ TEST_F(BridgeServiceTest, StoresACalibrationAndReportsTheStoredValues) {
   run(3);
   robot_calibration_t request{};
   request.seq = 9;
-  motor_calibration_t wanted{};
-  wanted.robot_id = 1;
-  wanted.gain_left = 0.93;
-  wanted.gain_right = 1.07;
-  wanted.dead_band_left = 20.0 / 255;
-  wanted.dead_band_right = 25.0 / 255;
-  wanted.wheel_base = 0.0781;
-  request.robots = {wanted};
+  motor_calibration_t requested{};
+  requested.robot_id = 1;
+  requested.gain_left = 0.93;
+  requested.gain_right = 1.07;
+  requested.dead_band_left = 20.0 / 255;
+  requested.dead_band_right = 25.0 / 255;
+  requested.wheel_base = 0.0781;
+  request.robots = {requested};
   request.num_robots = 1;
   for (int i = 0; i < 6; ++i) {
     other.publishCommand(channels::kRobotCalibration, request);
@@ -412,16 +412,16 @@ TEST_F(BridgeServiceTest, AnInvalidCalibrationIsReportedAndChangesNothing) {
   run(3);
   robot_calibration_t request{};
   request.seq = 9;
-  motor_calibration_t wanted{};
-  wanted.robot_id = 1;
-  wanted.gain_left = 9;
-  request.robots = {wanted};
+  motor_calibration_t requested{};
+  requested.robot_id = 1;
+  requested.gain_left = 9;
+  request.robots = {requested};
   request.num_robots = 1;
   for (int i = 0; i < 4; ++i) {
     other.publishCommand(channels::kRobotCalibration, request);
     run(0.5);
   }
-  EXPECT_THAT(complaints, Contains(HasSubstr("robot 1: did not accept its calibration")));
+  EXPECT_THAT(errors, Contains(HasSubstr("robot 1: did not accept its calibration")));
   EXPECT_EQ(robot.device().settings().left.gain_ppm, 1'000'000);
 }
 

@@ -93,7 +93,7 @@ TEST(Settings, NewestBankIsFoundAcrossTheWrapOfTheSequence) {
 }
 
 TEST(Settings, WithAnotherLayoutOrOutOfRangeAreNotUsed) {
-  const auto spoiled = [](std::size_t offset, uint8_t byte) {
+  const auto loadedWithChangedByte = [](std::size_t offset, uint8_t byte) {
     BenchBoard board;
     encodeStore(settingsOf(1), board.store_.data());
     uint8_t* bank = board.store_.data() + kBankAddress[0];
@@ -103,10 +103,11 @@ TEST(Settings, WithAnotherLayoutOrOutOfRangeAreNotUsed) {
     bank[kBankSize - 1] = static_cast<uint8_t>(crc >> 8);
     return loaded(board);
   };
-  EXPECT_EQ(spoiled(5, 1), settingsOf(1)) << "unchanged bytes with a correct CRC are valid";
-  EXPECT_EQ(spoiled(1, kStoreLayout + 1), Settings());
-  EXPECT_EQ(spoiled(2, kStoreDataSize + 1), Settings());
-  EXPECT_EQ(spoiled(5 + 4 + 3, 0x7F), Settings()) << "a gain far beyond 1.5";
+  EXPECT_EQ(loadedWithChangedByte(5, 1), settingsOf(1))
+      << "unchanged bytes with a correct CRC are valid";
+  EXPECT_EQ(loadedWithChangedByte(1, kStoreLayout + 1), Settings());
+  EXPECT_EQ(loadedWithChangedByte(2, kStoreDataSize + 1), Settings());
+  EXPECT_EQ(loadedWithChangedByte(5 + 4 + 3, 0x7F), Settings()) << "a gain far beyond 1.5";
 }
 
 TEST(Settings, EverySingleBitErrorIsDetected) {

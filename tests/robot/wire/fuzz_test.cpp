@@ -15,7 +15,7 @@ namespace {
 /// Stages settings messages, as a robot does before it checks them.
 struct Robot {
   dynamics::CoreSettings settings;
-  std::uint64_t unfit = 0;
+  std::uint64_t invalid = 0;
 
   void take(const SetProgram& message) { stageAndLook(message); }
   void take(const SetLight& message) { stageAndLook(message); }
@@ -27,7 +27,7 @@ struct Robot {
   template <class Message>
   void stageAndLook(const Message& message) {
     stage(message, settings);
-    unfit += firstFault(settings) != kNoFault ? 1U : 0U;
+    invalid += firstFault(settings) != kNoFault ? 1U : 0U;
     EXPECT_NE(configCrc(settings), 0);
   }
 };
@@ -48,7 +48,7 @@ class Readers {
     });
   }
   std::uint64_t messages() const { return messages_; }
-  std::uint64_t unfit() const { return robot_.unfit; }
+  std::uint64_t invalid() const { return robot_.invalid; }
 
  private:
   Robot robot_;
@@ -152,11 +152,11 @@ TEST(Fuzz, NoBytesCauseInvalidAccessesInDecoderOrReaders) {
     if (i % 4 == 0) readers.read(sequences.impossibleFrame());
   }
   std::cout << tries << " sequences, " << accepted << " frames accepted, " << readers.messages()
-            << " messages read, " << readers.unfit() << " settings found unfit\n";
+            << " messages read, " << readers.invalid() << " settings found invalid\n";
   // Checks that the sequences reach the code that they are made for.
   EXPECT_GT(accepted, tries / 4);
   EXPECT_GT(readers.messages(), tries / 8);
-  EXPECT_GT(readers.unfit(), tries / 100);
+  EXPECT_GT(readers.invalid(), tries / 100);
 }
 
 }  // namespace

@@ -67,17 +67,18 @@ Compared compare(const PainterSettings& settings, const PaintedRobot& robot, int
     }
     return full * sum / (moves ? kInstants : 1);
   };
-  const std::vector<double> wanted = reference::blurred(window, settings.imaging.blur, rays, grey);
+  const std::vector<double> expected =
+      reference::blurred(window, settings.imaging.blur, rays, grey);
   const std::vector<PaintedRobot> robots = {robot};
   const std::vector<double> painted =
       reference::cut(painter.expose(robots), settings.camera.width, window);
   Compared result;
-  for (std::size_t i = 0; i < wanted.size(); ++i) {
-    result.worst = std::max(result.worst, std::abs(painted[i] - wanted[i]));
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    result.worst = std::max(result.worst, std::abs(painted[i] - expected[i]));
   }
   const double white = full * settings.albedos.cap;
   const optics::Pixel a = reference::middle(painted, window, white);
-  const optics::Pixel b = reference::middle(wanted, window, white);
+  const optics::Pixel b = reference::middle(expected, window, white);
   result.off = std::hypot(a.x - b.x, a.y - b.y);
   return result;
 }
@@ -132,7 +133,7 @@ TEST(CameraPainterShape, DiscsOnTheFloorHaveCorrectPositions) {
   for (const FloorDisc& disc : settings.discs) {
     const optics::Pixel at = model.project(disc.x, disc.y, 0);
     const Window window{static_cast<int>(at.x) - 12, static_cast<int>(at.y) - 12, 25, 25};
-    const std::vector<double> wanted =
+    const std::vector<double> expected =
         reference::blurred(window, settings.imaging.blur, 24, [&](optics::Pixel pixel) {
           const auto place = model.toPlane(pixel, 0);
           const bool on = std::hypot(place->x - disc.x, place->y - disc.y) < disc.radius;
@@ -140,9 +141,10 @@ TEST(CameraPainterShape, DiscsOnTheFloorHaveCorrectPositions) {
         });
     const std::vector<double> painted = reference::cut(picture, settings.camera.width, window);
     const optics::Pixel a = reference::middle(painted, window, full);
-    const optics::Pixel b = reference::middle(wanted, window, full);
+    const optics::Pixel b = reference::middle(expected, window, full);
     EXPECT_LT(std::hypot(a.x - b.x, a.y - b.y), 0.003);
-    for (std::size_t i = 0; i < wanted.size(); ++i) EXPECT_NEAR(painted[i], wanted[i], 1.5) << i;
+    for (std::size_t i = 0; i < expected.size(); ++i)
+      EXPECT_NEAR(painted[i], expected[i], 1.5) << i;
   }
 }
 

@@ -65,12 +65,12 @@ optics::Pixel middleOfLight(CameraPainter& painter) {
 }
 
 /// The point of the arena on which the light commanded at the disk's centre falls.
-optics::Place fallsOf(const optics::ProjectorWarp& warp, const optics::Place& wanted) {
-  optics::Place place = wanted;
+optics::Place fallsOf(const optics::ProjectorWarp& warp, const optics::Place& commanded) {
+  optics::Place place = commanded;
   for (int i = 0; i < 50; ++i) {
     const optics::Place source = warp.source(place).value();
-    place.x += wanted.x - source.x;
-    place.y += wanted.y - source.y;
+    place.x += commanded.x - source.x;
+    place.y += commanded.y - source.y;
   }
   return place;
 }

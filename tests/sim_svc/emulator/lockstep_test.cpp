@@ -210,7 +210,7 @@ TEST(Lockstep, AClockThatRunsFastCountsMoreMilliseconds) {
 }
 
 TEST(Lockstep, RefusesInvalidPacketsWithOneLine) {
-  const auto complaint = [](std::vector<std::vector<std::uint8_t>> packets) {
+  const auto errorOf = [](std::vector<std::vector<std::uint8_t>> packets) {
     Lockstep lockstep(shippedProgram());
     try {
       for (const auto& packet : packets) static_cast<void>(lockstep.answer(packet));
@@ -221,23 +221,23 @@ TEST(Lockstep, RefusesInvalidPacketsWithOneLine) {
   };
   auto wrong_version = setup(twoRobots()).bytes;
   wrong_version[0] = 99;
-  EXPECT_THAT(complaint({wrong_version}), testing::HasSubstr("version 99; expected 1"));
-  EXPECT_THAT(complaint({PacketWriter(chip::Packet::kStep, 0, 0).bytes}),
+  EXPECT_THAT(errorOf({wrong_version}), testing::HasSubstr("version 99; expected 1"));
+  EXPECT_THAT(errorOf({PacketWriter(chip::Packet::kStep, 0, 0).bytes}),
               testing::HasSubstr("expected SETUP"));
-  EXPECT_THAT(complaint({setup(twoRobots()).bytes, setup(twoRobots()).bytes}),
+  EXPECT_THAT(errorOf({setup(twoRobots()).bytes, setup(twoRobots()).bytes}),
               testing::HasSubstr("expected STEP"));
   auto cut = setup(twoRobots()).bytes;
   cut.pop_back();
-  EXPECT_THAT(complaint({cut}), testing::HasSubstr("1 bytes early"));
+  EXPECT_THAT(errorOf({cut}), testing::HasSubstr("1 bytes early"));
   auto longer = setup(twoRobots()).bytes;
   longer.push_back(0);
-  EXPECT_THAT(complaint({longer}), testing::HasSubstr("1 bytes too long"));
-  EXPECT_THAT(complaint({setup(twoRobots()).bytes, PacketWriter(chip::Packet::kStep, 0, 3).bytes}),
+  EXPECT_THAT(errorOf({longer}), testing::HasSubstr("1 bytes too long"));
+  EXPECT_THAT(errorOf({setup(twoRobots()).bytes, PacketWriter(chip::Packet::kStep, 0, 3).bytes}),
               testing::HasSubstr("a step for 3 robots; expected the 2"));
-  EXPECT_THAT(complaint({{}}), testing::HasSubstr("early"));
+  EXPECT_THAT(errorOf({{}}), testing::HasSubstr("early"));
   auto odd_clock = twoRobots();
   odd_clock[0].clock_rate = 0;
-  EXPECT_THAT(complaint({setup(odd_clock).bytes}), testing::HasSubstr("robot 7"));
+  EXPECT_THAT(errorOf({setup(odd_clock).bytes}), testing::HasSubstr("robot 7"));
 }
 
 class Sockets {

@@ -275,7 +275,7 @@ TEST(Simulator, TimeContinuesWhileItIsOff) {
 }
 
 TEST(Simulator, RefusesFilesThatAreNoProgramWithOneLine) {
-  const auto complaint = [](const std::filesystem::path& path) {
+  const auto errorOf = [](const std::filesystem::path& path) {
     try {
       FirmwareImage program(path);
     } catch (const FirmwareImageError& error) {
@@ -283,9 +283,9 @@ TEST(Simulator, RefusesFilesThatAreNoProgramWithOneLine) {
     }
     return std::string("accepted");
   };
-  EXPECT_THAT(complaint("/nowhere/x.elf"), testing::HasSubstr("/nowhere/x.elf: cannot be read"));
-  EXPECT_THAT(complaint("/proc/self/exe"), testing::HasSubstr("expected one for the AVR"));
-  EXPECT_THAT(complaint("/etc/hostname"), testing::HasSubstr("not an ELF file"));
+  EXPECT_THAT(errorOf("/nowhere/x.elf"), testing::HasSubstr("/nowhere/x.elf: cannot be read"));
+  EXPECT_THAT(errorOf("/proc/self/exe"), testing::HasSubstr("expected one for the AVR"));
+  EXPECT_THAT(errorOf("/etc/hostname"), testing::HasSubstr("not an ELF file"));
 }
 
 }  // namespace
