@@ -7,7 +7,7 @@ namespace lab::projector {
 namespace {
 
 constexpr int kSteps =
-    1 << 16;  // near the dark, where the curve is steep, still under half a level
+    1 << 16;  // error below half a grey level even at low intensity, where the curve is steep
 
 }  // namespace
 

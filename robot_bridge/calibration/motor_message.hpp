@@ -1,4 +1,4 @@
-/// Motors on the bus.
+/// Conversions between Motors and motor_calibration_t.
 #pragma once
 
 #include <lab/motor_calibration_t.hpp>

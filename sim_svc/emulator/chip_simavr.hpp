@@ -1,4 +1,4 @@
-/// Inside of Chip only: what needs simavr's headers.
+/// Implementation of Chip that needs simavr's headers.
 #pragma once
 
 #include <simavr/avr_eeprom.h>

@@ -1,4 +1,4 @@
-// Robots that are unplugged and plugged in again, on real pseudo terminals, in real time.
+// Robots that are unplugged and plugged in again, on pseudo terminals, in real time.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -47,7 +47,7 @@ class ReplugTest : public testing::Test {
     dut->flush();
   }
 
-  /// Lets the loop run until `done`, at most a while. @return whether it was.
+  /// Runs the loop until `done` or a timeout. @return whether it was done
   bool until(const std::function<bool()>& done) {
     const std::int64_t deadline = loop.now() + 15'000'000;
     std::function<void()> look = [&] {
@@ -73,7 +73,7 @@ class ReplugTest : public testing::Test {
   std::vector<std::string> notes;
 };
 
-TEST_F(ReplugTest, TwoHundredReplugsLeaveNothingBehind) {
+TEST_F(ReplugTest, TwoHundredReplugsLeakNothing) {
   const std::ptrdiff_t before = openDescriptors();
   for (int round = 0; round < kRounds; ++round) {
     for (std::int32_t i = 0; i < kRobots; ++i) {
@@ -83,7 +83,7 @@ TEST_F(ReplugTest, TwoHundredReplugsLeaveNothingBehind) {
       for (std::int32_t i = 0; i < kRobots; ++i) {
         const auto n = static_cast<std::size_t>(i);
         if (!dut->lineOf(links[n]).ends_with("/" + nameOf((i + round) % kRobots))) return false;
-        if (robots[n].left() == 0) return false;  // traffic: the order came through
+        if (robots[n].left() == 0) return false;  // it must have received the order
       }
       return true;
     })) << "round "
@@ -96,15 +96,15 @@ TEST_F(ReplugTest, TwoHundredReplugsLeaveNothingBehind) {
       return std::none_of(links.begin(), links.end(),
                           [](const RobotLink& link) { return link.isPlugged(); });
     })) << "round "
-        << round << ": a line is stuck";
-    // Nobody heard of them for as long as their lease, or a wheel that still turns proves nothing.
+        << round << ": a line is blocked";
+    // Wait for the lease to end, because otherwise a turning wheel does not prove a new order.
     EXPECT_TRUE(until([&] {
       return std::all_of(robots.begin(), robots.end(),
                          [](const WireRobot& robot) { return robot.left() == 0; });
     }));
   }
   EXPECT_EQ(openDescriptors(), before) << "descriptors leaked";
-  EXPECT_EQ(notes.size(), static_cast<std::size_t>(kRobots * kRounds)) << "one note for each loss";
+  EXPECT_EQ(notes.size(), static_cast<std::size_t>(kRobots * kRounds)) << "one report per loss";
 }
 
 }  // namespace
