@@ -145,7 +145,7 @@ void LabView::take(const experiment_event_t& event, std::int64_t) {
     if (news == RunInfo::RunChange::kOtherRun) {
       health_.clear();
       clearRun();
-      controls_.forget();
+      controls_.beginRun();
     }
     if (news != RunInfo::RunChange::kNone) useExperiment();
   }
@@ -290,8 +290,8 @@ std::string LabView::cameraJson() const {
        {"picture", !run_info_.replay() && run_info_.experiment().camera.debug_port != 0}});
 }
 
-std::optional<std::string> LabView::ask(std::string_view what, std::string_view which,
-                                        std::int64_t now) {
+std::optional<std::string> LabView::query(std::string_view what, std::string_view which,
+                                          std::int64_t now) {
   if (what == "trails") {
     if (trails_.empty() || now - trails_utime_ >= kTrails_us) {
       trails_ = tracks_.trailsJson();

@@ -24,8 +24,8 @@
 #include "dashboard/views/run_times.hpp"
 #include "dashboard/views/timeline_view.hpp"
 #include "dashboard/views/tracks_view.hpp"
+#include "dashboard/web/http_guard.hpp"
 #include "dashboard/web/hub.hpp"
-#include "dashboard/web/web_server.hpp"
 
 namespace lab::dashboard {
 
@@ -63,9 +63,9 @@ class LabView {
   /// Every second: what adds up.
   void publishTotals(std::int64_t now, const ServerFacts& server);
 
-  /// Of LabRequestHandler::ask().
-  [[nodiscard]] std::optional<std::string> ask(std::string_view what, std::string_view which,
-                                               std::int64_t now);
+  /// Of LabRequestHandler::query().
+  [[nodiscard]] std::optional<std::string> query(std::string_view what, std::string_view which,
+                                                 std::int64_t now);
 
   [[nodiscard]] Controls& controls() { return controls_; }
   [[nodiscard]] const HealthView& health() const { return health_; }

@@ -70,7 +70,7 @@ TEST(DashboardBus, AStopReachesEveryRobotWithinAFifthOfASecondAndThePageSaysSo) 
   Bench bench;
   bench.run(1);
   const std::int64_t begin = bench.loop.now();
-  ASSERT_EQ(bench.dut.wish(StopRobots{"test"}), "");
+  ASSERT_EQ(bench.dut.request(StopRobots{"test"}), "");
   while (bench.topic("stop")["state"] != "stopped") {
     bench.run(0.005);
     ASSERT_LT(bench.loop.now() - begin, 200'000);
@@ -82,7 +82,7 @@ TEST(DashboardBus, AStopReachesEveryRobotWithinAFifthOfASecondAndThePageSaysSo) 
   EXPECT_LE(stops, 4) << "at 10 Hz for 0.3 s";
   bench.run(5);
   EXPECT_EQ(bench.stops, stops) << "all obey: nothing is repeated";
-  ASSERT_EQ(bench.dut.wish(ReleaseStop{}), "");
+  ASSERT_EQ(bench.dut.request(ReleaseStop{}), "");
   bench.run(0.2);
   EXPECT_EQ(bench.topic("stop")["state"], "free");
   EXPECT_EQ(bench.robots[0].flags, 0);
@@ -92,7 +92,7 @@ TEST(DashboardBus, AStopThatARobotDoesNotConfirmIsRepeatedAndSaid) {
   Bench bench;
   bench.deaf = true;
   bench.run(1);
-  ASSERT_EQ(bench.dut.wish(StopRobots{}), "");
+  ASSERT_EQ(bench.dut.request(StopRobots{}), "");
   bench.run(10);
   EXPECT_NEAR(bench.stops, 100, 2);
   EXPECT_EQ(bench.topic("stop")["state"], "stopping");
@@ -101,7 +101,7 @@ TEST(DashboardBus, AStopThatARobotDoesNotConfirmIsRepeatedAndSaid) {
 
 TEST(DashboardBus, LightIsRefreshedAtTwoHertzAndGivenBack) {
   Bench bench;
-  ASSERT_EQ(bench.dut.wish(ShowLight{0.5, 3}), "");
+  ASSERT_EQ(bench.dut.request(ShowLight{0.5, 3}), "");
   bench.run(2.9);
   EXPECT_EQ(bench.lights.size(), 6U);
   bench.run(3);
@@ -133,20 +133,20 @@ std::optional<std::string> nothing(std::string_view, std::string_view) { return 
 TEST(RequestQueue, AnswersFromTheLoopsThread) {
   const auto loop_thread = std::this_thread::get_id();
   std::thread::id answered;
-  RequestQueue dut({.wish =
+  RequestQueue dut({.request =
                         [&](const OperatorRequest&) {
                           answered = std::this_thread::get_id();
                           return std::string("no");
                         },
-                    .ask =
+                    .query =
                         [](std::string_view what, std::string_view which) {
                           return std::optional(std::string(what) + "/" + std::string(which));
                         }});
   std::string refusal;
   std::optional<std::string> answer;
   std::thread web([&] {
-    refusal = dut.wish(PauseScript{});
-    answer = dut.ask("a", "b");
+    refusal = dut.request(PauseScript{});
+    answer = dut.query("a", "b");
   });
   for (int served = 0; served < 2; ++served) {
     pollfd waiting{dut.descriptor(), POLLIN, 0};
@@ -161,12 +161,12 @@ TEST(RequestQueue, AnswersFromTheLoopsThread) {
 
 TEST(RequestQueue, NoWishWaitsBehindMoreThanOneQuestion) {
   std::string order;
-  RequestQueue dut({.wish =
+  RequestQueue dut({.request =
                         [&](const OperatorRequest&) {
                           order += 'w';
                           return std::string();
                         },
-                    .ask =
+                    .query =
                         [&](std::string_view, std::string_view) {
                           order += 'q';
                           return std::optional<std::string>("");
@@ -182,10 +182,10 @@ TEST(RequestQueue, NoWishWaitsBehindMoreThanOneQuestion) {
     }
   };
   for (eventfd_t i = 1; i <= 3; ++i) {
-    web.emplace_back([&] { static_cast<void>(dut.ask("a", "b")); });
+    web.emplace_back([&] { static_cast<void>(dut.query("a", "b")); });
     waitFor(i);
   }
-  web.emplace_back([&] { EXPECT_EQ(dut.wish(StopRobots{}), ""); });
+  web.emplace_back([&] { EXPECT_EQ(dut.request(StopRobots{}), ""); });
   waitFor(4);
   dut.serve();
   EXPECT_EQ(order, "wq");
@@ -201,23 +201,24 @@ TEST(RequestQueue, NoWishWaitsBehindMoreThanOneQuestion) {
 
 TEST(RequestQueue, WhatWaitedTooLongIsNeverDone) {
   int done = 0;
-  RequestQueue dut({.wish =
+  RequestQueue dut({.request =
                         [&](const OperatorRequest&) {
                           ++done;
                           return std::string();
                         },
-                    .ask = nothing},
+                    .query = nothing},
                    std::chrono::milliseconds(20));
-  EXPECT_THAT(dut.wish(StopRobots{}), HasSubstr("nothing was done"));
+  EXPECT_THAT(dut.request(StopRobots{}), HasSubstr("nothing was done"));
   dut.serve();
   EXPECT_EQ(done, 0);
 }
 
 TEST(RequestQueue, ClosedItRefusesAtOnce) {
-  RequestQueue dut({.wish = [](const OperatorRequest&) { return std::string(); }, .ask = nothing},
-                   std::chrono::hours(1));
+  RequestQueue dut(
+      {.request = [](const OperatorRequest&) { return std::string(); }, .ask = nothing},
+      std::chrono::hours(1));
   std::string refusal;
-  std::thread web([&] { refusal = dut.wish(PauseScript{}); });
+  std::thread web([&] { refusal = dut.request(PauseScript{}); });
   dut.close();
   web.join();
   EXPECT_NE(refusal, "");

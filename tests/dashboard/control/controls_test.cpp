@@ -38,8 +38,8 @@ struct Desk {
 
 TEST(Controls, AWishIsRepeatedAtFiveHertzUntilItIsAnswered) {
   Desk desk;
-  ASSERT_EQ(desk.dut.wish(MarkRun{"a fly"}, kNow), "");
-  ASSERT_EQ(desk.dut.wish(PauseScript{}, kNow), "");
+  ASSERT_EQ(desk.dut.request(MarkRun{"a fly"}, kNow), "");
+  ASSERT_EQ(desk.dut.request(PauseScript{}, kNow), "");
   const auto first = desk.dut.due(kNow).experiment;
   ASSERT_TRUE(first);
   EXPECT_EQ(first->action, experiment_command_t::MARK);
@@ -59,8 +59,8 @@ TEST(Controls, AWishIsRepeatedAtFiveHertzUntilItIsAnswered) {
 
 TEST(Controls, AWishThatNobodyAnswersIsGivenUpAndTheNextOneHasItsOwnPatience) {
   Desk desk;
-  ASSERT_EQ(desk.dut.wish(PauseScript{}, kNow), "");
-  ASSERT_EQ(desk.dut.wish(ResumeScript{}, kNow), "");
+  ASSERT_EQ(desk.dut.request(PauseScript{}, kNow), "");
+  ASSERT_EQ(desk.dut.request(ResumeScript{}, kNow), "");
   EXPECT_TRUE(desk.dut.due(kNow).experiment);
   EXPECT_FALSE(desk.dut.due(kNow + 5 * kSecond + 1).experiment);
   EXPECT_THAT(desk.note(), HasSubstr("nobody has answered"));
@@ -70,26 +70,26 @@ TEST(Controls, AWishThatNobodyAnswersIsGivenUpAndTheNextOneHasItsOwnPatience) {
 
 TEST(Controls, RefusesWhatNobodyCouldObey) {
   Controls dut("dashboard", 9);
-  EXPECT_THAT(dut.wish(PauseScript{}, kNow), HasSubstr("no run is conducted"));
+  EXPECT_THAT(dut.request(PauseScript{}, kNow), HasSubstr("no run is conducted"));
   dut.take(conducted(), kNow);
-  EXPECT_EQ(dut.wish(PauseScript{}, kNow), "");
-  EXPECT_NE(dut.wish(SeekLog{3}, kNow), "");
-  EXPECT_NE(dut.wish(MarkRun{"two\nlines"}, kNow), "");
-  EXPECT_NE(dut.wish(ShowLight{1.5, 0}, kNow), "");
-  EXPECT_NE(dut.wish(ShowLight{0.5, -1}, kNow), "");
-  EXPECT_NE(dut.wish(ShowLight{std::nan(""), 0}, kNow), "");
-  EXPECT_NE(dut.wish(ReleaseLight{}, kNow), "");
-  EXPECT_THAT(dut.wish(PauseScript{}, kNow + 4 * kSecond), HasSubstr("no run is conducted"));
+  EXPECT_EQ(dut.request(PauseScript{}, kNow), "");
+  EXPECT_NE(dut.request(SeekLog{3}, kNow), "");
+  EXPECT_NE(dut.request(MarkRun{"two\nlines"}, kNow), "");
+  EXPECT_NE(dut.request(ShowLight{1.5, 0}, kNow), "");
+  EXPECT_NE(dut.request(ShowLight{0.5, -1}, kNow), "");
+  EXPECT_NE(dut.request(ShowLight{std::nan(""), 0}, kNow), "");
+  EXPECT_NE(dut.request(ReleaseLight{}, kNow), "");
+  EXPECT_THAT(dut.request(PauseScript{}, kNow + 4 * kSecond), HasSubstr("no run is conducted"));
 }
 
 TEST(Controls, APlayedLogTakesSeeksAndNoStops) {
   Controls dut("dashboard", 9);
   dut.take(conducted(experiment_status_t::PLAYING), kNow);
-  EXPECT_NE(dut.wish(StopRobots{}, kNow), "");
-  EXPECT_NE(dut.wish(MarkRun{"x"}, kNow), "");
-  EXPECT_NE(dut.wish(ShowLight{0.5, 0}, kNow), "");
-  EXPECT_NE(dut.wish(SpeedLog{0}, kNow), "");
-  EXPECT_EQ(dut.wish(SeekLog{12.5}, kNow), "");
+  EXPECT_NE(dut.request(StopRobots{}, kNow), "");
+  EXPECT_NE(dut.request(MarkRun{"x"}, kNow), "");
+  EXPECT_NE(dut.request(ShowLight{0.5, 0}, kNow), "");
+  EXPECT_NE(dut.request(SpeedLog{0}, kNow), "");
+  EXPECT_EQ(dut.request(SeekLog{12.5}, kNow), "");
   const DueCommands due = dut.due(kNow);
   EXPECT_FALSE(due.stop);
   EXPECT_EQ(due.experiment->action, experiment_command_t::SEEK);
@@ -99,7 +99,7 @@ TEST(Controls, APlayedLogTakesSeeksAndNoStops) {
 TEST(Controls, AStopIsToldUntilEveryRobotHasConfirmed) {
   Desk desk;
   desk.dut.expect({3, 7});
-  ASSERT_EQ(desk.dut.wish(StopRobots{"smoke"}, kNow), "");
+  ASSERT_EQ(desk.dut.request(StopRobots{"smoke"}, kNow), "");
   const auto stop = desk.dut.due(kNow).stop;
   ASSERT_TRUE(stop);
   EXPECT_EQ(stop->reason, "smoke");
@@ -122,13 +122,13 @@ TEST(Controls, AStopIsToldUntilEveryRobotHasConfirmed) {
 
 TEST(Controls, WrongWordsDoNotKeepAStopBack) {
   Desk desk;
-  EXPECT_EQ(desk.dut.wish(StopRobots{"\x01\xff"}, kNow), "");
+  EXPECT_EQ(desk.dut.request(StopRobots{"\x01\xff"}, kNow), "");
   EXPECT_EQ(desk.dut.due(kNow).stop->reason, "from the page");
 }
 
 TEST(Controls, LightIsWatchedUntilItIsShown) {
   Desk desk;
-  ASSERT_EQ(desk.dut.wish(ShowLight{0.25, 2}, kNow), "");
+  ASSERT_EQ(desk.dut.request(ShowLight{0.25, 2}, kNow), "");
   const auto command = desk.dut.due(kNow).light;
   ASSERT_TRUE(command);
   EXPECT_EQ(command->priority, light_command_t::MANUAL);
@@ -143,14 +143,14 @@ TEST(Controls, LightIsWatchedUntilItIsShown) {
   desk.dut.take(status, kNow + 30'000);
   EXPECT_THAT(desk.note(), HasSubstr("shown"));
   EXPECT_EQ(desk.dut.due(kNow + 2 * kSecond).light->release, 1) << "after its two seconds";
-  ASSERT_EQ(desk.dut.wish(ShowLight{0.5, 0}, kNow + 3 * kSecond), "");
+  ASSERT_EQ(desk.dut.request(ShowLight{0.5, 0}, kNow + 3 * kSecond), "");
   EXPECT_TRUE(desk.dut.due(kNow + 7 * kSecond).light);
   EXPECT_THAT(desk.note(), HasSubstr("the projector does not show it"));
 }
 
 TEST(Controls, LightSaysWhyItIsRefusedAndNotWhyThatOfOthersIs) {
   Desk desk;
-  ASSERT_EQ(desk.dut.wish(ShowLight{0.25, 0}, kNow), "");
+  ASSERT_EQ(desk.dut.request(ShowLight{0.25, 0}, kNow), "");
   const std::int64_t seq = desk.dut.due(kNow).light.value().seq;
   light_status_t status{};
   status.utime = kNow + 20'000;
@@ -159,7 +159,7 @@ TEST(Controls, LightSaysWhyItIsRefusedAndNotWhyThatOfOthersIs) {
   EXPECT_TRUE(desk.dut.due(kNow + 4 * kSecond).light);
   EXPECT_THAT(desk.note(), AllOf(HasSubstr("the projector does not show it"),
                                  Not(HasSubstr("somebody else's"))));
-  ASSERT_EQ(desk.dut.wish(ShowLight{0.5, 0}, kNow + 5 * kSecond), "");
+  ASSERT_EQ(desk.dut.request(ShowLight{0.5, 0}, kNow + 5 * kSecond), "");
   status.utime = kNow + 5 * kSecond;
   status.last_refusal =
       formatRefusal("dashboard", desk.dut.due(status.utime).light.value().seq, "its own");

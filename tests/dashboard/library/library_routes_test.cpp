@@ -129,17 +129,17 @@ class LibraryTest : public WebTest {
 };
 
 TEST_F(LibraryTest, ServesRunsWithoutTrustingThem) {
-  EXPECT_THAT(ask("GET", "/api/runs"), HasSubstr(R"("verdict":"agrees","max_z":1.5)"));
-  EXPECT_THAT(ask("GET", kRun + "report.html"),
+  EXPECT_THAT(send("GET", "/api/runs"), HasSubstr(R"("verdict":"agrees","max_z":1.5)"));
+  EXPECT_THAT(send("GET", kRun + "report.html"),
               AllOf(StartsWith("HTTP/1.1 200"),
                     HasSubstr("Content-Security-Policy: sandbox allow-scripts;"),
                     EndsWith("<html>report</html>")));
-  EXPECT_THAT(ask("GET", kRun + "trajectory_program.svg"),
+  EXPECT_THAT(send("GET", kRun + "trajectory_program.svg"),
               AllOf(HasSubstr("Content-Type: image/svg+xml"),
                     HasSubstr("Content-Security-Policy: sandbox;"), EndsWith("<svg/>")));
-  EXPECT_THAT(ask("GET", kRun + "figures/msd_abp.csv"), HasSubstr("Content-Type: text/csv"));
+  EXPECT_THAT(send("GET", kRun + "figures/msd_abp.csv"), HasSubstr("Content-Type: text/csv"));
   for (const char* name : {"log.lcmlog", "none.svg", "figures%2fmsd_abp.csv", ""}) {
-    EXPECT_EQ(statusOf(ask("GET", kRun + name)), "404") << name;
+    EXPECT_EQ(statusOf(send("GET", kRun + name)), "404") << name;
   }
 }
 
@@ -147,11 +147,11 @@ TEST_F(LibraryTest, SendsLargeFilesWhole) {
   std::string text;
   for (int i = 0; i < 400'000; ++i) text += std::to_string(i) + "\n";
   write(folder_ / "runs/abp-20260131T120000Z/trajectories.csv", text);
-  EXPECT_THAT(ask("GET", kRun + "trajectories.csv"), EndsWith("\r\n\r\n" + text));
+  EXPECT_THAT(send("GET", kRun + "trajectories.csv"), EndsWith("\r\n\r\n" + text));
 }
 
 TEST_F(LibraryTest, ComparesRuns) {
-  const std::string answer = ask("GET", "/api/compare?runs=abp-20260131T120000Z");
+  const std::string answer = send("GET", "/api/compare?runs=abp-20260131T120000Z");
   EXPECT_THAT(answer,
               HasSubstr(R"("curves":[{"name":"msd","unit":"cm²","lag":[0.1,0.2],"value":[1,2],)"
                         R"("sigma":[0.1,0.2],"exact":[1,2.1],"paper":[1,2.2],"windows":[9,8],)"
@@ -160,13 +160,13 @@ TEST_F(LibraryTest, ComparesRuns) {
               HasSubstr(R"({"name":"D_r","unit":"rad²/s","value":0.7,"sigma":0.1,"low":0.5,)"
                         R"("high":0.9,"theory":0.75,"note":"x"})"));
   EXPECT_THAT(answer, HasSubstr(R"({"name":"L_s","unit":"cm",)"));
-  EXPECT_EQ(statusOf(ask("GET", "/api/compare?runs=abp-20260131T120000Z,none")), "404");
-  EXPECT_EQ(statusOf(ask("GET", "/api/compare?runs=..%2f..")), "404");
-  EXPECT_EQ(statusOf(ask("GET", "/api/compare?runs=a,b,c,d,e,f,g,h,i")), "404");
+  EXPECT_EQ(statusOf(send("GET", "/api/compare?runs=abp-20260131T120000Z,none")), "404");
+  EXPECT_EQ(statusOf(send("GET", "/api/compare?runs=..%2f..")), "404");
+  EXPECT_EQ(statusOf(send("GET", "/api/compare?runs=a,b,c,d,e,f,g,h,i")), "404");
   write(folder_ / "runs/half/experiment.toml", "");
-  EXPECT_EQ(statusOf(ask("GET", "/api/compare?runs=half")), "409");
+  EXPECT_EQ(statusOf(send("GET", "/api/compare?runs=half")), "409");
   write(folder_ / "runs/half/summary.json", "{");
-  EXPECT_EQ(statusOf(ask("GET", "/api/compare?runs=half")), "409");
+  EXPECT_EQ(statusOf(send("GET", "/api/compare?runs=half")), "409");
 }
 
 }  // namespace

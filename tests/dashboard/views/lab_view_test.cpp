@@ -74,10 +74,10 @@ TEST(LabView, ARunReachesItsTopics) {
   EXPECT_EQ(bench.topic("history/swim")["t_s"].size(), 1U);
   EXPECT_EQ(bench.topic("timeline")["start_us"], kNow);
   EXPECT_EQ(bench.topic("pulse")["bus_silent_s"], 2);
-  EXPECT_EQ(Json::parse(*bench.dut.ask("robot", "7", kNow))["id"], 7);
-  EXPECT_FALSE(bench.dut.ask("robot", "7; rm", kNow));
-  EXPECT_FALSE(bench.dut.ask("robot", "", kNow));
-  EXPECT_FALSE(bench.dut.ask("secrets", "7", kNow));
+  EXPECT_EQ(Json::parse(*bench.dut.query("robot", "7", kNow))["id"], 7);
+  EXPECT_FALSE(bench.dut.query("robot", "7; rm", kNow));
+  EXPECT_FALSE(bench.dut.query("robot", "", kNow));
+  EXPECT_FALSE(bench.dut.query("secrets", "7", kNow));
 }
 
 TEST(LabView, AnotherRunBeginsEmpty) {
@@ -98,7 +98,7 @@ TEST(LabView, AnotherRunBeginsEmpty) {
 
 TEST(LabView, AStopOutlivesTheRepetitionOfStartAndAnotherRun) {
   Bench bench;
-  ASSERT_EQ(bench.dut.controls().wish(StopRobots{}, kNow), "");
+  ASSERT_EQ(bench.dut.controls().request(StopRobots{}, kNow), "");
   bench.start(1, kNow);
   bench.start(1, kNow + 60 * kSecond);
   bench.dut.publishMoving(kNow + 60 * kSecond, true);
@@ -145,7 +145,7 @@ TEST(LabView, CountsRobotsBeforeTheFirstStopAndShowsOneThatIsInForce) {
   bench.dut.publishMoving(kNow, true);
   EXPECT_EQ(bench.topic("stop")["state"], "stopping");
   EXPECT_EQ(bench.topic("stop")["unconfirmed"], Json({7}));
-  EXPECT_EQ(bench.dut.controls().wish(ReleaseStop{}, kNow), "");
+  EXPECT_EQ(bench.dut.controls().request(ReleaseStop{}, kNow), "");
 }
 
 TEST(LabView, WhoCameLateKnowsWhenTheScriptBegan) {
@@ -193,10 +193,10 @@ TEST(LabView, NobodyIsBlamedForTheSilenceOfAPlayedLog) {
 TEST(LabView, OneAnswerServesAllWhoAskForTrailsWithinHalfASecond) {
   Bench bench;
   bench.send(channels::kTrackedFrame, frameOf(kNow, {poseOf(3, 0.1, 0.2)}), kNow);
-  const auto first = bench.dut.ask("trails", "", kNow);
+  const auto first = bench.dut.query("trails", "", kNow);
   bench.send(channels::kTrackedFrame, frameOf(kNow + kSecond / 4, {poseOf(3, 0.2, 0.2)}), kNow);
-  EXPECT_EQ(bench.dut.ask("trails", "", kNow + kSecond / 4), first);
-  EXPECT_NE(bench.dut.ask("trails", "", kNow + kSecond / 2), first);
+  EXPECT_EQ(bench.dut.query("trails", "", kNow + kSecond / 4), first);
+  EXPECT_NE(bench.dut.query("trails", "", kNow + kSecond / 2), first);
 }
 
 TEST(LabView, TakesAtMostTwentyFramesASecond) {
@@ -305,7 +305,7 @@ TEST(LabView, ADayFitsIntoBoundedMemory) {
     for (const auto& change : bench.hub.changesSince(seen, std::chrono::milliseconds(0))) {
       sum += change.text->size();
     }
-    return sum + bench.dut.ask("trails", "", now)->size();
+    return sum + bench.dut.query("trails", "", now)->size();
   };
   for (int i = 0; i < 24 * 120; ++i) {  // each 30 s
     const std::int64_t now = kNow + std::int64_t{i} * 30 * kSecond;

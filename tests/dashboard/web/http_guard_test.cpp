@@ -15,7 +15,7 @@ RequestFacts plain() {
   return facts;
 }
 
-RequestFacts wish() {
+RequestFacts controlRequest() {
   RequestFacts facts = plain();
   facts.method = "POST";
   facts.target = "/api/wish";
@@ -68,7 +68,7 @@ TEST(HttpGuard, RefusesOtherSitesPages) {
   for (const char* origin :
        {"http://evil.example", "null", "https://127.0.0.1:8480", "http://127.0.0.1:8481",
         "http://localhost:8480", "http://127.0.0.1"}) {
-    RequestFacts facts = wish();
+    RequestFacts facts = controlRequest();
     facts.origin = origin;
     EXPECT_EQ(mayRead(kRules, facts).refusal, Refusal::kOrigin) << origin;
   }
@@ -134,7 +134,7 @@ TEST(HttpGuard, ControlsByPostAloneAndReadsByGetAndHead) {
   for (const char* method :
        {"GET", "HEAD", "PUT", "DELETE", "OPTIONS", "TRACE", "CONNECT", "PATCH"}) {
     for (const char* target : {"/api/wish", "/api/check", "/api/start"}) {
-      RequestFacts facts = wish();
+      RequestFacts facts = controlRequest();
       facts.method = method;
       facts.target = target;
       EXPECT_EQ(mayRead(kRules, facts).status, 405) << method << target;
@@ -145,7 +145,7 @@ TEST(HttpGuard, ControlsByPostAloneAndReadsByGetAndHead) {
     facts.method = method;
     EXPECT_EQ(mayRead(kRules, facts).status, 405) << method;
   }
-  RequestFacts facts = wish();
+  RequestFacts facts = controlRequest();
   EXPECT_TRUE(mayRead(kRules, facts).yes());
   facts.target = "/api/wish?x";
   EXPECT_FALSE(mayRead(kRules, facts).yes());
@@ -155,13 +155,13 @@ TEST(HttpGuard, ControlsByPostAloneAndReadsByGetAndHead) {
 }
 
 TEST(HttpGuard, ControlNeedsTheTokenAndThisMachine) {
-  EXPECT_TRUE(mayControl(kRules, wish()).yes());
+  EXPECT_TRUE(mayControl(kRules, controlRequest()).yes());
   for (const char* token : {"", "0", "0123456789abcdeg", "0123456789abcdef0", "0123456789ABCDEF"}) {
-    RequestFacts facts = wish();
+    RequestFacts facts = controlRequest();
     facts.token = token;
     EXPECT_EQ(mayControl(kRules, facts).refusal, Refusal::kToken) << token;
   }
-  RequestFacts elsewhere = wish();
+  RequestFacts elsewhere = controlRequest();
   elsewhere.peer = "192.168.1.9";
   EXPECT_EQ(mayControl(kRules, elsewhere).refusal, Refusal::kToken);
   GuardRules open = kRules;
@@ -171,7 +171,7 @@ TEST(HttpGuard, ControlNeedsTheTokenAndThisMachine) {
   EXPECT_FALSE(mayControl(open, elsewhere).yes());
   GuardRules without = kRules;
   without.token.clear();
-  RequestFacts empty = wish();
+  RequestFacts empty = controlRequest();
   empty.token = "";
   EXPECT_EQ(mayControl(without, empty).refusal, Refusal::kToken);
 }
