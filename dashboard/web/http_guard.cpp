@@ -11,7 +11,7 @@
 namespace lab::dashboard {
 namespace {
 
-constexpr std::size_t kLongestTarget = 2048;
+constexpr std::size_t kMaxTarget = 2048;
 constexpr std::array<std::string_view, 3> kControlPaths{"/api/wish", "/api/check", "/api/start"};
 
 bool has(std::string_view text, std::string_view piece) {
@@ -87,10 +87,10 @@ bool sameSecret(std::string_view one, std::string_view other) {
 }
 
 Decision mayRead(const GuardRules& rules, const RequestFacts& facts) {
-  if (facts.target.size() > kLongestTarget) {
+  if (facts.target.size() > kMaxTarget) {
     return {Refusal::kOversized, 414,
             fmt::format("the address has {} characters, expected at most {}", facts.target.size(),
-                        kLongestTarget)};
+                        kMaxTarget)};
   }
   if (!isOurHost(rules, facts)) {
     return {Refusal::kHost, 403,

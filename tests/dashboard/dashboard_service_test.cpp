@@ -215,7 +215,7 @@ TEST(RequestQueue, WhatWaitedTooLongIsNeverDone) {
 
 TEST(RequestQueue, ClosedItRefusesAtOnce) {
   RequestQueue dut(
-      {.request = [](const OperatorRequest&) { return std::string(); }, .ask = nothing},
+      {.request = [](const OperatorRequest&) { return std::string(); }, .query = nothing},
       std::chrono::hours(1));
   std::string refusal;
   std::thread web([&] { refusal = dut.request(PauseScript{}); });

@@ -63,14 +63,14 @@ TEST(Controls, AWishThatNobodyAnswersIsGivenUpAndTheNextOneHasItsOwnPatience) {
   ASSERT_EQ(desk.dut.request(ResumeScript{}, kNow), "");
   EXPECT_TRUE(desk.dut.due(kNow).experiment);
   EXPECT_FALSE(desk.dut.due(kNow + 5 * kSecond + 1).experiment);
-  EXPECT_THAT(desk.note(), HasSubstr("nobody has answered"));
+  EXPECT_THAT(desk.note(), HasSubstr("no answer within 5 s"));
   EXPECT_EQ(desk.dut.due(kNow + 6 * kSecond).experiment->action, experiment_command_t::RESUME);
   EXPECT_TRUE(desk.dut.due(kNow + 10 * kSecond).experiment);
 }
 
 TEST(Controls, RefusesWhatNobodyCouldObey) {
   Controls dut("dashboard", 9);
-  EXPECT_THAT(dut.request(PauseScript{}, kNow), HasSubstr("no run is conducted"));
+  EXPECT_THAT(dut.request(PauseScript{}, kNow), HasSubstr("no run is active"));
   dut.take(conducted(), kNow);
   EXPECT_EQ(dut.request(PauseScript{}, kNow), "");
   EXPECT_NE(dut.request(SeekLog{3}, kNow), "");
@@ -79,7 +79,7 @@ TEST(Controls, RefusesWhatNobodyCouldObey) {
   EXPECT_NE(dut.request(ShowLight{0.5, -1}, kNow), "");
   EXPECT_NE(dut.request(ShowLight{std::nan(""), 0}, kNow), "");
   EXPECT_NE(dut.request(ReleaseLight{}, kNow), "");
-  EXPECT_THAT(dut.request(PauseScript{}, kNow + 4 * kSecond), HasSubstr("no run is conducted"));
+  EXPECT_THAT(dut.request(PauseScript{}, kNow + 4 * kSecond), HasSubstr("no run is active"));
 }
 
 TEST(Controls, APlayedLogTakesSeeksAndNoStops) {

@@ -52,7 +52,7 @@ class LabStarterTest : public testing::Test {
 TEST_F(LabStarterTest, ListsShippedAndOwnExperiments) {
   EXPECT_EQ(json::parse(launcher_.experiments()), json::parse(R"([
     {"file": "shipped/abp.toml", "name": "abp", "description": "ABP", "shipped": true},
-    {"file": "broken.toml", "name": "broken", "description": "no TOML from line 1 on", "shipped": false},
+    {"file": "broken.toml", "name": "broken", "description": "syntax error in line 1", "shipped": false},
     {"file": "mine.toml", "name": "mine", "description": "", "shipped": false},
     {"file": "experiments/deep.toml", "name": "deep", "description": "", "shipped": false}])"));
 }
@@ -135,13 +135,14 @@ TEST(LabCommand, KeepsTheEndOfLongOutput) {
 TEST(LabCommand, EndsWhatTakesTooLongWithItsChildren) {
   const CommandResult result =
       runCommand({"/bin/sh", "-c", "echo a; sleep 1000 & wait"}, 200ms, kGoOn);
-  EXPECT_TRUE(result.late);
+  EXPECT_TRUE(result.was_killed);
   EXPECT_EQ(result.output, "a\n");
   EXPECT_EQ(result.code, 128 + 9);
 }
 
 TEST(LabCommand, EndsWhenItIsToldTo) {
-  EXPECT_TRUE(runCommand({"/bin/sh", "-c", "sleep 1000"}, 1000s, std::atomic<bool>(true)).late);
+  EXPECT_TRUE(
+      runCommand({"/bin/sh", "-c", "sleep 1000"}, 1000s, std::atomic<bool>(true)).was_killed);
 }
 
 TEST(LabCommand, CutsAtLinesAndCharacters) {

@@ -148,7 +148,7 @@ class BesideALab(PageTest):
         browser.execute_script("window.notReloaded = true")
         server = self.lab.children()["dashboard"]
         os.kill(server, signal.SIGSTOP)
-        self.says("banner", "no word from the server since")
+        self.says("banner", "no message from the server since")
         os.kill(server, signal.SIGKILL)
         self.until("document.getElementById('banner').hidden", 20)
         self.until("labPage.robots().length === 20")
@@ -164,9 +164,9 @@ class BesideALab(PageTest):
         for pid in quiet:
             os.kill(pid, signal.SIGSTOP)
         try:
-            self.says("banner", "the lab is silent for")
+            self.says("banner", "no message from the lab for")
             time.sleep(SILENCE_S)
-            self.assertIn("the lab is silent for", self.text("banner"))
+            self.assertIn("no message from the lab for", self.text("banner"))
         finally:
             for pid in quiet:
                 os.kill(pid, signal.SIGCONT)

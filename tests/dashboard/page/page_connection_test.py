@@ -13,7 +13,7 @@ class Connection(PageTest):
         self.live()
         browser.execute_script("window.notReloaded = true")
         self.lab.stop_serving()
-        self.says("banner", "no word from the server since")
+        self.says("banner", "no message from the server since")
         self.press(Keys.SPACE)
         self.says("stop-missing", "STOP NOT SENT")
         frames = self.js("labPage.view.arena.frames")
@@ -43,7 +43,7 @@ class Connection(PageTest):
         self.live()
         self.lab.mute = True
         self.until("labPage.stream.attempts > 0", 12)
-        self.assertIn("no word from the server", self.text("banner"))
+        self.assertIn("no message from the server", self.text("banner"))
         self.lab.mute = False
         self.until("document.getElementById('banner').hidden")
 
@@ -51,7 +51,7 @@ class Connection(PageTest):
         self.open(robots=5)
         self.live()
         self.lab.silent = True
-        self.says("banner", "the lab is silent for")
+        self.says("banner", "no message from the lab for")
         self.lab.silent = False
         self.until("document.getElementById('banner').hidden")
         self.assertEqual(0, self.js("labPage.stream.attempts"))
@@ -96,7 +96,7 @@ class Replay(PageTest):
         browser.execute_script("document.getElementById('player-go').click()")
         self.says("player-go", "play")
         self.press(Keys.SPACE)
-        self.says("stop-missing", "A recorded run")
+        self.says("stop-missing", "recorded run")
         self.assertEqual([], self.wishes("stop"))
 
     def test_what_was_measured_elsewhere_in_the_run_is_forgotten(self):

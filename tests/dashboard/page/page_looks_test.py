@@ -65,7 +65,7 @@ class Files(PageTest):
         self.assertEqual({"rgb(26, 29, 33)"}, inks)
         self.assertFalse([e for e in root.iter() if e.get("class") or e.get("style")])
         rows = list(csv.reader(io.StringIO(self.js("labPage.charts.msd.csvText()"))))
-        self.assertEqual(["of", "lag (s)", "value (cm^2)", "sigma (cm^2)", "exact (cm^2)",
+        self.assertEqual(["program", "lag (s)", "value (cm^2)", "sigma (cm^2)", "exact (cm^2)",
                           "paper (cm^2)", "windows",
                           "biased"], rows[0])
         self.assertEqual(3 * 24, len(rows) - 1)

@@ -54,7 +54,7 @@ TEST(LabView, WithoutALabItSaysSo) {
   bench.dut.publishMoving(kNow, true);
   bench.dut.publishTotals(kNow, {});
   EXPECT_EQ(bench.topic("pulse")["bus_silent_s"], nullptr);
-  EXPECT_THAT(bench.topic("health")["advice"][0]["what"], HasSubstr("no lab is heard"));
+  EXPECT_THAT(bench.topic("health")["advice"][0]["what"], HasSubstr("no lab is active"));
   EXPECT_TRUE(bench.topic("robots").empty());
   EXPECT_EQ(bench.topic("stop")["state"], "free");
 }
@@ -335,9 +335,9 @@ TEST(LabView, ADayFitsIntoBoundedMemory) {
   const std::size_t in_the_end = size(kNow + 24 * 3600 * kSecond);
   EXPECT_LT(in_the_end, at_noon + at_noon / 10);
   EXPECT_LT(in_the_end, 3'000'000U);
-  EXPECT_EQ(bench.topic("timeline")["steps"].size(), TimelineView::kMostSteps);
+  EXPECT_EQ(bench.topic("timeline")["steps"].size(), TimelineView::kMaxSteps);
   EXPECT_GT(bench.topic("timeline")["marks_before"].get<int>(), 400);
-  EXPECT_LE(bench.topic("history/tumble")["t_s"].size(), HistoryView::kMostPoints);
+  EXPECT_LE(bench.topic("history/tumble")["t_s"].size(), HistoryView::kMaxPoints);
 }
 
 }  // namespace

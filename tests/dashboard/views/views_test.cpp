@@ -177,8 +177,8 @@ TEST(HistoryView, ThinsWhenFull) {
   HistoryView dut;
   const int points = 1000;
   for (int i = 0; i < points * 5; ++i) dut.take(poolOf("swim", kNow + i * kSecond), kNow);
-  EXPECT_LE(dut.points("swim"), HistoryView::kMostPoints);
-  EXPECT_GE(dut.points("swim"), HistoryView::kMostPoints / 2);
+  EXPECT_LE(dut.points("swim"), HistoryView::kMaxPoints);
+  EXPECT_GE(dut.points("swim"), HistoryView::kMaxPoints / 2);
   const Json json = Json::parse(dut.json("swim"));
   EXPECT_EQ(json["t_s"].front(), 0);
   EXPECT_GE(json["t_s"].back().get<double>(), points * 5 - 11);
@@ -240,7 +240,7 @@ TEST(TimelineView, KeepsTheNewestStepsAndSaysWhatItLeftOut) {
   dut.take(event);
   dut.take(event);
   const Json json = Json::parse(dut.json());
-  EXPECT_EQ(json["steps"].size(), TimelineView::kMostSteps);
+  EXPECT_EQ(json["steps"].size(), TimelineView::kMaxSteps);
   EXPECT_EQ(json["steps_before"], 1600);
   EXPECT_EQ(json["steps"][0]["number"], 1600);
   EXPECT_EQ(json["steps"][0]["presented_us"], nullptr);

@@ -1,5 +1,7 @@
 #include "dashboard/web/http_guard.hpp"
 
+#include "common/http/ip_address.hpp"
+
 namespace lab::dashboard {
 namespace {
 
