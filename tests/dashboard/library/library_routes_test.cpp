@@ -45,7 +45,7 @@ void makeRun(const fs::path& folder) {
   write(folder / "log.lcmlog", "secret");
 }
 
-TEST(RunList, ListsWhatARunSaysOfItself) {
+TEST(RunList, ListsRunsWithTheirFacts) {
   const TemporaryFolder folder;
   makeRun(folder / "abp-20260131T120000Z");
   RunList list(folder / "");
@@ -66,7 +66,7 @@ TEST(RunList, ListsWhatARunSaysOfItself) {
   EXPECT_EQ(run.problem, "");
 }
 
-TEST(RunList, ListsBrokenAndHalfWrittenRunsAsSuch) {
+TEST(RunList, ListsDamagedAndIncompleteRunsWithAProblem) {
   const TemporaryFolder folder;
   write(folder / "running-20260301T000000Z/experiment.toml", "");
   const std::string whole = kSummary;
@@ -88,7 +88,7 @@ TEST(RunList, ListsBrokenAndHalfWrittenRunsAsSuch) {
   EXPECT_EQ(RunList(folder / "none").json(), "[]");
 }
 
-TEST(RunList, SeesARunThatChangedOrWentAway) {
+TEST(RunList, NoticesChangedAndRemovedRuns) {
   const TemporaryFolder folder;
   write(folder / "a/experiment.toml", "");
   RunList list(folder / "");
@@ -99,7 +99,7 @@ TEST(RunList, SeesARunThatChangedOrWentAway) {
   EXPECT_THAT(list.runs(), IsEmpty());
 }
 
-TEST(RunList, GivesOnlyFilesOfTheReport) {
+TEST(RunList, ServesOnlyFilesOfTheReport) {
   const TemporaryFolder folder;
   makeRun(folder / "runs/a");
   write(folder / "secret.json", "{}");
@@ -128,7 +128,7 @@ class LibraryTest : public WebTest {
   const std::string kRun = "/api/runs/abp-20260131T120000Z/";
 };
 
-TEST_F(LibraryTest, ServesRunsWithoutTrustingThem) {
+TEST_F(LibraryTest, RestrictsFilesOfRunsInTheBrowser) {
   EXPECT_THAT(send("GET", "/api/runs"), HasSubstr(R"("verdict":"agrees","max_z":1.5)"));
   EXPECT_THAT(send("GET", kRun + "report.html"),
               AllOf(StartsWith("HTTP/1.1 200"),
@@ -143,7 +143,7 @@ TEST_F(LibraryTest, ServesRunsWithoutTrustingThem) {
   }
 }
 
-TEST_F(LibraryTest, SendsLargeFilesWhole) {
+TEST_F(LibraryTest, SendsLargeFilesCompletely) {
   std::string text;
   for (int i = 0; i < 400'000; ++i) text += std::to_string(i) + "\n";
   write(folder_ / "runs/abp-20260131T120000Z/trajectories.csv", text);

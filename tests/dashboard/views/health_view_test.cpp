@@ -81,7 +81,7 @@ TEST(HealthView, CountsStreamsWithTheirRatesAndGaps) {
   EXPECT_EQ(dut.streams().begin()->second.new_losses, 1);
 }
 
-TEST(HealthView, KeepsAsManyStreamsAsItSays) {
+TEST(HealthView, LimitsTheNumberOfStreams) {
   HealthView dut;
   MessageHeader header;
   header.sender = "x";

@@ -32,19 +32,19 @@ class PictureServer {
   HttpServer server_{{.owner = "test", .address = "127.0.0.1"}};
 };
 
-TEST(CameraPicture, IsThePictureThatTheTrackerShows) {
+TEST(CameraPicture, FetchesTheTrackersPicture) {
   PictureServer tracker;
   CameraPicture picture(tracker.port());
   const CameraPicture::Text first = picture.newest();
   ASSERT_NE(first, nullptr);
   EXPECT_EQ(*first, "\xff\xd8picture");
-  tracker.good = false;  // what is no JPEG is not passed on
+  tracker.good = false;  // then the body is not a JPEG
   while (picture.newest() != nullptr) std::this_thread::sleep_for(5ms);
   tracker.good = true;
   while (picture.newest() == nullptr) std::this_thread::sleep_for(5ms);
 }
 
-TEST(CameraPicture, IsNoneWhereNobodyListens) {
+TEST(CameraPicture, IsNullWithoutATracker) {
   int port = 0;
   {
     const PictureServer gone;

@@ -27,7 +27,7 @@ RequestFacts controlRequest() {
   return facts;
 }
 
-TEST(HttpGuard, TakesOwnHostsWithAndWithoutPort) {
+TEST(HttpGuard, AcceptsItsOwnHostNamesWithAndWithoutPort) {
   for (const char* host : {"127.0.0.1:8480", "127.0.0.1", "localhost:8480", "localhost",
                            "LocalHost", "[::1]:8480", "[::1]"}) {
     RequestFacts facts = plain();
@@ -48,7 +48,7 @@ TEST(HttpGuard, RefusesEveryOtherHost) {
   }
 }
 
-TEST(HttpGuard, TakesTheAddressThatWasReachedWhereItListensWidely) {
+TEST(HttpGuard, AcceptsTheReachedAddressWhenListeningOnAllAddresses) {
   GuardRules wide = kRules;
   wide.address = "0.0.0.0";
   RequestFacts facts = plain();
@@ -60,13 +60,13 @@ TEST(HttpGuard, TakesTheAddressThatWasReachedWhereItListensWidely) {
   EXPECT_EQ(mayRead(wide, facts).refusal, Refusal::kHost);
   facts.local = "::ffff:192.168.1.7";
   facts.host = "192.168.1.7:8480";
-  EXPECT_TRUE(mayRead(wide, facts).yes()) << "on a socket of IPv6";
+  EXPECT_TRUE(mayRead(wide, facts).yes()) << "an IPv4 address on an IPv6 socket";
   facts.local = "fd00::7";
   facts.host = "[fd00::7]:8480";
   EXPECT_TRUE(mayRead(wide, facts).yes());
 }
 
-TEST(HttpGuard, RefusesOtherSitesPages) {
+TEST(HttpGuard, RefusesPagesOfOtherSites) {
   for (const char* origin :
        {"http://evil.example", "null", "https://127.0.0.1:8480", "http://127.0.0.1:8481",
         "http://localhost:8480", "http://127.0.0.1"}) {
@@ -78,12 +78,12 @@ TEST(HttpGuard, RefusesOtherSitesPages) {
     RequestFacts facts = plain();
     facts.fetch_site = site;
     EXPECT_EQ(mayRead(kRules, facts).refusal, Refusal::kOrigin) << site;
-    facts.fetch_mode = "navigate";  // to what is no page for people
+    facts.fetch_mode = "navigate";  // a link to something else than the page
     EXPECT_EQ(mayRead(kRules, facts).refusal, Refusal::kOrigin) << site;
   }
 }
 
-TEST(HttpGuard, TakesALinkToThePageButNoOtherRequestForIt) {
+TEST(HttpGuard, AcceptsLinksFromOtherSitesToThePageOnly) {
   RequestFacts facts = plain();
   facts.target = "/";
   facts.fetch_site = "cross-site";
@@ -96,7 +96,7 @@ TEST(HttpGuard, TakesALinkToThePageButNoOtherRequestForIt) {
   EXPECT_EQ(mayRead(kRules, facts).refusal, Refusal::kOrigin);
 }
 
-TEST(HttpGuard, RefusesTricksInThePath) {
+TEST(HttpGuard, RefusesTraversalAndEncodedSeparators) {
   const std::string nul("/page/a\0b", 9);
   for (const std::string& target : {std::string("/page/../x"),
                                     std::string("/.."),
@@ -126,13 +126,13 @@ TEST(HttpGuard, RefusesTricksInThePath) {
   const std::string long_one = "/" + std::string(2048, 'a');
   facts.target = long_one;
   EXPECT_EQ(mayRead(kRules, facts).refusal, Refusal::kOversized);
-  facts.target = "/api/compare?runs=a,b%2c..%2f";  // the query is no path
+  facts.target = "/api/compare?runs=a,b%2c..%2f";  // the query may contain encoded separators
   EXPECT_TRUE(mayRead(kRules, facts).yes());
   facts.target = "/api/runs/abp..old/a..svg";
   EXPECT_TRUE(mayRead(kRules, facts).yes());
 }
 
-TEST(HttpGuard, ControlsByPostAloneAndReadsByGetAndHead) {
+TEST(HttpGuard, ControlNeedsPostAndReadingNeedsGetOrHead) {
   for (const char* method :
        {"GET", "HEAD", "PUT", "DELETE", "OPTIONS", "TRACE", "CONNECT", "PATCH"}) {
     for (const char* target : {"/api/wish", "/api/check", "/api/start"}) {
@@ -156,7 +156,7 @@ TEST(HttpGuard, ControlsByPostAloneAndReadsByGetAndHead) {
   EXPECT_TRUE(mayRead(kRules, facts).yes());
 }
 
-TEST(HttpGuard, ControlNeedsTheTokenAndThisMachine) {
+TEST(HttpGuard, ControlNeedsTheTokenAndThisHost) {
   EXPECT_TRUE(mayControl(kRules, controlRequest()).yes());
   for (const char* token : {"", "0", "0123456789abcdeg", "0123456789abcdef0", "0123456789ABCDEF"}) {
     RequestFacts facts = controlRequest();
@@ -178,7 +178,7 @@ TEST(HttpGuard, ControlNeedsTheTokenAndThisMachine) {
   EXPECT_EQ(mayControl(without, empty).refusal, Refusal::kToken);
 }
 
-TEST(HttpGuard, KnowsLoopback) {
+TEST(HttpGuard, RecognizesLoopbackAddresses) {
   for (const char* address : {"127.0.0.1", "127.9.9.9", "::1", "::ffff:127.0.0.1"}) {
     EXPECT_TRUE(isLoopback(address)) << address;
   }
