@@ -24,6 +24,7 @@
 #include "dds_gateway/dds/domain.hpp"
 #include "dds_gateway/dds/endpoint.hpp"
 #include "dds_gateway/ros/ros_type.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace {
 
@@ -247,9 +248,8 @@ int main(int argc, char** argv) {
     fmt::print(stderr, "usage: {} FOLDER_OF_PROGRAMS RESULT.csv\n", argv[0]);
     return 2;
   }
-  const fs::path folder = fs::temp_directory_path() / fmt::format("gateway_{}", getpid());
-  fs::create_directories(folder);
-  const pid_t through = gateway(argv[1], folder);
+  const TemporaryFolder folder;
+  const pid_t through = gateway(argv[1], folder.path());
   const pid_t subscriber = child(bareSubscriber);
   const pid_t writer = child(bareWriter);
   std::string csv = "what,value,unit\n";
@@ -349,7 +349,6 @@ int main(int argc, char** argv) {
     kill(pid, SIGTERM);
     waitpid(pid, nullptr, 0);
   }
-  fs::remove_all(folder);
   if (is_void) {
     fmt::print(stderr, "{}void: the reader that was to be frozen read nothing or ended\n", csv);
     return 1;

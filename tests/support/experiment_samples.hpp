@@ -3,8 +3,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -41,11 +39,6 @@ inline std::vector<std::string> problemsOf(std::string_view more,
     return error.problems();
   }
   return {};
-}
-
-inline std::string readText(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
 }
 
 /// The *.toml files of a folder below the project's root, in order.

@@ -9,21 +9,9 @@
 #include <fstream>
 #include <iterator>
 #include <stdexcept>
-#include <thread>
 
 namespace lab::system_test {
 namespace fs = std::filesystem;
-
-TemporaryFolder::TemporaryFolder() {
-  std::string pattern = (fs::temp_directory_path() / "lab-test-XXXXXX").string();
-  if (mkdtemp(pattern.data()) == nullptr) throw std::runtime_error("cannot make " + pattern);
-  path_ = pattern;
-}
-
-TemporaryFolder::~TemporaryFolder() {
-  std::error_code ignored;
-  fs::remove_all(path_, ignored);
-}
 
 Background::Background(const std::string& command) {
   const std::string output = (folder_.path() / "output").string();
@@ -41,7 +29,7 @@ Background::Background(const std::string& command) {
 Background::~Background() {
   if (running()) {
     kill(-pid_, SIGTERM);
-    if (!waitFor([this] { return !running(); }, std::chrono::seconds(5))) kill(-pid_, SIGKILL);
+    if (!waitUntil([this] { return !running(); }, std::chrono::seconds(5))) kill(-pid_, SIGKILL);
   }
   if (!ended_) waitpid(pid_, &status_, 0);
 }
@@ -59,7 +47,7 @@ std::string Background::output() const {
 }
 
 Finished Background::wait(std::chrono::seconds patience) {
-  if (!waitFor([this] { return !running(); }, patience)) {
+  if (!waitUntil([this] { return !running(); }, patience)) {
     kill(-pid_, SIGKILL);
     waitpid(pid_, &status_, 0);
     ended_ = true;
@@ -72,15 +60,6 @@ Finished run(const std::string& command, std::chrono::seconds patience) {
   return Background(command).wait(patience);
 }
 
-bool waitFor(const std::function<bool()>& condition, std::chrono::milliseconds patience) {
-  const auto deadline = std::chrono::steady_clock::now() + patience;
-  while (!condition()) {
-    if (std::chrono::steady_clock::now() > deadline) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
-  }
-  return true;
-}
-
 fs::path onlyRun(const fs::path& parent) {
   std::vector<fs::path> runs;
   for (const auto& entry : fs::directory_iterator(parent)) runs.push_back(entry.path());
@@ -91,12 +70,6 @@ fs::path onlyRun(const fs::path& parent) {
 }
 
 nlohmann::json readJson(const fs::path& file) { return nlohmann::json::parse(readFile(file)); }
-
-std::string readFile(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw std::runtime_error("no file " + file.string());
-  return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-}
 
 std::vector<pid_t> processesWith(const std::string& text) {
   std::vector<pid_t> found;

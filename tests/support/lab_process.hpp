@@ -5,25 +5,17 @@
 
 #include <chrono>
 #include <filesystem>
-#include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
+#include "tests/support/temporary_folder.hpp"
+#include "tests/support/text_file.hpp"
+#include "tests/support/wait_until.hpp"
+
 namespace lab::system_test {
 
-/// A folder that goes away with the object.
-class TemporaryFolder {
- public:
-  TemporaryFolder();
-  ~TemporaryFolder();
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
+using support::readFile;
 
 struct Finished {
   int exit_code = -1;  ///< -signal when it was killed
@@ -57,14 +49,10 @@ class Background {
 /// Runs a command to its end.
 Finished run(const std::string& command, std::chrono::seconds patience = std::chrono::seconds(60));
 
-/// Waits until `condition`, at most this long. @return whether it came about.
-bool waitFor(const std::function<bool()>& condition, std::chrono::milliseconds patience);
-
 /// The only run folder in `parent`.
 std::filesystem::path onlyRun(const std::filesystem::path& parent);
 
 nlohmann::json readJson(const std::filesystem::path& file);
-std::string readFile(const std::filesystem::path& file);
 
 /// Processes whose command line contains `text`, this one's excepted.
 std::vector<pid_t> processesWith(const std::string& text);

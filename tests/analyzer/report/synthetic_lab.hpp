@@ -14,8 +14,12 @@
 #include "common/experiment/experiment.hpp"
 #include "common/loop/virtual_loop.hpp"
 #include "common/service/node.hpp"
+#include "tests/support/temporary_folder.hpp"
+#include "tests/support/text_file.hpp"
 
 namespace lab::report {
+
+using support::readFile;
 
 /// An experiment whose light changes every `step` s from one program to the next.
 [[nodiscard]] Experiment syntheticExperiment(int robots, double duration, double fps,
@@ -73,18 +77,5 @@ class SyntheticLab {
   std::int64_t step_utime_ = 0;
   bool lit_ = false;
 };
-
-/// A folder of its own for each test, removed with it.
-class TemporaryFolder {
- public:
-  TemporaryFolder();
-  ~TemporaryFolder();
-  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
-
-[[nodiscard]] std::string readFile(const std::filesystem::path& path);
 
 }  // namespace lab::report

@@ -16,6 +16,7 @@
 #include "common/bus/log_file.hpp"
 #include "common/loop/asio_loop.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "tests/support/text_file.hpp"
 
 namespace lab::stock_tools_test {
 namespace {
@@ -57,11 +58,6 @@ class Process {
  private:
   pid_t pid_ = 0;
 };
-
-std::string contentsOf(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
 
 std::vector<std::uint8_t> number(int value) {
   return {static_cast<std::uint8_t>(value / 256), static_cast<std::uint8_t>(value % 256)};
@@ -140,7 +136,7 @@ TEST_F(StockTools, OurWriterWritesWhatTheLoggerWrote) {
     readLog({log_}, [&writer](const Packet& packet) { writer.write(packet); });
   }
   EXPECT_GT(fs::file_size(log_), 50U * 28U);
-  EXPECT_EQ(contentsOf(ours), contentsOf(log_));
+  EXPECT_EQ(support::readFile(ours), support::readFile(log_));
 }
 
 TEST_F(StockTools, PlayerPlaysWhatOurWriterWrote) {

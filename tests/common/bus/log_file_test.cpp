@@ -11,6 +11,7 @@
 
 #include "common/bus/channels.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "tests/support/text_file.hpp"
 
 namespace lab::log_file_test {
 namespace {
@@ -40,11 +41,6 @@ void write(LogWriter& log, const Heard& event) {
   log.write({event.channel, event.data, event.utime});
 }
 
-std::string contentsOf(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
 class LogFile : public testing::Test {
  protected:
   fs::path written(const std::string& name, std::int64_t first = 0, std::int64_t count = kEvents) {
@@ -67,7 +63,7 @@ class LogFile : public testing::Test {
   template <class Damage>
   LogReadResult readDamaged(Damage damage) {
     fs::remove(folder_ / "whole.log");
-    std::string bytes = contentsOf(written("whole.log"));
+    std::string bytes = support::readFile(written("whole.log"));
     damage(bytes);
     std::ofstream(folder_ / "damaged.log", std::ios::binary) << bytes;
     const LogReadResult result = read({folder_ / "damaged.log"});
@@ -103,7 +99,7 @@ TEST_F(LogFile, HasLcmsFormat) {
            std::string("\x01\x02\x03\x04\x05\x06\x07\x08", 8) + std::string("\0\0\0\x02", 4) +
            std::string("\0\0\0\x03", 4) + "AB\x11\x22\x33";
   };
-  EXPECT_EQ(contentsOf(folder_ / "log.lcmlog"), event('\0') + event('\1'));
+  EXPECT_EQ(support::readFile(folder_ / "log.lcmlog"), event('\0') + event('\1'));
 }
 
 TEST_F(LogFile, OverwritesNothing) {

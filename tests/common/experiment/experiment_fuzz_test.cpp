@@ -3,6 +3,7 @@
 #include <array>
 
 #include "tests/support/experiment_samples.hpp"
+#include "tests/support/text_file.hpp"
 
 namespace lab {
 namespace {
@@ -23,7 +24,7 @@ int outcome(const std::string& text) {
 class DamagedExperiment : public ::testing::TestWithParam<std::filesystem::path> {};
 
 TEST_P(DamagedExperiment, CutAnywhereIsRefusedOrAnExperiment) {
-  const std::string text = readText(GetParam());
+  const std::string text = support::readFile(GetParam());
   int accepted = 0;
   for (std::size_t length = 0; length < text.size(); ++length) {
     accepted += outcome(text.substr(0, length));
@@ -34,7 +35,7 @@ TEST_P(DamagedExperiment, CutAnywhereIsRefusedOrAnExperiment) {
 
 TEST_P(DamagedExperiment, WithAByteReplacedIsRefusedOrAnExperiment) {
   constexpr std::array<char, 6> kBytes = {'\0', '"', '[', '9', '\xff', '\n'};
-  const std::string text = readText(GetParam());
+  const std::string text = support::readFile(GetParam());
   int accepted = 0;
   for (std::size_t i = 0; i < text.size(); ++i) {
     std::string damaged = text;
@@ -47,7 +48,7 @@ TEST_P(DamagedExperiment, WithAByteReplacedIsRefusedOrAnExperiment) {
 }
 
 TEST_P(DamagedExperiment, WithALineLostIsRefusedOrAnExperiment) {
-  const std::string text = readText(GetParam());
+  const std::string text = support::readFile(GetParam());
   int accepted = 0;
   for (std::size_t begin = 0; begin < text.size();) {
     const std::size_t end = text.find('\n', begin) + 1;

@@ -1,15 +1,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <string>
 #include <vector>
 
 #include "runner/commands/commands.hpp"
 #include "tests/support/experiment_samples.hpp"
+#include "tests/support/temporary_folder.hpp"
+#include "tests/support/text_file.hpp"
 
 namespace lab::runner::check_command_test {
 namespace {
@@ -18,13 +18,12 @@ namespace fs = std::filesystem;
 using testing::HasSubstr;
 
 std::string said(const std::vector<std::string>& set) {
-  const fs::path file =
-      fs::path(testing::TempDir()) / ("check_test_" + std::to_string(getpid()) + ".toml");
-  std::ofstream(file) << kSmall;
+  const TemporaryFolder folder;
+  const fs::path file = folder / "small.toml";
+  support::writeFile(file, std::string(kSmall));
   testing::internal::CaptureStdout();
   EXPECT_EQ(check(file, set), kDone);
   std::fflush(stdout);
-  fs::remove(file);
   return testing::internal::GetCapturedStdout();
 }
 

@@ -1,11 +1,9 @@
 #include <gmock/gmock.h>
-#include <unistd.h>
 
 #include <array>
 #include <atomic>
 #include <cstdlib>
 #include <fstream>
-#include <iterator>
 #include <optional>
 #include <thread>
 
@@ -13,6 +11,8 @@
 #include "common/serial/serial_devices.hpp"
 #include "runner/commands/commands.hpp"
 #include "tests/support/robot_on_bench.hpp"
+#include "tests/support/temporary_folder.hpp"
+#include "tests/support/text_file.hpp"
 
 namespace lab::runner {
 namespace {
@@ -32,10 +32,7 @@ class FlashTest : public testing::Test {
     options_.programs = folder_ / "bin";
     options_.port = folder_ / "ports/robot";
   }
-  ~FlashTest() override {
-    setenv("PATH", old_path_.c_str(), 1);
-    fs::remove_all(folder_);
-  }
+  ~FlashTest() override { setenv("PATH", old_path_.c_str(), 1); }
 
   void setAvrdude(int exit_code) {
     const fs::path script = folder_ / "bin/avrdude";
@@ -46,8 +43,8 @@ class FlashTest : public testing::Test {
 
   /// The arguments of avrdude, a call a line.
   std::string called() const {
-    std::ifstream file(folder_ / "called");
-    std::string lines{std::istreambuf_iterator<char>(file), {}};
+    const fs::path file = folder_ / "called";
+    std::string lines = fs::exists(file) ? support::readFile(file) : "";
     if (!lines.empty()) lines.pop_back();  // the last end of line
     return lines;
   }
@@ -68,7 +65,7 @@ class FlashTest : public testing::Test {
     return "flashed";
   }
 
-  fs::path folder_ = fs::temp_directory_path() / ("flash_test_" + std::to_string(getpid()));
+  TemporaryFolder folder_;
   FlashOptions options_;
 
  private:

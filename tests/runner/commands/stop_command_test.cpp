@@ -15,11 +15,11 @@
 #include "common/service/node.hpp"
 #include "runner/commands/commands.hpp"
 #include "runner/runs/lab_registry.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace lab::runner::stop_command_test {
 namespace {
 
-namespace fs = std::filesystem;
 using testing::HasSubstr;
 
 constexpr std::int64_t kStatusPeriod_us = 50'000;
@@ -78,11 +78,7 @@ class ObedientLab {
 
 class StopCommand : public testing::Test {
  protected:
-  StopCommand() {
-    fs::create_directories(folder);
-    setenv("XDG_RUNTIME_DIR", folder.c_str(), 1);
-  }
-  ~StopCommand() override { fs::remove_all(folder); }
+  StopCommand() { setenv("XDG_RUNTIME_DIR", folder.path().c_str(), 1); }
 
   /// `lab stop`, and what it says.
   ExitCode stopAll() {
@@ -93,7 +89,7 @@ class StopCommand : public testing::Test {
     return code;
   }
 
-  fs::path folder = fs::path(testing::TempDir()) / ("stop_test_" + std::to_string(getpid()));
+  TemporaryFolder folder;
   std::string said;
 };
 

@@ -8,38 +8,28 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
-#include <sstream>
 #include <string_view>
 
 #include "common/calibration/camera_file.hpp"
 #include "common/experiment/experiment_file.hpp"
-#include "light/field/image.hpp"
 #include "runner/command_line/exit_code.hpp"
 #include "runner/commands/commands.hpp"
 #include "runner/film/movie_writer.hpp"
-#include "tests/runner/../tracker_svc/painted_film.hpp"
+#include "tests/support/film_samples.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "tests/support/text_file.hpp"
+#include "tests/tracker_svc/painted_film.hpp"
 #include "tracker_svc/film_reader.hpp"
 
 namespace lab::runner {
 namespace {
 
 namespace fs = std::filesystem;
+using support::readFile;
 using testing::HasSubstr;
 using tracker::PaintedFilm;
 
-std::string textOf(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  std::ostringstream text;
-  text << stream.rdbuf();
-  return text.str();
-}
-
 int linesIn(const std::string& text) { return static_cast<int>(std::ranges::count(text, '\n')); }
-
-void writePng(const fs::path& path, const optics::GreyImage& image) {
-  ASSERT_FALSE(light::writeFile(path, light::encodePng(image.width, image.height, image.pixels)));
-}
 
 /// A folder with a film of five pictures and the calibration of its camera.
 class TrackCommand : public testing::Test {
@@ -98,7 +88,7 @@ class TrackCommand : public testing::Test {
 TEST_F(TrackCommand, WritesARowForEveryRobotInEveryPicture) {
   EXPECT_EQ(track(options_), kDone);
 
-  const std::string poses = textOf(options_.out);
+  const std::string poses = readFile(options_.out);
   EXPECT_EQ(poses.substr(0, poses.find('\n')), "frame,id,x_cm,y_cm,theta_rad,u,v,confidence,t_s");
   EXPECT_EQ(linesIn(poses), 1 + 5 * 3);
   EXPECT_THAT(poses, HasSubstr("\n4,3,"));
@@ -113,7 +103,7 @@ TEST_F(TrackCommand, ReadsAFilmThatWasEncodedForTheEye) {
   EXPECT_THAT(testing::internal::GetCapturedStdout(),
               AllOf(HasSubstr("with a gamma of 2.2"),
                     HasSubstr("at 3 of 3 places caps show only so"), Not(HasSubstr("from frame"))));
-  EXPECT_EQ(linesIn(textOf(options_.out)), 1 + 5 * 3);
+  EXPECT_EQ(linesIn(readFile(options_.out)), 1 + 5 * 3);
 }
 
 TEST_F(TrackCommand, SaysFromWhichFrameOnItKnewHowAFilmIsEncoded) {
@@ -128,7 +118,7 @@ TEST_F(TrackCommand, SaysFromWhichFrameOnItKnewHowAFilmIsEncoded) {
   EXPECT_THAT(testing::internal::GetCapturedStdout(),
               AllOf(HasSubstr("with a gamma of 2.2"),
                     HasSubstr("only from frame 12 on; those before were read otherwise")));
-  EXPECT_THAT(textOf(options_.out), HasSubstr("\n12,3,"));
+  EXPECT_THAT(readFile(options_.out), HasSubstr("\n12,3,"));
 }
 
 TEST_F(TrackCommand, BelievesTheCalibrationOverThePictures) {
@@ -158,7 +148,7 @@ TEST_F(TrackCommand, GivesARobotThatIsPutInWhereAnotherWasTakenOutAnIdOfItsOwn) 
 
   EXPECT_EQ(track(options_), kDone);
 
-  EXPECT_THAT(textOf(options_.out), AllOf(HasSubstr("\n5,1,"), HasSubstr("\n10,2,")));
+  EXPECT_THAT(readFile(options_.out), AllOf(HasSubstr("\n5,1,"), HasSubstr("\n10,2,")));
 }
 
 /// The camera of a calibration, turned about its own x axis.
@@ -224,7 +214,7 @@ TEST_F(TrackCommand, TakesEverySecondPictureWhenToldTo) {
 
   EXPECT_EQ(track(options_), kDone);
 
-  const std::string poses = textOf(options_.out);
+  const std::string poses = readFile(options_.out);
   EXPECT_EQ(linesIn(poses), 1 + 3 * 3);
   EXPECT_THAT(poses, testing::Not(HasSubstr("\n1,")));
 }
@@ -233,14 +223,14 @@ TEST_F(TrackCommand, SaysWhereTimesComeFromIfNobodyKnowsThem) {
   testing::internal::CaptureStdout();
   EXPECT_EQ(track(options_), kDone);
   EXPECT_THAT(testing::internal::GetCapturedStdout(), HasSubstr("taken for 30 a second: --fps"));
-  EXPECT_THAT(textOf(options_.out), HasSubstr(",0.133333\n"));
+  EXPECT_THAT(readFile(options_.out), HasSubstr(",0.133333\n"));
 
   options_.fps = 2;
   options_.force = true;
   testing::internal::CaptureStdout();
   EXPECT_EQ(track(options_), kDone);
   EXPECT_THAT(testing::internal::GetCapturedStdout(), testing::Not(HasSubstr("--fps")));
-  EXPECT_THAT(textOf(options_.out), HasSubstr(",2.000000\n"));
+  EXPECT_THAT(readFile(options_.out), HasSubstr(",2.000000\n"));
 }
 
 TEST_F(TrackCommand, RefusesFpsBesideATableOfTimes) {
@@ -258,26 +248,26 @@ TEST_F(TrackCommand, TakesTheRateOfAMovieFromItsUserIfAsked) {
   testing::internal::CaptureStdout();
   EXPECT_EQ(track(options_), kDone);
   EXPECT_THAT(testing::internal::GetCapturedStdout(), HasSubstr("those of 200 frames a second"));
-  EXPECT_THAT(textOf(options_.out), HasSubstr(",0.005000\n"));
+  EXPECT_THAT(readFile(options_.out), HasSubstr(",0.005000\n"));
 }
 
 TEST_F(TrackCommand, ReplacesNothingUnasked) {
   write("poses.csv", "precious");
 
   EXPECT_THAT(problem(), HasSubstr("--force"));
-  EXPECT_EQ(textOf(options_.out), "precious");
+  EXPECT_EQ(readFile(options_.out), "precious");
 
   options_.force = true;
   EXPECT_EQ(track(options_), kDone);
-  EXPECT_EQ(linesIn(textOf(options_.out)), 16);
+  EXPECT_EQ(linesIn(readFile(options_.out)), 16);
 }
 
 TEST_F(TrackCommand, WritesOverNothingThatItReadsOrWrites) {
-  const std::string calibration = textOf(options_.calibration);
+  const std::string calibration = readFile(options_.calibration);
   options_.force = true;
   options_.out = options_.calibration;
   EXPECT_THAT(problem(), HasSubstr("is named as --calibration and as --out"));
-  EXPECT_EQ(textOf(options_.calibration), calibration);
+  EXPECT_EQ(readFile(options_.calibration), calibration);
 
   options_.out = folder_ / "poses.csv";
   options_.overlay = folder_ / "film/../poses.csv";
@@ -291,7 +281,7 @@ TEST_F(TrackCommand, KeepsThePosesWhereTheOverlayCannotBeWritten) {
 
   EXPECT_EQ(track(options_), kMarked);
 
-  EXPECT_EQ(linesIn(textOf(options_.out)), 16);
+  EXPECT_EQ(linesIn(readFile(options_.out)), 16);
 }
 
 TEST_F(TrackCommand, NamesBothSizesWhereTheCalibrationIsOfAnother) {
@@ -345,7 +335,7 @@ TEST_F(TrackCommand, SaysThatPlayersTurnPictures) {
       "\x01\x12\0\x03\0\0\0\x01\0\x06\0\0"
       "\0\0\0\0",
       36};
-  const std::string bytes = textOf(plain);
+  const std::string bytes = readFile(plain);
   write("phone/f0.jpg", bytes.substr(0, 2) + std::string(kExif) + bytes.substr(2));
   options_.source = (folder_ / "phone").string();
   options_.force = true;
@@ -397,7 +387,7 @@ TEST_F(TrackCommand, DrawsAContactSheet) {
 
   EXPECT_EQ(track(options_), kDone);
 
-  EXPECT_EQ(textOf(options_.overlay).substr(1, 3), "PNG");
+  EXPECT_EQ(readFile(options_.overlay).substr(1, 3), "PNG");
   EXPECT_THAT(problem(), HasSubstr("--force"));
 }
 
@@ -442,7 +432,7 @@ TEST_F(TrackCommand, KeepsWhatATruncatedMovieStillHad) {
 
   EXPECT_EQ(track(options_), kMarked);
 
-  const int rows = linesIn(textOf(options_.out)) - 1;
+  const int rows = linesIn(readFile(options_.out)) - 1;
   EXPECT_GE(rows, 3);
   EXPECT_LT(rows, 15);
 }

@@ -8,6 +8,7 @@
 #include <fstream>
 
 #include "runner/command_line/exit_code.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace lab::runner {
 namespace {
@@ -18,13 +19,9 @@ using testing::ThrowsMessage;
 
 class LabRegistry : public testing::Test {
  protected:
-  LabRegistry() {
-    fs::create_directories(folder);
-    setenv("XDG_RUNTIME_DIR", folder.c_str(), 1);
-  }
-  ~LabRegistry() override { fs::remove_all(folder); }
+  LabRegistry() { setenv("XDG_RUNTIME_DIR", folder.path().c_str(), 1); }
 
-  fs::path folder = fs::path(testing::TempDir()) / ("registry_test_" + std::to_string(getpid()));
+  TemporaryFolder folder;
 };
 
 TEST_F(LabRegistry, ASingleLabIsImpliedAndGoneWithItsRegistration) {

@@ -34,7 +34,7 @@ class BrokenRun : public testing::Test {
   [[nodiscard]] fs::path theRun() const { return onlyRun(runs()); }
 
   static bool waitUntilRunning(Background& lab) {
-    return waitFor([&] { return lab.output().find("running ") != std::string::npos; }, seconds(20));
+    return waitUntil([&] { return lab.output().find("running ") != std::string::npos; }, seconds(20));
   }
 
   /// One process of the lab.
@@ -60,7 +60,7 @@ class BrokenRun : public testing::Test {
   }
 
   static void pass(seconds time) {
-    waitFor([] { return false; }, time);
+    waitUntil([] { return false; }, time);
   }
 
   TemporaryFolder folder;
@@ -101,7 +101,7 @@ INSTANTIATE_TEST_SUITE_P(Each, EndedByTheUser, testing::Values(SIGINT, SIGTERM),
 /// once.
 TEST_F(BrokenRun, ACtrlCTogetherWithTheLastReadyEndsIt) {
   Background lab(labRun(600));
-  ASSERT_TRUE(waitFor([&] { return processOf(lab, "sim_svc") > 0; }, seconds(20)));
+  ASSERT_TRUE(waitUntil([&] { return processOf(lab, "sim_svc") > 0; }, seconds(20)));
   lab.signal(SIGSTOP);
   pass(seconds(2));
 

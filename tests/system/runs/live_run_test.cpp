@@ -35,7 +35,7 @@ class LiveRun : public testing::Test {
   /// The bus that a running lab has printed.
   static std::string busOf(Background& lab) {
     std::string url;
-    waitFor(
+    waitUntil(
         [&] {
           const std::string output = lab.output();
           const auto at = output.find("udpm://");
@@ -49,7 +49,7 @@ class LiveRun : public testing::Test {
   }
 
   static bool waitUntilRunning(Background& lab) {
-    return waitFor([&] { return lab.output().find("running ") != std::string::npos; }, seconds(15));
+    return waitUntil([&] { return lab.output().find("running ") != std::string::npos; }, seconds(15));
   }
 
   TemporaryFolder folder;
@@ -155,7 +155,7 @@ TEST_F(LiveRun, ANetworkThatGoesDownClosesTheRunWithItsData) {
 TEST_F(LiveRun, ARunEndedByTheUserKeepsItsData) {
   Background lab(labRun(60));
   ASSERT_TRUE(waitUntilRunning(lab)) << lab.output();
-  waitFor([] { return false; }, seconds(2));
+  waitUntil([] { return false; }, seconds(2));
   lab.signal(SIGINT);
   const Finished ended = lab.wait(seconds(30));
   EXPECT_EQ(ended.exit_code, 0) << ended.output;
@@ -178,7 +178,7 @@ TEST_F(LiveRun, KillingTheRunnerLeavesNoOrphans) {
   ASSERT_TRUE(waitUntilRunning(lab)) << lab.output();
   ASSERT_GE(processesWith(runs().string()).size(), 4U);
   lab.signal(SIGKILL);
-  EXPECT_TRUE(waitFor([&] { return processesWith(runs().string()).empty(); }, seconds(10)));
+  EXPECT_TRUE(waitUntil([&] { return processesWith(runs().string()).empty(); }, seconds(10)));
 }
 
 class KilledService : public LiveRun, public testing::WithParamInterface<const char*> {};
@@ -187,7 +187,7 @@ TEST_P(KilledService, IsRestartedAndTheRunIsMarked) {
   const std::string name = GetParam();
   Background lab(labRun(8));
   ASSERT_TRUE(waitUntilRunning(lab)) << lab.output();
-  waitFor([] { return false; }, seconds(2));
+  waitUntil([] { return false; }, seconds(2));
   const std::vector<pid_t> processes = childrenWith(lab.pid(), "/" + name);
   ASSERT_FALSE(processes.empty());
   for (const pid_t pid : processes) kill(pid, SIGKILL);
@@ -235,7 +235,7 @@ TEST_F(Refusal, WithoutLcmLogger) {
 TEST_F(Refusal, OnAPortOnWhichSomebodySpeaks) {
   // A service started by hand beats once a second.
   Background analyzer("exec analyzer --lcm-url 'udpm://239.255.76.67:23457?ttl=0'");
-  ASSERT_TRUE(waitFor(
+  ASSERT_TRUE(waitUntil(
       [] {
         return run("lab spy --lcm-url 'udpm://239.255.76.67:23457?ttl=0' --seconds 1.5")
                    .output.find("analyzer") != std::string::npos;

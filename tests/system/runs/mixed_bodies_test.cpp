@@ -41,7 +41,7 @@ class MixedBodies : public testing::Test {
 
   /// The script has begun: every robot has taken its light table.
   static bool waitUntilAllRun(Background& lab) {
-    return waitFor([&] { return lab.output().find("light half dark") != std::string::npos; },
+    return waitUntil([&] { return lab.output().find("light half dark") != std::string::npos; },
                    seconds(20));
   }
 

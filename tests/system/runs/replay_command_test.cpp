@@ -51,10 +51,10 @@ TEST_F(Replay, StockLogplayerFeedsAHandStartedAnalyzerThatFindsTheSame) {
   const fs::path again = folder.path() / "again.lcmlog";
   Background logger("exec lcm-logger -q --lcm-url=" + url + " " + again.string());
   Background analyzer("exec analyzer --lcm-url " + url);
-  ASSERT_TRUE(waitFor([&] { return fs::exists(again) && fs::file_size(again) > 0; }, seconds(10)));
+  ASSERT_TRUE(waitUntil([&] { return fs::exists(again) && fs::file_size(again) > 0; }, seconds(10)));
   const Finished player = run("lcm-logplayer -s 15 -l " + url + " " + log.string());
   ASSERT_EQ(player.exit_code, 0) << player.output;
-  waitFor([] { return false; }, seconds(2));  // the analyzer's last round
+  waitUntil([] { return false; }, seconds(2));  // the analyzer's last round
   analyzer.signal(SIGTERM);
   EXPECT_EQ(analyzer.wait(seconds(10)).exit_code, 0);
   logger.signal(SIGTERM);

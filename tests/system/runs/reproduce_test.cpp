@@ -82,7 +82,7 @@ TEST(Reproduce, EndsCleanlyAtCtrlC) {
   const TemporaryFolder folder;
   const fs::path out = folder.path() / "out";
   Background lab("exec lab reproduce --hours 20 --panels 2b --out " + out.string());
-  ASSERT_TRUE(waitFor([&] { return fs::exists(out / "films"); }, std::chrono::seconds(20)));
+  ASSERT_TRUE(waitUntil([&] { return fs::exists(out / "films"); }, std::chrono::seconds(20)));
   lab.signal(SIGINT);
   const Finished dut = lab.wait(std::chrono::seconds(20));
   EXPECT_EQ(dut.exit_code, 1) << dut.output;

@@ -39,7 +39,7 @@ class Scripting : public testing::Test {
   Finished overrule(const std::string& program) {
     Background lab("exec lab run " + experiment("light_switching").string() +
                    " --no-report --set duration_s=12 --out " + (folder_.path() / "runs").string());
-    if (!waitFor([&lab] { return lab.output().find("running") != std::string::npos; },
+    if (!waitUntil([&lab] { return lab.output().find("running") != std::string::npos; },
                  milliseconds(15'000))) {
       ADD_FAILURE() << lab.output();
       return {};

@@ -41,7 +41,7 @@ class WebRun : public testing::Test {
   }
 
   static std::string addressOf(Background& lab) {
-    waitFor([&] { return !addressIn(lab.output()).empty(); }, seconds(20));
+    waitUntil([&] { return !addressIn(lab.output()).empty(); }, seconds(20));
     return addressIn(lab.output());
   }
 
@@ -101,11 +101,11 @@ TEST_F(WebRun, AnswersObeysWishesAndComesAgainWhenItIsKilled) {
   const fs::path copy = folder.path() / "address";
   Background lab(labRun("--web --web-address-file " + copy.string()));
   ASSERT_TRUE(
-      waitFor([&] { return lab.output().find("running ") != std::string::npos; }, seconds(20)))
+      waitUntil([&] { return lab.output().find("running ") != std::string::npos; }, seconds(20)))
       << lab.output();
   const std::string address = addressOf(lab);
   ASSERT_THAT(address, HasSubstr("http://127.0.0.1:28480/#token=")) << lab.output();
-  EXPECT_TRUE(waitFor([&] { return readFile(copy) == address + "\n"; }, seconds(5)));
+  EXPECT_TRUE(waitUntil([&] { return readFile(copy) == address + "\n"; }, seconds(5)));
   EXPECT_EQ(fs::status(copy).permissions(), fs::perms::owner_read | fs::perms::owner_write);
   EXPECT_TRUE(answers(address));
 
@@ -121,10 +121,10 @@ TEST_F(WebRun, AnswersObeysWishesAndComesAgainWhenItIsKilled) {
   EXPECT_EQ(run("lab light 0.5 --for 1").exit_code, 0);
 
   for (const pid_t pid : childrenWith(lab.pid(), "/dashboard")) kill(pid, SIGKILL);
-  ASSERT_TRUE(waitFor(
+  ASSERT_TRUE(waitUntil(
       [&] { return lab.output().find("dashboard died (killed by signal 9)") != std::string::npos; },
       seconds(10)));
-  EXPECT_TRUE(waitFor([&] { return answers(address); }, seconds(20))) << "on the same port";
+  EXPECT_TRUE(waitUntil([&] { return answers(address); }, seconds(20))) << "on the same port";
 
   const Finished end = run("lab end seen enough");
   EXPECT_EQ(end.exit_code, 0) << end.output;
@@ -175,7 +175,7 @@ TEST_F(WebRun, ReplaysOnAPageAndSaysThatNobodyObeys) {
   EXPECT_EQ(mark.exit_code, 1);
   EXPECT_THAT(mark.output, HasSubstr("a recorded run"));
   EXPECT_EQ(run("lab resume").exit_code, 0);
-  EXPECT_TRUE(waitFor([&] { return replay.output().find("paused (space") != std::string::npos; },
+  EXPECT_TRUE(waitUntil([&] { return replay.output().find("paused (space") != std::string::npos; },
                       seconds(20)))
       << "it stands at its end";
   EXPECT_TRUE(replay.running());

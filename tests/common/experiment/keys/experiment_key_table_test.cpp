@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "tests/support/experiment_samples.hpp"
+#include "tests/support/text_file.hpp"
 
 namespace lab::keys {
 namespace {
@@ -12,7 +13,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
 TEST(KeyTable, StandsInTheDocsWordByWord) {
-  const std::string docs = readText(std::filesystem::path(LAB_ROOT) / "docs" / "experiments.md");
+  const std::string docs = support::readFile(std::filesystem::path(LAB_ROOT) / "docs" / "experiments.md");
 
   EXPECT_TRUE(docs.find(keyTables()) != std::string::npos)
       << "docs/experiments.md must contain, in place of its tables:\n\n"
