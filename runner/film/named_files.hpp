@@ -1,4 +1,4 @@
-/// Files that a command line names.
+/// Checks of file names on the command line.
 #pragma once
 
 #include <filesystem>
@@ -9,14 +9,14 @@
 
 namespace lab::runner {
 
-/// Whether a file can be written, before the work for it begins.
-/// @throws UserError when it is there already and may not be replaced, is a folder, or when its
-///   folder is not there or lets nobody write.
+/// Checks before the work begins that a file can be written.
+/// @throws UserError if it exists and `force` is not set, if it is a folder, or if its folder does
+///   not exist or is not writable
 void checkOutput(const std::filesystem::path& path, bool force);
 
-/// FilmReader::open().
-/// @param fps [1/s] of pictures without times, 0: 30
-/// @throws UserError when there is no such film, and for a network stream, which has no end.
+/// FilmReader::open() with errors as UserError.
+/// @param fps rate of pictures without times [1/s]; 0 for 30
+/// @throws UserError if the film cannot be opened, or is a network stream, which has no end
 [[nodiscard]] std::unique_ptr<FilmReader> openFilm(const std::string& source, double fps = 0);
 
 }  // namespace lab::runner

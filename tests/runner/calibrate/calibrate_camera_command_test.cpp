@@ -127,7 +127,7 @@ TEST_F(CalibrateCamera, FindsTheCameraThatTookTheFilm) {
   EXPECT_EQ(found.camera.width, kWidth);
   EXPECT_EQ(found.camera.height, kHeight);
 
-  EXPECT_THAT(problem(), HasSubstr("is there already"));
+  EXPECT_THAT(problem(), HasSubstr("already exists"));
 }
 
 TEST_F(CalibrateCamera, FindsACameraThatEncodesForTheEye) {
@@ -182,7 +182,7 @@ TEST_F(CalibrateCamera, DrawsCapsToPrint) {
   EXPECT_EQ(count("r=\"9\"/>"), 6);
   EXPECT_EQ(count("r=\"5.5\"/>"), 6);
   EXPECT_THAT(svg, HasSubstr("width=\"210mm\" height=\"297mm\""));
-  EXPECT_THAT(problem(), HasSubstr("is there already"));
+  EXPECT_THAT(problem(), HasSubstr("already exists"));
 
   options_.cap_radius_cm = 20;  // larger than the paper: one, on a larger drawing
   options_.force = true;
@@ -206,7 +206,7 @@ TEST_F(CalibrateCamera, SaysWhichSizeNoCapHas) {
 TEST_F(CalibrateCamera, AsksForAPlaceToWriteBeforeItLooksAtTheFilm) {
   options_.source = (folder_ / "there_is_none").string();
   options_.out = folder_ / "nowhere" / "camera.json";
-  EXPECT_THAT(problem(), HasSubstr("there is no folder"));
+  EXPECT_THAT(problem(), HasSubstr("does not exist"));
   options_.out = folder_ / "";
   EXPECT_THAT(problem(), HasSubstr("is a folder"));
   options_.out = folder_ / "camera.json";

@@ -35,7 +35,7 @@ TEST(DoctorOfDds, NamesWhatDoesNotFit) {
   other_type.type = "String_";
 
   EXPECT_THAT(findingsOf({best_effort, kReader}).at(1).what,
-              HasSubstr("rt/lab/robot1/pose hears nothing of a writer: it is best effort"));
+              HasSubstr("rt/lab/robot1/pose does not match a writer: the writer is best effort"));
   EXPECT_THAT(findingsOf({kWriter, late}).at(1).what, HasSubstr("wanted transient local"));
   EXPECT_THAT(findingsOf({kWriter, other_type}).at(1).what, HasSubstr("wanted String_"));
   EXPECT_THAT(findingsOf({best_effort, kReader}).at(1).fix, HasSubstr("/lab/robot1/pose"));
@@ -64,7 +64,7 @@ TEST(DoctorOfDds, AnOwnerWhoReadsTwoTypesHearsBoth) {
   elsewhere.owner = "echo";
   const auto found = findingsOf({teleop, plain, stamped, elsewhere});
   ASSERT_EQ(found.size(), 2U);
-  EXPECT_THAT(found[1].what, HasSubstr("its type is Twist_, wanted TwistStamped_"));
+  EXPECT_THAT(found[1].what, HasSubstr("the writer's type is Twist_, the reader's TwistStamped_"));
 
   DdsEndpoint text = teleop;  // neither of the two
   text.type = "String_";
@@ -97,9 +97,9 @@ TEST(DoctorOfPorts, NamesThoseThatAreTaken) {
   const auto found = judgePorts(experiment, none, none);
   ASSERT_EQ(found.size(), 2U);
   EXPECT_EQ(found[0].level, Level::kWarning);
-  EXPECT_THAT(found[0].what, HasSubstr("UDP port 23456 (network.port) is taken"));
+  EXPECT_THAT(found[0].what, HasSubstr("UDP port 23456 (network.port) is in use"));
   EXPECT_THAT(found[0].fix, HasSubstr("another network.port"));
-  EXPECT_THAT(found[1].what, HasSubstr("UDP port 8150 (of gateway.domain = 3) is taken"));
+  EXPECT_THAT(found[1].what, HasSubstr("UDP port 8150 (gateway.domain = 3) is in use"));
   EXPECT_THAT(found[1].fix, HasSubstr("another gateway.domain"));
 }
 

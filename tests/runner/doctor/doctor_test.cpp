@@ -155,13 +155,13 @@ TEST(Doctor, NamesDevicesThatTheUserMayNotUseAndTheGroupThatMay) {
   MachineFacts lines = healthyMachine();
   lines.serial_lines = 2;
   lines.closed_serial_lines = {"/dev/ttyUSB1"};
-  EXPECT_THAT(onlyComplaint(lines).what, HasSubstr("may not use /dev/ttyUSB1"));
+  EXPECT_THAT(onlyComplaint(lines).what, HasSubstr("no access to /dev/ttyUSB1"));
   EXPECT_THAT(onlyComplaint(lines).fix, HasSubstr("usermod -aG dialout $USER"));
 
   MachineFacts cameras = healthyMachine();
   cameras.cameras = 1;
   cameras.closed_cameras = {"/dev/video0"};
-  EXPECT_THAT(onlyComplaint(cameras).what, HasSubstr("may not use /dev/video0"));
+  EXPECT_THAT(onlyComplaint(cameras).what, HasSubstr("no access to /dev/video0"));
   EXPECT_THAT(onlyComplaint(cameras).fix, HasSubstr("usermod -aG video $USER"));
 }
 

@@ -117,7 +117,7 @@ TEST_F(TrackCommand, SaysFromWhichFrameOnItKnewHowAFilmIsEncoded) {
   EXPECT_EQ(track(options_), kDone);
   EXPECT_THAT(testing::internal::GetCapturedStdout(),
               AllOf(HasSubstr("with a gamma of 2.2"),
-                    HasSubstr("only from frame 12 on; those before were read otherwise")));
+                    HasSubstr("only from frame 12 on; earlier frames were read with another gamma")));
   EXPECT_THAT(readFile(options_.out), HasSubstr("\n12,3,"));
 }
 
@@ -222,7 +222,7 @@ TEST_F(TrackCommand, TakesEverySecondPictureWhenToldTo) {
 TEST_F(TrackCommand, SaysWhereTimesComeFromIfNobodyKnowsThem) {
   testing::internal::CaptureStdout();
   EXPECT_EQ(track(options_), kDone);
-  EXPECT_THAT(testing::internal::GetCapturedStdout(), HasSubstr("taken for 30 a second: --fps"));
+  EXPECT_THAT(testing::internal::GetCapturedStdout(), HasSubstr("30 pictures per second are assumed: set --fps"));
   EXPECT_THAT(readFile(options_.out), HasSubstr(",0.133333\n"));
 
   options_.fps = 2;
@@ -236,7 +236,7 @@ TEST_F(TrackCommand, SaysWhereTimesComeFromIfNobodyKnowsThem) {
 TEST_F(TrackCommand, RefusesFpsBesideATableOfTimes) {
   write("film/frames.csv", "frame,t_s\n0,0\n1,0.5\n2,1\n3,1.5\n4,2\n");
   options_.fps = 10;
-  EXPECT_THAT(problem(), HasSubstr("found --fps beside the times of frames.csv"));
+  EXPECT_THAT(problem(), HasSubstr("found --fps and the times of frames.csv"));
   EXPECT_FALSE(fs::exists(options_.out));
 }
 
@@ -247,7 +247,7 @@ TEST_F(TrackCommand, TakesTheRateOfAMovieFromItsUserIfAsked) {
   options_.fps = 200;
   testing::internal::CaptureStdout();
   EXPECT_EQ(track(options_), kDone);
-  EXPECT_THAT(testing::internal::GetCapturedStdout(), HasSubstr("those of 200 frames a second"));
+  EXPECT_THAT(testing::internal::GetCapturedStdout(), HasSubstr("those of 200 frames per second"));
   EXPECT_THAT(readFile(options_.out), HasSubstr(",0.005000\n"));
 }
 
@@ -307,11 +307,11 @@ TEST_F(TrackCommand, SaysThatPlayersTurnAMovie) {
   testing::internal::CaptureStdout();
   EXPECT_EQ(track(options_), kDone);
   EXPECT_THAT(testing::internal::GetCapturedStdout(),
-              AllOf(HasSubstr("players turn these pictures (rotation "), HasSubstr("90)")));
+              AllOf(HasSubstr("players rotate these pictures (rotation "), HasSubstr("90)")));
 
   options_.calibration = folder_ / "other.json";
   options_.force = true;
-  EXPECT_THAT(problem(), HasSubstr("640 x 480 px (as they are stored; players turn them, by rot"));
+  EXPECT_THAT(problem(), HasSubstr("640 x 480 px (as stored; players rotate them, by rot"));
 }
 
 TEST_F(TrackCommand, SaysThatPlayersTurnPictures) {
@@ -324,7 +324,7 @@ TEST_F(TrackCommand, SaysThatPlayersTurnPictures) {
   options_.source = plain.string();
   testing::internal::CaptureStdout();
   EXPECT_EQ(track(options_), kDone);
-  EXPECT_THAT(testing::internal::GetCapturedStdout(), testing::Not(HasSubstr("turn")));
+  EXPECT_THAT(testing::internal::GetCapturedStdout(), testing::Not(HasSubstr("rotate")));
 
   // One tag, Orientation (0x0112) = 6, in a block of its own behind the first two bytes.
   constexpr std::string_view kExif{
@@ -342,7 +342,7 @@ TEST_F(TrackCommand, SaysThatPlayersTurnPictures) {
   testing::internal::CaptureStdout();
   EXPECT_EQ(track(options_), kDone);
   EXPECT_THAT(testing::internal::GetCapturedStdout(),
-              HasSubstr("players turn these pictures (EXIF orientation 6)"));
+              HasSubstr("players rotate these pictures (EXIF orientation 6)"));
 }
 
 TEST_F(TrackCommand, SaysWhatIsMissing) {

@@ -115,7 +115,7 @@ TEST(SshTrouble, NamesTheWayOut) {
   EXPECT_THAT(trouble("ssh: connect to host robot-bench port 22: Connection refused\r\n"),
               HasSubstr("openssh-server"));
   EXPECT_THAT(trouble("ssh: connect to host robot-bench port 22: Connection timed out\r\n"),
-              HasSubstr("is the cable in?"));
+              HasSubstr("is it switched on and connected?"));
   EXPECT_THAT(trouble("bash: line 1: exec: lab: not found\n", "exit code 127"),
               HasSubstr("hosts.bench.programs"));
   EXPECT_THAT(trouble("The following argument was not expected: host-agent\n", "exit code 109"),
