@@ -37,7 +37,7 @@ TEST_P(WrongExperiment, IsRefusedWithFileLineKeyAndWayOut) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Files, WrongExperiment,
-                         ::testing::ValuesIn(tomlFiles("tests/common/wrong_experiments")),
+                         ::testing::ValuesIn(tomlFiles("tests/common/experiment/wrong_experiments")),
                          [](const auto& parameter) { return parameter.param.stem().string(); });
 
 }  // namespace
