@@ -193,7 +193,7 @@ TEST_F(CalibrateCamera, SaysWhichSizeNoCapHas) {
   options_.big_radius_cm = 2;
   EXPECT_THAT(problem(),
               HasSubstr("--cap-radius-cm: found 3.6, expected at least, as far as the circles "
-                        "reach from the axis, 3.8"));
+                        "reach of the circles from the axis, 3.8"));
   options_.big_radius_cm = 0.5;
   EXPECT_THAT(problem(),
               HasSubstr("--small-radius-cm: found 0.55, expected less than the big circle's 0.5"));

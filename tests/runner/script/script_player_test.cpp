@@ -70,18 +70,18 @@ std::vector<std::pair<double, std::size_t>> showings(const Experiment& experimen
   player.begin(kStart);
   std::vector<std::pair<double, std::size_t>> shown;
   while (const auto due = player.due()) {
-    EXPECT_FALSE(player.turn(*due - 1).has_value());
-    const auto turn = player.turn(*due);
+    EXPECT_FALSE(player.nextTransition(*due - 1).has_value());
+    const auto transition = player.nextTransition(*due);
     if (!turn) {
       ADD_FAILURE() << "nothing happened when it was due";
       break;
     }
-    if (turn->kind != ScriptTransition::Kind::kStep) {
+    if (transition->kind != ScriptTransition::Kind::kStep) {
       shown.emplace_back(static_cast<double>(*due - kStart) * 1e-6, 99);
       continue;
     }
-    EXPECT_EQ(turn->number, static_cast<int>(shown.size()));
-    shown.emplace_back(static_cast<double>(*due - kStart) * 1e-6, turn->index);
+    EXPECT_EQ(transition->number, static_cast<int>(shown.size()));
+    shown.emplace_back(static_cast<double>(*due - kStart) * 1e-6, transition->index);
   }
   return shown;
 }
@@ -128,18 +128,18 @@ TEST(ScriptPlayer, GoesOnAtOnceWhenTheConditionIsMetAndNamesTheSample) {
   const Experiment experiment = experimentOf({corner("go", 30), held("then", 5)}, 100);
   ScriptPlayer player(experiment);
   player.begin(kStart);
-  ASSERT_TRUE(player.turn(at(0)));
+  ASSERT_TRUE(player.nextTransition(at(0)));
   player.take(frameAt(1, 0.5));
-  EXPECT_EQ(player.turn(at(1.02)), std::nullopt);
+  EXPECT_EQ(player.nextTransition(at(1.02)), std::nullopt);
   player.take(frameAt(2, 0.05));
-  const auto turn = player.turn(at(2.02));
-  ASSERT_TRUE(turn);
-  EXPECT_EQ(turn->kind, ScriptTransition::Kind::kStep);
-  EXPECT_EQ(turn->index, 1U);
-  EXPECT_EQ(turn->ended_by, "a robot is in the circle of radius 10 cm around 0, 0 cm; sample " +
+  const auto transition = player.nextTransition(at(2.02));
+  ASSERT_TRUE(transition);
+  EXPECT_EQ(transition->kind, ScriptTransition::Kind::kStep);
+  EXPECT_EQ(transition->index, 1U);
+  EXPECT_EQ(transition->ended_by, "a robot is in the circle of radius 10 cm around 0, 0 cm; sample " +
                                 std::to_string(at(2)));
-  EXPECT_EQ(turn->fault, "");
-  EXPECT_EQ(player.turn(at(2.02)), std::nullopt);
+  EXPECT_EQ(transition->fault, "");
+  EXPECT_EQ(player.nextTransition(at(2.02)), std::nullopt);
 }
 
 TEST(ScriptPlayer, ASampleOfBeforeTheStepDoesNotCount) {
@@ -147,13 +147,13 @@ TEST(ScriptPlayer, ASampleOfBeforeTheStepDoesNotCount) {
       experimentOf({corner("go", 30), corner("again", 30), held("then", 5)}, 100);
   ScriptPlayer player(experiment);
   player.begin(kStart);
-  ASSERT_TRUE(player.turn(at(0)));
+  ASSERT_TRUE(player.nextTransition(at(0)));
   player.take(frameAt(2, 0.05));
-  ASSERT_TRUE(player.turn(at(2.02)));
+  ASSERT_TRUE(player.nextTransition(at(2.02)));
   player.take(frameAt(2.01, 0.05));
-  EXPECT_EQ(player.turn(at(2.03)), std::nullopt);
+  EXPECT_EQ(player.nextTransition(at(2.03)), std::nullopt);
   player.take(frameAt(2.03, 0.05));
-  EXPECT_TRUE(player.turn(at(2.05)));
+  EXPECT_TRUE(player.nextTransition(at(2.05)));
 }
 
 TEST(ScriptPlayer, ALimitThatComesFirstIsAFaultWhateverFollows) {
@@ -163,17 +163,17 @@ TEST(ScriptPlayer, ALimitThatComesFirstIsAFaultWhateverFollows) {
     const Experiment experiment = experimentOf({corner("go", 30, if_not), held("then", 5)}, 100);
     ScriptPlayer player(experiment);
     player.begin(kStart);
-    ASSERT_TRUE(player.turn(at(0)));
+    ASSERT_TRUE(player.nextTransition(at(0)));
     player.take(frameAt(1, 0.5));
-    EXPECT_EQ(player.turn(at(29.999)), std::nullopt);
-    const auto turn = player.turn(at(30));
-    ASSERT_TRUE(turn);
-    EXPECT_EQ(turn->kind, kind);
-    EXPECT_THAT(turn->fault, HasSubstr("step 0 \"go\" waited 30 s in vain until a robot is in"));
-    EXPECT_THAT(turn->fault, HasSubstr("robot 1 came nearest, to 40.0 cm"));
-    EXPECT_THAT(turn->ended_by, HasSubstr("its limit of 30 s"));
+    EXPECT_EQ(player.nextTransition(at(29.999)), std::nullopt);
+    const auto transition = player.nextTransition(at(30));
+    ASSERT_TRUE(transition);
+    EXPECT_EQ(transition->kind, kind);
+    EXPECT_THAT(transition->fault, HasSubstr("step 0 \"go\" waited 30 s in vain until a robot is in"));
+    EXPECT_THAT(transition->fault, HasSubstr("robot 1 came nearest, to 40.0 cm"));
+    EXPECT_THAT(transition->ended_by, HasSubstr("its limit of 30 s"));
     EXPECT_EQ(player.due().has_value(), if_not == IfNot::kNext);
-    EXPECT_EQ(player.turn(at(31)), std::nullopt);
+    EXPECT_EQ(player.nextTransition(at(31)), std::nullopt);
   }
 }
 
@@ -181,23 +181,23 @@ TEST(ScriptPlayer, TheLastStepsConditionEndsTheRun) {
   const Experiment experiment = experimentOf({corner("go", 30)}, 30);
   ScriptPlayer player(experiment);
   player.begin(kStart);
-  ASSERT_TRUE(player.turn(at(0)));
+  ASSERT_TRUE(player.nextTransition(at(0)));
   player.take(frameAt(3, 0));
-  const auto turn = player.turn(at(3));
-  ASSERT_TRUE(turn);
-  EXPECT_EQ(turn->kind, ScriptTransition::Kind::kOver);
-  EXPECT_THAT(turn->ended_by, HasSubstr("sample"));
+  const auto transition = player.nextTransition(at(3));
+  ASSERT_TRUE(transition);
+  EXPECT_EQ(transition->kind, ScriptTransition::Kind::kOver);
+  EXPECT_THAT(transition->ended_by, HasSubstr("sample"));
 }
 
 TEST(ScriptPlayer, ALimitThatFallsOnTheRunsEndIsAFaultToo) {
   const Experiment experiment = experimentOf({corner("go", 30, IfNot::kSafe)}, 30);
   ScriptPlayer player(experiment);
   player.begin(kStart);
-  ASSERT_TRUE(player.turn(at(0)));
-  const auto turn = player.turn(at(30));
-  ASSERT_TRUE(turn);
-  EXPECT_EQ(turn->kind, ScriptTransition::Kind::kSafe);
-  EXPECT_THAT(turn->fault, HasSubstr("no robot was seen"));
+  ASSERT_TRUE(player.nextTransition(at(0)));
+  const auto transition = player.nextTransition(at(30));
+  ASSERT_TRUE(transition);
+  EXPECT_EQ(transition->kind, ScriptTransition::Kind::kSafe);
+  EXPECT_THAT(transition->fault, HasSubstr("no robot was seen"));
 }
 
 TEST(ScriptPlayer, LateCallsDoNotAddUp) {
@@ -208,7 +208,7 @@ TEST(ScriptPlayer, LateCallsDoNotAddUp) {
   double now = 0;
   while (player.due() && *player.due() < at(100)) {
     now = static_cast<double>(*player.due() - kStart) * 1e-6 + 0.01;  // each 10 ms late
-    ASSERT_TRUE(player.turn(at(now)));
+    ASSERT_TRUE(player.nextTransition(at(now)));
   }
   EXPECT_NEAR(now, 7.01, 1e-9);
 }
@@ -217,11 +217,11 @@ TEST(ScriptPlayer, ARepeatingScriptIsCutByTheRunsEndWithoutAFault) {
   const Experiment experiment = experimentOf({corner("go", 30, IfNot::kEnd)}, 10, true, 30);
   ScriptPlayer player(experiment);
   player.begin(kStart);
-  ASSERT_TRUE(player.turn(at(0)));
-  const auto turn = player.turn(at(10));
-  ASSERT_TRUE(turn);
-  EXPECT_EQ(turn->kind, ScriptTransition::Kind::kOver);
-  EXPECT_EQ(turn->fault, "");
+  ASSERT_TRUE(player.nextTransition(at(0)));
+  const auto transition = player.nextTransition(at(10));
+  ASSERT_TRUE(transition);
+  EXPECT_EQ(transition->kind, ScriptTransition::Kind::kOver);
+  EXPECT_EQ(transition->fault, "");
 }
 
 }  // namespace
