@@ -30,7 +30,7 @@ constexpr int kStep_ms = 5;
 constexpr int kDisconnectTimeout_ms = 6000;
 constexpr double kUnresponsive = 2.0;       // [s] of silence; after it no answer is awaited
 constexpr std::size_t kChunk = 256 * 1024;  // [byte] of a file per message
-constexpr std::size_t kMostBytesQueued = 8 * kChunk;
+constexpr std::size_t kMostRequestBytes = 8 * kChunk;
 constexpr std::int64_t kMostErrorText = 16384;  // [byte]
 
 void closeIfOpen(int& descriptor) {
@@ -166,7 +166,7 @@ void RemoteHost::attend() {
   const auto now = Steady::now();
   if (now - last_alive_ >= milliseconds(kHostHeartbeat_ms) && state_ != State::kRefused) {
     last_alive_ = now;
-    if (lines_->waiting() < kMostBytesQueued) lines_->send({{"do", "alive"}});
+    if (lines_->waiting() < kMostRequestBytes) lines_->send({{"do", "alive"}});
   }
   sendQueued();
   lines_->flush();
@@ -246,9 +246,9 @@ void RemoteHost::queue(Json message) {
   if (lines_) sendQueued();
 }
 
-/// Keeps at most kMostBytesQueued in memory; attend() sends the rest of large files later.
+/// Keeps at most kMostRequestBytes in memory; attend() sends the rest of large files later.
 void RemoteHost::sendQueued() {
-  while (!outbox_.empty() && lines_->waiting() < kMostBytesQueued) {
+  while (!outbox_.empty() && lines_->waiting() < kMostRequestBytes) {
     if (outbox_.front()()) outbox_.pop_front();
   }
 }

@@ -17,7 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 
-std::string said(const std::vector<std::string>& set) {
+std::string checkOutputOf(const std::vector<std::string>& set) {
   const TemporaryFolder folder;
   const fs::path file = folder / "small.toml";
   support::writeFile(file, std::string(kSmall));
@@ -27,10 +27,10 @@ std::string said(const std::vector<std::string>& set) {
   return testing::internal::GetCapturedStdout();
 }
 
-TEST(CheckCommand, SaysThePersistenceLengthOfTheExactLaw) {
-  // As `lab theory` and the report have it (tests/analyzer/laws_test.cpp); v / D_r is 4 cm.
-  EXPECT_THAT(said({}), HasSubstr("L_s = 4.197 cm"));
-  EXPECT_THAT(said({"programs.abp.epsilon_s=0.1", "programs.abp.eta_rad_s=6"}),
+TEST(CheckCommand, PrintsThePersistenceLengthOfTheExactLaw) {
+  // The value of `lab theory` and of the report (tests/analyzer/laws_test.cpp); v / D_r is 4 cm.
+  EXPECT_THAT(checkOutputOf({}), HasSubstr("L_s = 4.197 cm"));
+  EXPECT_THAT(checkOutputOf({"programs.abp.epsilon_s=0.1", "programs.abp.eta_rad_s=6"}),
               HasSubstr("D_r = 0.6 rad^2/s, L_s = 5.0"));
 }
 

@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 
-/// A folder with a firmware and an avrdude that only writes down how it was called.
+/// A folder with a firmware and a script in place of avrdude that records its arguments.
 class FlashTest : public testing::Test {
  protected:
   FlashTest() {
@@ -41,7 +41,7 @@ class FlashTest : public testing::Test {
     fs::permissions(script, fs::perms::owner_all);
   }
 
-  /// The arguments of avrdude, a call a line.
+  /// The arguments of avrdude, one line per call.
   std::string called() const {
     const fs::path file = folder_ / "called";
     std::string lines = fs::exists(file) ? support::readFile(file) : "";
@@ -49,7 +49,7 @@ class FlashTest : public testing::Test {
     return lines;
   }
 
-  /// Flashes; what it printed.
+  /// Runs flash(). @return its output
   std::string flashed(ExitCode expected) {
     testing::internal::CaptureStdout();
     EXPECT_EQ(flash(options_), expected);
@@ -72,7 +72,7 @@ class FlashTest : public testing::Test {
   std::string old_path_ = std::getenv("PATH");
 };
 
-/// A robot behind a pseudo terminal, on a thread of its own.
+/// A robot at a pseudo terminal, in its own thread.
 class RobotThread {
  public:
   explicit RobotThread(const fs::path& ports) {
@@ -113,28 +113,29 @@ class RobotThread {
   std::thread thread_;
 };
 
-TEST_F(FlashTest, WritesGreetsAndNumbersARobot) {
+TEST_F(FlashTest, FlashesARobotAndAssignsItsUid) {
   const RobotThread robot(folder_ / "ports");
   EXPECT_THAT(flashed(kDone),
               testing::ContainsRegex("firmware 1\\.0, .*has one now: uid = [0-9]+"));
   EXPECT_EQ(called(), "-q -p m328p -c arduino -P " + options_.port + " -b 57600 -D -U flash:w:" +
                           (folder_ / "bin/robot_firmware.hex").string() + ":i");
-  // Again: it keeps its number.
+  // A second time the robot keeps its uid.
   EXPECT_THAT(flashed(kDone), testing::Not(HasSubstr("has one now")));
 }
 
-TEST_F(FlashTest, ByAProgrammerSetsTheFuses) {
+TEST_F(FlashTest, WithAProgrammerSetsTheFuses) {
   const RobotThread robot(folder_ / "ports");
   options_.isp = "usbasp";
   flashed(kDone);
-  // Two calls: the chip is erased with the second, when the fuse that keeps the EEPROM is set.
+  // Two calls: the second one erases the chip, when the fuse that preserves the EEPROM is already
+  // set.
   EXPECT_EQ(called(),
             "-q -p m328p -c usbasp -U lfuse:w:0xFF:m -U hfuse:w:0xD7:m -U "
             "efuse:w:0xFD:m\n-q -p m328p -c usbasp -U flash:w:" +
                 (folder_ / "bin/robot_firmware.hex").string() + ":i");
 }
 
-TEST_F(FlashTest, ThatFailsIsToldAndNoRobotIsAsked) {
+TEST_F(FlashTest, ReportsAFailureOfAvrdude) {
   const RobotThread robot(folder_ / "ports");
   setAvrdude(1);
   EXPECT_THAT(flashed(kFailed), HasSubstr("NOT flashed: avrdude ended with code 1"));

@@ -59,7 +59,7 @@ class TrackCommand : public testing::Test {
     std::ofstream(folder_ / name) << text;
   }
 
-  /// The pictures as a movie whose parts have checksums.
+  /// The pictures as a movie with a checksum for every slice.
   [[nodiscard]] fs::path movie() const {
     fs::path file = folder_ / "whole.avi";
     const std::string command = "ffmpeg -v error -framerate 30 -i '" + options_.source +
@@ -69,7 +69,7 @@ class TrackCommand : public testing::Test {
     return file;
   }
 
-  /// The message of the error that tracking ends with.
+  /// The message of the exception of track(), or "none".
   [[nodiscard]] std::string problem() const {
     try {
       static_cast<void>(track(options_));
@@ -95,7 +95,7 @@ TEST_F(TrackCommand, WritesARowForEveryRobotInEveryPicture) {
   EXPECT_FALSE(fs::exists(options_.out.string() + ".part"));
 }
 
-TEST_F(TrackCommand, ReadsAFilmThatWasEncodedForTheEye) {
+TEST_F(TrackCommand, ReadsAFilmWithGamma) {
   film("webcam", 2.2);
   options_.source = (folder_ / "webcam").string();
   testing::internal::CaptureStdout();
@@ -106,25 +106,26 @@ TEST_F(TrackCommand, ReadsAFilmThatWasEncodedForTheEye) {
   EXPECT_EQ(linesIn(readFile(options_.out)), 1 + 5 * 3);
 }
 
-TEST_F(TrackCommand, SaysFromWhichFrameOnItKnewHowAFilmIsEncoded) {
+TEST_F(TrackCommand, ReportsFromWhichFrameOnTheGammaWasKnown) {
   film("late", 2.2, 2);
-  for (int k = 4; k >= 0; --k) {  // the numbers are those in the pictures' names
+  for (int k = 4; k >= 0; --k) {  // frames are numbered by the file names
     const std::string name = std::to_string(k) + ".png";
     fs::rename(folder_ / ("late/f000" + name), folder_ / ("late/f001" + name));
   }
   options_.source = (folder_ / "late").string();
   testing::internal::CaptureStdout();
   EXPECT_EQ(track(options_), kDone);
-  EXPECT_THAT(testing::internal::GetCapturedStdout(),
-              AllOf(HasSubstr("with a gamma of 2.2"),
-                    HasSubstr("only from frame 12 on; earlier frames were read with another gamma")));
+  EXPECT_THAT(
+      testing::internal::GetCapturedStdout(),
+      AllOf(HasSubstr("with a gamma of 2.2"),
+            HasSubstr("only from frame 12 on; earlier frames were read with another gamma")));
   EXPECT_THAT(readFile(options_.out), HasSubstr("\n12,3,"));
 }
 
-TEST_F(TrackCommand, BelievesTheCalibrationOverThePictures) {
+TEST_F(TrackCommand, UsesTheGammaOfTheCalibration) {
   CameraCalibration calibration;
   calibration.camera = PaintedFilm::settings().camera;
-  calibration.imaging = optics::Imaging{.gamma = 5};  // in which no cap is round
+  calibration.imaging = optics::Imaging{.gamma = 5};  // with which no cap appears round
   write("wrong.json", cameraFileText(calibration));
   options_.calibration = folder_ / "wrong.json";
   testing::internal::CaptureStdout();
@@ -134,10 +135,10 @@ TEST_F(TrackCommand, BelievesTheCalibrationOverThePictures) {
                     HasSubstr("with a gamma of 5, as the calibration says")));
 }
 
-TEST_F(TrackCommand, GivesARobotThatIsPutInWhereAnotherWasTakenOutAnIdOfItsOwn) {
+TEST_F(TrackCommand, GivesARobotThatReplacesAnotherANewId) {
   fs::create_directory(folder_ / "two");
   PaintedFilm film;
-  for (int k = 0; k < 12; ++k) {  // at rest for 3 s, nothing for 2 s, then another 45 cm away
+  for (int k = 0; k < 12; ++k) {  // at rest for 3 s, no robot for 2 s, then another one 45 cm away
     std::vector<sim::PaintedRobot> robots;
     if (k < 6) robots = {{0.62, 0.54, 1}};
     if (k >= 10) robots = {{0.17, 0.54, 1}};
@@ -151,7 +152,7 @@ TEST_F(TrackCommand, GivesARobotThatIsPutInWhereAnotherWasTakenOutAnIdOfItsOwn) 
   EXPECT_THAT(readFile(options_.out), AllOf(HasSubstr("\n5,1,"), HasSubstr("\n10,2,")));
 }
 
-/// The camera of a calibration, turned about its own x axis.
+/// The camera rotated about its own x axis.
 optics::CameraParameters tilted(optics::CameraParameters camera, double angle) {
   const double c = std::cos(angle);
   const double s = std::sin(angle);
@@ -165,7 +166,7 @@ optics::CameraParameters tilted(optics::CameraParameters camera, double angle) {
   return camera;
 }
 
-TEST_F(TrackCommand, WarnsOfACalibrationThatPosesSpeakAgainst) {
+TEST_F(TrackCommand, WarnsOfACalibrationThatDoesNotFitThePoses) {
   fs::create_directory(folder_ / "many");
   std::vector<sim::PaintedRobot> robots;
   for (int i = 0; i < 20; ++i) {
@@ -198,7 +199,7 @@ TEST_F(TrackCommand, WarnsOfACalibrationThatPosesSpeakAgainst) {
                                      "90 cm, by up to 48.0 cm"));
 }
 
-TEST_F(TrackCommand, WarnsWhereTheSpacingVariesThoughThePlacesAreTooFewForASlope) {
+TEST_F(TrackCommand, WarnsOfVaryingSpacingEvenWithTooFewPlacesForAFit) {
   CameraCalibration calibration;
   calibration.camera = tilted(PaintedFilm::settings().camera, 0.1);
   write("camera.json", cameraFileText(calibration));
@@ -209,7 +210,7 @@ TEST_F(TrackCommand, WarnsWhereTheSpacingVariesThoughThePlacesAreTooFewForASlope
                     testing::Not(HasSubstr("does not fit"))));
 }
 
-TEST_F(TrackCommand, TakesEverySecondPictureWhenToldTo) {
+TEST_F(TrackCommand, ReadsEverySecondPictureOnRequest) {
   options_.every = 2;
 
   EXPECT_EQ(track(options_), kDone);
@@ -219,10 +220,11 @@ TEST_F(TrackCommand, TakesEverySecondPictureWhenToldTo) {
   EXPECT_THAT(poses, testing::Not(HasSubstr("\n1,")));
 }
 
-TEST_F(TrackCommand, SaysWhereTimesComeFromIfNobodyKnowsThem) {
+TEST_F(TrackCommand, ReportsTheAssumedRateOfPicturesWithoutTimes) {
   testing::internal::CaptureStdout();
   EXPECT_EQ(track(options_), kDone);
-  EXPECT_THAT(testing::internal::GetCapturedStdout(), HasSubstr("30 pictures per second are assumed: set --fps"));
+  EXPECT_THAT(testing::internal::GetCapturedStdout(),
+              HasSubstr("30 pictures per second are assumed: set --fps"));
   EXPECT_THAT(readFile(options_.out), HasSubstr(",0.133333\n"));
 
   options_.fps = 2;
@@ -240,8 +242,8 @@ TEST_F(TrackCommand, RefusesFpsBesideATableOfTimes) {
   EXPECT_FALSE(fs::exists(options_.out));
 }
 
-// A film in slow motion says how fast it is played, not how fast it was taken.
-TEST_F(TrackCommand, TakesTheRateOfAMovieFromItsUserIfAsked) {
+// The times of a slow-motion movie are those of playback, not of recording.
+TEST_F(TrackCommand, UsesTheRateOfTheUserForAMovie) {
   if (!isInstalled("ffmpeg")) GTEST_SKIP() << "ffmpeg is not installed";
   options_.source = movie().string();
   options_.fps = 200;
@@ -251,18 +253,18 @@ TEST_F(TrackCommand, TakesTheRateOfAMovieFromItsUserIfAsked) {
   EXPECT_THAT(readFile(options_.out), HasSubstr(",0.005000\n"));
 }
 
-TEST_F(TrackCommand, ReplacesNothingUnasked) {
-  write("poses.csv", "precious");
+TEST_F(TrackCommand, ReplacesFilesOnlyWithForce) {
+  write("poses.csv", "kept");
 
   EXPECT_THAT(problem(), HasSubstr("--force"));
-  EXPECT_EQ(readFile(options_.out), "precious");
+  EXPECT_EQ(readFile(options_.out), "kept");
 
   options_.force = true;
   EXPECT_EQ(track(options_), kDone);
   EXPECT_EQ(linesIn(readFile(options_.out)), 16);
 }
 
-TEST_F(TrackCommand, WritesOverNothingThatItReadsOrWrites) {
+TEST_F(TrackCommand, RefusesToOverwriteItsInputsAndOutputs) {
   const std::string calibration = readFile(options_.calibration);
   options_.force = true;
   options_.out = options_.calibration;
@@ -275,16 +277,16 @@ TEST_F(TrackCommand, WritesOverNothingThatItReadsOrWrites) {
   EXPECT_FALSE(fs::exists(options_.out));
 }
 
-TEST_F(TrackCommand, KeepsThePosesWhereTheOverlayCannotBeWritten) {
+TEST_F(TrackCommand, KeepsThePosesIfTheOverlayCannotBeWritten) {
   options_.overlay = folder_ / "sheet.png";
-  fs::create_directory(folder_ / ".sheet.part.png");  // where it is written first
+  fs::create_directory(folder_ / ".sheet.part.png");  // its temporary name
 
   EXPECT_EQ(track(options_), kMarked);
 
   EXPECT_EQ(linesIn(readFile(options_.out)), 16);
 }
 
-TEST_F(TrackCommand, NamesBothSizesWhereTheCalibrationIsOfAnother) {
+TEST_F(TrackCommand, NamesBothSizesIfTheCalibrationHasAnother) {
   options_.calibration = folder_ / "other.json";
 
   const std::string said = problem();
@@ -295,13 +297,13 @@ TEST_F(TrackCommand, NamesBothSizesWhereTheCalibrationIsOfAnother) {
   EXPECT_FALSE(fs::exists(options_.out));
 }
 
-TEST_F(TrackCommand, SaysThatPlayersTurnAMovie) {
+TEST_F(TrackCommand, ReportsThatPlayersRotateAMovie) {
   if (!isInstalled("ffmpeg")) GTEST_SKIP() << "ffmpeg is not installed";
   const fs::path turned = folder_ / "turned.mov";
   const std::string command = "ffmpeg -v error -i '" + movie().string() + "' -c:v png '" +
                               turned.string() + ".mov' && ffmpeg -v error -i '" + turned.string() +
                               ".mov' -c copy -metadata:s:v rotate=90 '" + turned.string() +
-                              "'";  // only copied is it kept
+                              "'";  // only a copied stream keeps the rotation
   ASSERT_EQ(std::system(command.c_str()), 0);
   options_.source = turned.string();
   testing::internal::CaptureStdout();
@@ -314,7 +316,7 @@ TEST_F(TrackCommand, SaysThatPlayersTurnAMovie) {
   EXPECT_THAT(problem(), HasSubstr("640 x 480 px (as stored; players rotate them, by rot"));
 }
 
-TEST_F(TrackCommand, SaysThatPlayersTurnPictures) {
+TEST_F(TrackCommand, ReportsThatPlayersRotatePictures) {
   if (!isInstalled("ffmpeg")) GTEST_SKIP() << "ffmpeg is not installed";
   fs::create_directory(folder_ / "phone");
   const fs::path plain = folder_ / "plain.jpg";
@@ -326,7 +328,7 @@ TEST_F(TrackCommand, SaysThatPlayersTurnPictures) {
   EXPECT_EQ(track(options_), kDone);
   EXPECT_THAT(testing::internal::GetCapturedStdout(), testing::Not(HasSubstr("rotate")));
 
-  // One tag, Orientation (0x0112) = 6, in a block of its own behind the first two bytes.
+  // An EXIF segment with one tag, Orientation (0x0112) = 6, after the first two bytes.
   constexpr std::string_view kExif{
       "\xFF\xE1\0\x22"
       "Exif\0\0"
@@ -345,7 +347,7 @@ TEST_F(TrackCommand, SaysThatPlayersTurnPictures) {
               HasSubstr("players rotate these pictures (EXIF orientation 6)"));
 }
 
-TEST_F(TrackCommand, SaysWhatIsMissing) {
+TEST_F(TrackCommand, ReportsMissingFiles) {
   options_.calibration = folder_ / "none.json";
   EXPECT_THAT(problem(), HasSubstr("none.json"));
 
@@ -359,14 +361,14 @@ TEST_F(TrackCommand, SaysWhatIsMissing) {
   EXPECT_FALSE(fs::exists(options_.out));
 }
 
-TEST_F(TrackCommand, SaysWhichPicturesItFoundWhereItReadsNone) {
+TEST_F(TrackCommand, NamesThePicturesThatItCannotRead) {
   fs::create_directory(folder_ / "scans");
   for (const char* name : {"scans/a1.tif", "scans/a2.TIF", "scans/notes.txt"}) write(name, "x");
   options_.source = (folder_ / "scans").string();
   EXPECT_THAT(problem(), AllOf(HasSubstr("found no pictures"), HasSubstr("but 2 of .tif; ffmpeg")));
 }
 
-TEST_F(TrackCommand, SaysInHowManyFramesMoreWereFoundThanThereAreRobots) {
+TEST_F(TrackCommand, ReportsFramesWithMoreCapsThanRobots) {
   options_.robots = 1;
   testing::internal::CaptureStdout();
   EXPECT_EQ(track(options_), kDone);
@@ -374,7 +376,7 @@ TEST_F(TrackCommand, SaysInHowManyFramesMoreWereFoundThanThereAreRobots) {
               HasSubstr("5 of 5 frames showed more caps than --robots says; 10 poses were left "));
 }
 
-TEST_F(TrackCommand, RefusesATextThatIsCalledAMovie) {
+TEST_F(TrackCommand, RefusesATextFileWithTheNameOfAMovie) {
   write("notes.avi", "these are notes\n");
   options_.source = (folder_ / "notes.avi").string();
 
@@ -391,7 +393,7 @@ TEST_F(TrackCommand, DrawsAContactSheet) {
   EXPECT_THAT(problem(), HasSubstr("--force"));
 }
 
-TEST_F(TrackCommand, DrawsNoSheetAmongThePicturesThatItReads) {
+TEST_F(TrackCommand, RefusesASheetInTheFolderOfThePictures) {
   options_.overlay = folder_ / "film/sheet.png";
 
   EXPECT_THAT(problem(), HasSubstr("would be read as one of the pictures"));
@@ -423,7 +425,7 @@ TEST_F(TrackCommand, DrawsAMovie) {
   EXPECT_EQ(frames, 5);
 }
 
-TEST_F(TrackCommand, KeepsWhatATruncatedMovieStillHad) {
+TEST_F(TrackCommand, KeepsThePosesOfATruncatedMovie) {
   if (!isInstalled("ffmpeg")) GTEST_SKIP() << "ffmpeg is not installed";
   const fs::path whole = movie();
   fs::copy_file(whole, folder_ / "cut.avi");
@@ -437,7 +439,7 @@ TEST_F(TrackCommand, KeepsWhatATruncatedMovieStillHad) {
   EXPECT_LT(rows, 15);
 }
 
-TEST_F(TrackCommand, MarksAMovieOfWhichEveryFrameIsThereButOneIsDamaged) {
+TEST_F(TrackCommand, MarksAMovieWithADamagedFrame) {
   if (!isInstalled("ffmpeg")) GTEST_SKIP() << "ffmpeg is not installed";
   const fs::path film = movie();
   std::fstream bytes(film, std::ios::binary | std::ios::in | std::ios::out);
