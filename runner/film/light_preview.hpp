@@ -43,7 +43,7 @@ class LightPreview {
  private:
   struct Step {
     projector::Scene scene;
-    projector::Robots robots{};
+    projector::RobotTracks robots{};
     double seen = -1;  ///< [s] time of the last frame that the layers received
   };
 

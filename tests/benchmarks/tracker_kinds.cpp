@@ -88,9 +88,9 @@ bool runKind(const SceneKind& kind, const Options& options, std::ofstream& resul
   }
   std::string text(kind.name);
   text.resize(23, ' ');
-  text += score.text() + (score.isSurprising() ? "  surprise off" : "") + '\n';
+  text += score.text() + (score.isInconsistent() ? "  NEES off" : "") + '\n';
   bool all = true;
-  for (const lab::cases::Shortfall& one : lab::cases::shortOf(kind.bars, score.tally())) {
+  for (const lab::cases::Shortfall& one : lab::cases::shortOf(kind.limits, score.tally())) {
     text += (one.known ? "  open: " : "  SHORT OF ITS BAR: ") + one.what + '\n';
     all = all && one.known;
   }

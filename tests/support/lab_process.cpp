@@ -46,8 +46,8 @@ std::string Background::output() const {
   return fs::exists(file) ? readFile(file) : "";
 }
 
-Finished Background::wait(std::chrono::seconds patience) {
-  if (!waitUntil([this] { return !running(); }, patience)) {
+Finished Background::wait(std::chrono::seconds timeout) {
+  if (!waitUntil([this] { return !running(); }, timeout)) {
     kill(-pid_, SIGKILL);
     waitpid(pid_, &status_, 0);
     ended_ = true;
@@ -56,8 +56,8 @@ Finished Background::wait(std::chrono::seconds patience) {
   return {WIFEXITED(status_) ? WEXITSTATUS(status_) : -WTERMSIG(status_), output()};
 }
 
-Finished run(const std::string& command, std::chrono::seconds patience) {
-  return Background(command).wait(patience);
+Finished run(const std::string& command, std::chrono::seconds timeout) {
+  return Background(command).wait(timeout);
 }
 
 fs::path onlyRun(const fs::path& parent) {
@@ -94,7 +94,7 @@ std::vector<pid_t> childrenWith(pid_t parent, const std::string& text) {
     std::getline(stream, line);
     const auto after_name = line.rfind(')');
     if (after_name == std::string::npos) return true;
-    // ") S 123 ...": the state, then the parent.
+    // The text after the name is ") S 123 ...": state and parent.
     return std::stoi(line.substr(after_name + 4)) != parent;
   });
   return children;

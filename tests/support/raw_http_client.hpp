@@ -1,4 +1,4 @@
-/// A client that sends what it is told, however wrong.
+/// An HTTP client that sends arbitrary bytes, including invalid requests.
 #pragma once
 
 #include <arpa/inet.h>
@@ -17,8 +17,8 @@ namespace lab::dashboard {
 
 class RawClient {
  public:
-  /// @param receive_buffer [byte], 0: as the system has it
-  /// @param address in the network's byte order
+  /// @param receive_buffer size [byte]; 0 for the default of the system
+  /// @param address in network byte order
   explicit RawClient(int port, int receive_buffer = 0, in_addr_t address = htonl(INADDR_LOOPBACK))
       : socket_(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
     if (receive_buffer > 0) {
@@ -43,18 +43,19 @@ class RawClient {
   void send(std::string_view text) {
     while (!text.empty()) {
       const ssize_t count = ::send(socket_, text.data(), text.size(), MSG_NOSIGNAL);
-      if (count <= 0) return;  // the server has heard enough
+      if (count <= 0) return;  // the server has closed the connection
       text.remove_prefix(static_cast<std::size_t>(count));
     }
   }
 
-  /// Nothing more comes from here.
+  /// Closes the sending direction.
   void endSending() { shutdown(socket_, SHUT_WR); }
 
-  /// What came until `text` is in it, the server closed, or the patience is over.
+  /// Receives until the received bytes contain `text`, the server closes, or the timeout is over.
+  /// @return all bytes received so far
   const std::string& receive(std::string_view text,
-                             std::chrono::milliseconds patience = std::chrono::seconds(30)) {
-    const auto deadline = std::chrono::steady_clock::now() + patience;
+                             std::chrono::milliseconds timeout = std::chrono::seconds(30)) {
+    const auto deadline = std::chrono::steady_clock::now() + timeout;
     std::array<char, 65536> piece{};
     while (text.empty() || received_.find(text) == std::string::npos) {
       const auto left =
@@ -68,7 +69,7 @@ class RawClient {
     return received_;
   }
 
-  /// All of it, until the server closes.
+  /// Receives until the server closes the connection.
   const std::string& receiveAll() { return receive({}); }
 
  private:
@@ -77,14 +78,14 @@ class RawClient {
   std::string received_;
 };
 
-/// Sends a whole request. @return the whole answer
+/// Sends a request. @return the complete response
 inline std::string exchange(int port, std::string_view request) {
   RawClient client(port);
   client.send(request);
   return client.receiveAll();
 }
 
-/// "403" of "HTTP/1.1 403 Forbidden ...".
+/// The status of a response: "403" for "HTTP/1.1 403 Forbidden ...".
 inline std::string statusOf(const std::string& answer) {
   return answer.starts_with("HTTP/1.1 ") ? answer.substr(9, 3) : "none";
 }
