@@ -30,7 +30,7 @@ int main(int argc, char** argv) {
   const auto filters = filtersBySource();
   std::string selected;
   for (int i = 1; i < argc; ++i) {
-    const auto found = filters.find(argv[i]);
+    const auto found = filters.find(std::filesystem::path(argv[i]).filename());
     if (found == filters.end()) {
       std::cerr << argv[0] << ": no tests of " << argv[i] << "; this program has the tests of";
       for (const auto& [source, filter] : filters) std::cerr << ' ' << source;

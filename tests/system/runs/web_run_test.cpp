@@ -1,4 +1,4 @@
-// The page in a browser beside a run and beside a replay, and wishes from the command line.
+// The dashboard during a run and a replay, and requests from the command line.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -31,7 +31,7 @@ class WebRun : public testing::Test {
   }
   [[nodiscard]] fs::path runs() const { return folder.path() / "runs"; }
 
-  /// The page's address, as printed; empty: it is not.
+  /// The printed address of the dashboard; empty if there is none.
   static std::string addressIn(const std::string& output) {
     const auto at = output.find("web      http://");
     const auto end = output.find('\n', at);
@@ -45,7 +45,7 @@ class WebRun : public testing::Test {
     return addressIn(lab.output());
   }
 
-  /// Whether somebody serves the page there.
+  /// Whether the dashboard answers at this address.
   static bool answers(const std::string& address) {
     return run("python3 -c 'import sys, urllib.request as u; "
                "sys.exit(b\"<html\" not in u.urlopen(sys.argv[1], timeout=2).read().lower())' '" +
@@ -53,7 +53,7 @@ class WebRun : public testing::Test {
                .exit_code == 0;
   }
 
-  /// What the runner keeps for a page that is there.
+  /// The dashboard's files in the registry folder.
   [[nodiscard]] std::set<std::string> leftInRegistry() const {
     std::set<std::string> names;
     for (const auto& entry : fs::directory_iterator(folder.path() / "active-lab")) {
@@ -97,7 +97,7 @@ Record recordOf(const fs::path& log) {
   return record;
 }
 
-TEST_F(WebRun, AnswersObeysWishesAndComesAgainWhenItIsKilled) {
+TEST_F(WebRun, AnswersExecutesRequestsAndIsRestartedWhenKilled) {
   const fs::path copy = folder.path() / "address";
   Background lab(labRun("--web --web-address-file " + copy.string()));
   ASSERT_TRUE(
@@ -142,15 +142,15 @@ TEST_F(WebRun, AnswersObeysWishesAndComesAgainWhenItIsKilled) {
   EXPECT_THAT(record.marks, Contains(testing::StartsWith("script resumed by lab_resume after ")));
   EXPECT_THAT(record.marks, Contains("lab_mark: robot 1 lost a wheel"));
   EXPECT_THAT(record.marks, Contains("dashboard died (killed by signal 9) and was restarted"));
-  EXPECT_EQ(record.statuses, record.last_status) << "all of them are in the log";
+  EXPECT_EQ(record.statuses, record.last_status) << "the log contains all of them";
   EXPECT_THAT(record.phases, testing::IsSupersetOf({static_cast<int>(experiment_status_t::PAUSED),
                                                     static_cast<int>(experiment_status_t::ENDED)}));
   EXPECT_TRUE(readJson(done / "provenance.json").at("interrupted"));
   EXPECT_GT(fs::file_size(done / "report.html"), 100U);
-  EXPECT_THAT(ended.output, Not(HasSubstr("last count"))) << "commands by hand say theirs";
+  EXPECT_THAT(ended.output, Not(HasSubstr("last count"))) << "the commands report their own counts";
 }
 
-TEST_F(WebRun, HasAPageInRealTimeUnlessItIsDeniedOrNobodyLooks) {
+TEST_F(WebRun, RunsADashboardInRealTimeUnlessDisabled) {
   const std::string brief = labRun("--no-report --set duration_s=1");
 
   const Finished by_itself = run("unset CI; " + brief);
@@ -160,7 +160,7 @@ TEST_F(WebRun, HasAPageInRealTimeUnlessItIsDeniedOrNobodyLooks) {
   EXPECT_EQ(addressIn(run("export CI=1; " + brief).output), "");
 }
 
-TEST_F(WebRun, ReplaysOnAPageAndSaysThatNobodyObeys) {
+TEST_F(WebRun, ReplaysWithADashboardAndRefusesOtherRequests) {
   ASSERT_EQ(run(labRun("--virtual-time --no-report --set duration_s=20")).exit_code, 0);
   EXPECT_EQ(run(labRun("--virtual-time --web")).exit_code, 2);
   const Finished no_page = run(labRun("--no-web --web-address-file " + (runs() / "a").string()));
@@ -176,8 +176,8 @@ TEST_F(WebRun, ReplaysOnAPageAndSaysThatNobodyObeys) {
   EXPECT_THAT(mark.output, HasSubstr("a recorded run"));
   EXPECT_EQ(run("lab resume").exit_code, 0);
   EXPECT_TRUE(waitUntil([&] { return replay.output().find("paused (space") != std::string::npos; },
-                      seconds(20)))
-      << "it stands at its end";
+                        seconds(20)))
+      << "it pauses at its end";
   EXPECT_TRUE(replay.running());
   EXPECT_EQ(run("lab end").exit_code, 0);
   const Finished ended = replay.wait(seconds(10));
