@@ -106,7 +106,7 @@ TEST(BoardFinder, FindsEveryDiscOfATiltedBoard) {
   const auto view = findBoard(paintBoard(from_board, kBoard, random).view(), kBoard);
   ASSERT_TRUE(view);
   ASSERT_EQ(view->points.size(), 54U);
-  // The board may have been read from any corner: half a turn, or its mirror image.
+  // The grid may start at any corner of the board: rotated by 180 degrees, or mirrored.
   const optics::CameraModel model(from_board);
   double best = 1e9;
   for (const bool flip_x : {false, true}) {
@@ -120,7 +120,7 @@ TEST(BoardFinder, FindsEveryDiscOfATiltedBoard) {
       best = std::min(best, sum / 54);
     }
   }
-  // The ellipse's centre is not quite the disc's: some hundredths of a pixel.
+  // The centre of the ellipse differs from that of the disc by some hundredths of a pixel.
   EXPECT_LT(best, 0.1);
 }
 

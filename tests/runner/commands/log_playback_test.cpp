@@ -205,7 +205,7 @@ TEST_F(LogPlaybackTest, BeginsAgainWithAJumpWhereItIsToGoRoundAndRound) {
   EXPECT_EQ(sent, events_.size() + 2);
 }
 
-TEST(DeckOfAFullLog, PlaysItInPortionsAndLeavesNothingOut) {
+TEST(LogPlaybackOfALongLog, PlaysAllEventsInPortions) {
   std::vector<LogEvent> events;
   for (int i = 0; i < 4500; ++i) events.push_back({std::to_string(i), {}, kLog + i});
   LogPlayback dut(events, "run-1", 1, AtEnd::kPause, kWall);
@@ -226,10 +226,10 @@ TEST(DeckOfAFullLog, PlaysItInPortionsAndLeavesNothingOut) {
   ASSERT_EQ(dut.obey(seek, late), "");
   sent.clear();
   EXPECT_EQ(play(), 2000U);
-  EXPECT_EQ(play(), 2000U) << "what came before a jump's place too";
+  EXPECT_EQ(play(), 2000U) << "events before the target of a jump too";
   EXPECT_EQ(play(), 500U);
   for (std::size_t i = 0; i < sent.size(); ++i) ASSERT_EQ(sent[i], std::to_string(i));
-  EXPECT_TRUE(dut.advance(late)) << "its end";
+  EXPECT_TRUE(dut.advance(late)) << "the end of the log";
 }
 
 }  // namespace
