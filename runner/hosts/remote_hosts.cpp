@@ -197,7 +197,7 @@ std::string RemoteHosts::notJoined() const {
     for (const std::string& other : all) {
       if (one == other) continue;
       if (report == peers_.end()) {
-        if (one == own_name_) return "dds_gateway says nothing";
+        if (one == own_name_) return "dds_gateway sends no LINK_STATUS";
         continue;  // its LINK_STATUS arrives only after the buses are joined
       }
       const auto peer = report->second.find(other);
@@ -209,7 +209,7 @@ std::string RemoteHosts::notJoined() const {
     }
   }
   for (const std::string& one : names()) {
-    if (!peers_.contains(one)) return "host " + one + " says nothing of its link yet";
+    if (!peers_.contains(one)) return "host " + one + " has not reported its link yet";
   }
   return {};
 }

@@ -170,7 +170,7 @@ TEST_F(LogPlaybackTest, PausesAtItsEndAndRestartsOnResume) {
   EXPECT_TRUE(playback_.advance(kWall + us(61.1)));
   EXPECT_TRUE(playback_.paused());
   EXPECT_FALSE(playback_.over());
-  EXPECT_FALSE(playback_.advance(kWall + us(61.2))) << "said once";
+  EXPECT_FALSE(playback_.advance(kWall + us(61.2))) << "reported once";
   now_ = kWall + us(70);
   EXPECT_DOUBLE_EQ(playback_.status(now_).elapsed, 60);
   EXPECT_EQ(request(experiment_command_t::RESUME), "");

@@ -178,7 +178,7 @@ TEST_F(TrackCommand, WarnsOfACalibrationThatDoesNotFitThePoses) {
   }
   options_.source = (folder_ / "many").string();
   options_.force = true;
-  const auto said = [&](const CameraCalibration& calibration) {
+  const auto output_with = [&](const CameraCalibration& calibration) {
     write("camera.json", cameraFileText(calibration));
     testing::internal::CaptureStdout();
     EXPECT_EQ(track(options_), kDone);
@@ -186,17 +186,18 @@ TEST_F(TrackCommand, WarnsOfACalibrationThatDoesNotFitThePoses) {
   };
   CameraCalibration good;
   good.camera = PaintedFilm::settings().camera;
-  EXPECT_THAT(said(good), testing::Not(HasSubstr("warning")));
+  EXPECT_THAT(output_with(good), testing::Not(HasSubstr("warning")));
 
   CameraCalibration tilt = good;
   tilt.camera = tilted(good.camera, 0.02);
-  EXPECT_THAT(said(tilt), AllOf(HasSubstr("warning  the calibration does not fit"),
-                                HasSubstr("%/m along x and y"), Not(HasSubstr("outside"))));
+  EXPECT_THAT(output_with(tilt), AllOf(HasSubstr("warning  the calibration does not fit"),
+                                       HasSubstr("%/m along x and y"), Not(HasSubstr("outside"))));
 
   CameraCalibration small = good;
   small.arena_width = 0.6;
-  EXPECT_THAT(said(small), HasSubstr("warning  40.0 % of the poses are outside the arena of 60 x "
-                                     "90 cm, by up to 48.0 cm"));
+  EXPECT_THAT(output_with(small),
+              HasSubstr("warning  40.0 % of the poses are outside the arena of 60 x "
+                        "90 cm, by up to 48.0 cm"));
 }
 
 TEST_F(TrackCommand, WarnsOfVaryingSpacingEvenWithTooFewPlacesForAFit) {
@@ -289,11 +290,11 @@ TEST_F(TrackCommand, KeepsThePosesIfTheOverlayCannotBeWritten) {
 TEST_F(TrackCommand, NamesBothSizesIfTheCalibrationHasAnother) {
   options_.calibration = folder_ / "other.json";
 
-  const std::string said = problem();
+  const std::string message = problem();
 
-  EXPECT_THAT(said, HasSubstr("640 x 480"));
-  EXPECT_THAT(said, HasSubstr("1280 x 960"));
-  EXPECT_THAT(said, HasSubstr("other.json"));
+  EXPECT_THAT(message, HasSubstr("640 x 480"));
+  EXPECT_THAT(message, HasSubstr("1280 x 960"));
+  EXPECT_THAT(message, HasSubstr("other.json"));
   EXPECT_FALSE(fs::exists(options_.out));
 }
 

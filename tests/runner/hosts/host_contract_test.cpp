@@ -101,8 +101,8 @@ TEST(SshEnds, AreTheFirstAndTheThirdWord) {
 }
 
 TEST(SshTrouble, NamesTheFix) {
-  const auto trouble = [](const char* said, const char* ending = "exit code 255") {
-    return sshTrouble(bench(), said, ending);
+  const auto trouble = [](const char* output, const char* ending = "exit code 255") {
+    return sshTrouble(bench(), output, ending);
   };
   EXPECT_THAT(trouble("ssh: Could not resolve hostname robot-bench: Name or service not known\r\n"),
               HasSubstr("hosts.bench.ssh = "));

@@ -97,8 +97,8 @@ def cable(hosts, out=4.0, duration=14):
     finished(lab, within=180)
     summary = summary_of(hosts)
     faults = texts(summary, 'faults')
-    said = [f for f in faults if re.match(r'host bench is silent since .*: its robots stand', f)]
-    assert len(said) == 1, faults
+    silences = [f for f in faults if re.match(r'host bench is silent since .*: its robots stand', f)]
+    assert len(silences) == 1, faults
     assert not any('dds_gateway' in f for f in faults), faults  # reported only as the host
     assert any('host bench is back after' in m for m in texts(summary, 'marks')), summary['marks']
     assert all(r['lease_expired_share'] > 0 for r in summary['robots']), 'no robot stopped'
@@ -216,8 +216,8 @@ def different(hosts):
 def unreachable(hosts):
     """Errors of ssh are reported in one line with a fix."""
     def refuse(text, expected):
-        said = finished(hosts.lab(text), code=2)
-        assert re.search(expected, said), said
+        output = finished(hosts.lab(text), code=2)
+        assert re.search(expected, output), output
         assert not glob.glob(hosts.path('runs/*')), 'something was started'
 
     refuse(experiment(programs='/nowhere'),
@@ -320,12 +320,12 @@ def doctor(hosts):
                   env=dict(os.environ, PATH=hosts.path('bin') + ':' + os.environ['PATH']),
                   stdout=subprocess.PIPE, text=True).communicate(timeout=60)[0]
 
-    said = doctor_output(experiment())
-    assert re.search(r'ok    host bench .*the same lab, clock [+-]0\.\d+ ms, known to', said), said
-    assert re.search(r'ok    DDS domain 0: 0 participants', said), said
+    output = doctor_output(experiment())
+    assert re.search(r'ok    host bench .*the same lab, clock [+-]0\.\d+ ms, known to', output), output
+    assert re.search(r'ok    DDS domain 0: 0 participants', output), output
     hosts.nothing_left()
-    said = doctor_output(experiment(programs='/nowhere'))
-    assert re.search(r'FIX   host bench \(ssh bench\): the lab is not there', said), said
+    output = doctor_output(experiment(programs='/nowhere'))
+    assert re.search(r'FIX   host bench \(ssh bench\): the lab is not there', output), output
 
 
 def main():

@@ -20,10 +20,10 @@ class ChildProcessTest : public testing::Test {
 };
 
 TEST_F(ChildProcessTest, AppendsItsOutputAndReportsItsExitCode) {
-  ChildProcess dut("shell", {"/bin/sh", "-c", "echo said; exit 3"}, output);
+  ChildProcess dut("shell", {"/bin/sh", "-c", "echo text; exit 3"}, output);
   dut.waitOrKill(5000);
   EXPECT_EQ(dut.ending(), "exit code 3");
-  EXPECT_EQ(support::readFile(output), "said\n");
+  EXPECT_EQ(support::readFile(output), "text\n");
 }
 
 TEST_F(ChildProcessTest, EndsWhenAsked) {

@@ -26,7 +26,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 
 constexpr const char* kPlanned = R"(fileversion = 1
-name = "wishes"
+name = "requests"
 duration_s = 30
 program = "abp"
 [[robots]]
@@ -104,7 +104,7 @@ class ExperimentControllerRequests : public testing::Test {
 
   void start(const std::string& file) {
     experiment_ = parseExperiment(file, "test");
-    controller_.emplace(ServiceContext{node_, loop_, experiment_, "runs/wishes-01"},
+    controller_.emplace(ServiceContext{node_, loop_, experiment_, "runs/requests-01"},
                         writeExperiment(experiment_),
                         [this](Ending ending, const std::string& why) {
                           if (!ending_) ended_at_ = since(loop_.now());
@@ -366,7 +366,7 @@ TEST_F(ExperimentControllerRequests, FaultsOfTheDashboardAreOnlyMarks) {
 // The controller still waits for the robots to confirm their light table.
 TEST_F(ExperimentControllerRequests, APauseBeforeTheScriptIsRefused) {
   experiment_ = parseExperiment(std::string(kPlanned) + "[[robots]]\nid = 2\n" + kSteps, "test");
-  controller_.emplace(ServiceContext{node_, loop_, experiment_, "runs/wishes-02"}, "",
+  controller_.emplace(ServiceContext{node_, loop_, experiment_, "runs/requests-02"}, "",
                       [](Ending, const std::string&) {});
   request(experiment_command_t::PAUSE);
   EXPECT_TRUE(statuses_.empty()) << "the controller does not run yet";
