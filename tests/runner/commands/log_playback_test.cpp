@@ -178,12 +178,12 @@ TEST_F(LogPlaybackTest, PausesAtItsEndAndRestartsOnResume) {
   EXPECT_THAT(playTo(70), ElementsAre("F0", "file"));
 }
 
-TEST_F(LogPlaybackTest, EndsWhenSomebodyWishes) {
+TEST_F(LogPlaybackTest, EndsOnRequest) {
   EXPECT_EQ(request(experiment_command_t::END), "");
   EXPECT_TRUE(playback_.over());
 }
 
-TEST_F(LogPlaybackTest, IsOverWithItsLogWhereNobodyLooks) {
+TEST_F(LogPlaybackTest, EndsWithItsLogWithoutADashboard) {
   LogPlayback dut(events_, "run-1", 10, AtEnd::kEnd, kWall);
   const auto nobody = [](const LogEvent&) {};
   dut.play(kWall + us(6.1), nobody);
@@ -193,7 +193,7 @@ TEST_F(LogPlaybackTest, IsOverWithItsLogWhereNobodyLooks) {
   EXPECT_TRUE(dut.over());
 }
 
-TEST_F(LogPlaybackTest, BeginsAgainWithAJumpWhereItIsToGoRoundAndRound) {
+TEST_F(LogPlaybackTest, RestartsWithAJumpInALoop) {
   LogPlayback dut(events_, "run-1", 10, AtEnd::kLoop, kWall);
   std::size_t sent = 0;
   const auto count = [&sent](const LogEvent&) { ++sent; };

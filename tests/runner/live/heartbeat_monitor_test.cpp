@@ -47,7 +47,7 @@ TEST_F(HeartbeatMonitorTest, ReportsSilenceAndReturnOnce) {
   EXPECT_EQ(changes[1].silence_s, 8);
 }
 
-TEST_F(HeartbeatMonitorTest, TwoLostBeatsAreNoSilence) {
+TEST_F(HeartbeatMonitorTest, TwoLostHeartbeatsAreNoSilence) {
   dut.expect("sim_svc");
   for (int round = 0; round < 20; ++round) {
     pass(1, {"sim_svc"});
