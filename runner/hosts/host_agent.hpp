@@ -12,20 +12,24 @@ inline constexpr int kHostHeartbeat_ms = 200;
 /// receives "stop", its input ends, or no message arrives within the time set by "begin". It then
 /// ends all processes that it started and deletes all files that it wrote.
 ///
-///   runner              agent
-///                       {"say": "hello", ...} (host_contract.hpp)
-///   {"do": "ping", "utime"}           {"say": "pong", "asked", "utime"}
-///   {"do": "begin", "name", "port", "ttl", "patience_s"}   {"say": "begun", "url", "warning"}
-///   {"do": "file", "path", "data"}    appends to a file of the run
-///   {"do": "start", "service", "experiment", "uses_ports", "arguments"}   {"say": "started",
-///   "service"}
-///   {"do": "end", "service"}          SIGTERM; {"do": "kill", ...} SIGKILL
-///   {"do": "alive"}                   {"say": "alive", "utime"} both every kHostHeartbeat_ms
-///   {"do": "stop"}                    ends all services; {"say": "left"}
-///                       {"say": "line", "service", "text"}   a line that a service printed
-///                       {"say": "ready", "service"}
-///                       {"say": "ended", "service", "how"}
-///                       {"say": "trouble", "text"}           a request failed
+/// Requests of the runner, and answers of the agent:
+///   {"do": "ping", "utime"}          {"say": "pong", "asked", "utime"}
+///   {"do": "begin", "name", "host", "port", "ttl", "patience_s"}
+///                                    {"say": "begun", "url", "warning"}
+///   {"do": "file", "path", "data"}   appends to a file of the run
+///   {"do": "start", "service", "experiment", "uses_ports", "arguments"}
+///                                    {"say": "started", "service"}
+///   {"do": "end", "service"}         SIGTERM
+///   {"do": "kill", "service"}        SIGKILL
+///   {"do": "stop"}                   ends all services; {"say": "left"}
+/// Messages of the agent without a request:
+///   {"say": "hello", ...}                the first message (host_contract.hpp)
+///   {"say": "line", "service", "text"}   a line that a service printed
+///   {"say": "ready", "service"}
+///   {"say": "ended", "service", "how"}
+///   {"say": "trouble", "text"}           a request failed
+/// Both sides send {"do": "alive"} or {"say": "alive", "utime"} every kHostHeartbeat_ms.
+///
 /// @param programs folder with the programs of the services
 /// @return exit code
 [[nodiscard]] int hostAgent(const std::filesystem::path& programs);
