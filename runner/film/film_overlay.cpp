@@ -197,7 +197,7 @@ std::unique_ptr<FilmOverlay> FilmOverlay::open(const OverlaySettings& settings) 
     }
     if (fs::exists(path) && !fs::is_empty(path) && !settings.force) {
       throw UserError(fmt::format(
-          "{}: already exists; choose another name, or --force to replace it", path.string()));
+          "{}: is there already; choose another name, or --force to replace it", path.string()));
     }
     return std::make_unique<PictureFolder>(settings);
   }

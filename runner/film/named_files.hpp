@@ -9,9 +9,9 @@
 
 namespace lab::runner {
 
-/// Checks before the work begins that a file can be written.
-/// @throws UserError if it exists and `force` is not set, if it is a folder, or if its folder does
-///   not exist or is not writable
+/// Whether a file can be written, before the work for it begins.
+/// @throws UserError when it is there already and may not be replaced, is a folder, or when its
+///   folder is not there or lets nobody write.
 void checkOutput(const std::filesystem::path& path, bool force);
 
 /// FilmReader::open() with errors as UserError.

@@ -128,7 +128,7 @@ TEST_F(CalibrateCamera, FindsTheCameraThatTookTheFilm) {
   EXPECT_EQ(found.camera.width, kWidth);
   EXPECT_EQ(found.camera.height, kHeight);
 
-  EXPECT_THAT(problem(), HasSubstr("already exists"));
+  EXPECT_THAT(problem(), HasSubstr("is there already"));
 }
 
 TEST_F(CalibrateCamera, FindsTheGammaOfTheCamera) {
@@ -183,7 +183,7 @@ TEST_F(CalibrateCamera, WritesADrawingOfCaps) {
   EXPECT_EQ(count("r=\"9\"/>"), 6);
   EXPECT_EQ(count("r=\"5.5\"/>"), 6);
   EXPECT_THAT(svg, HasSubstr("width=\"210mm\" height=\"297mm\""));
-  EXPECT_THAT(problem(), HasSubstr("already exists"));
+  EXPECT_THAT(problem(), HasSubstr("is there already"));
 
   options_.cap_radius_cm = 20;  // larger than the paper: one cap on a larger drawing
   options_.force = true;
@@ -206,7 +206,7 @@ TEST_F(CalibrateCamera, ReportsImpossibleSizesOfCaps) {
 TEST_F(CalibrateCamera, ChecksTheOutputBeforeItReadsTheFilm) {
   options_.source = (folder_ / "there_is_none").string();
   options_.out = folder_ / "nowhere" / "camera.json";
-  EXPECT_THAT(problem(), HasSubstr("does not exist"));
+  EXPECT_THAT(problem(), HasSubstr("there is no folder"));
   options_.out = folder_ / "";
   EXPECT_THAT(problem(), HasSubstr("is a folder"));
   options_.out = folder_ / "camera.json";

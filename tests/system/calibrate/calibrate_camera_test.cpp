@@ -89,7 +89,7 @@ TEST_F(CalibrateCamera, FindsTheCameraOfALabThatItStarts) {
 
   const Finished again = calibrate("--virtual-time");
   EXPECT_EQ(again.exit_code, 2);
-  EXPECT_THAT(again.output, HasSubstr("already exists"));
+  EXPECT_THAT(again.output, HasSubstr("is there already"));
 }
 
 TEST_F(CalibrateCamera, RefusesAFilmOfRobotsAtRest) {
