@@ -1,4 +1,4 @@
-/// Checks of file names on the command line.
+/// Files that a command line names.
 #pragma once
 
 #include <filesystem>
@@ -14,9 +14,9 @@ namespace lab::runner {
 ///   folder is not there or lets nobody write.
 void checkOutput(const std::filesystem::path& path, bool force);
 
-/// FilmReader::open() with errors as UserError.
-/// @param fps rate of pictures without times [1/s]; 0 for 30
-/// @throws UserError if the film cannot be opened, or is a network stream, which has no end
+/// FilmReader::open().
+/// @param fps [1/s] of pictures without times, 0: 30
+/// @throws UserError when there is no such film, and for a network stream, which has no end.
 [[nodiscard]] std::unique_ptr<FilmReader> openFilm(const std::string& source, double fps = 0);
 
 }  // namespace lab::runner
