@@ -1,9 +1,9 @@
 #!/bin/sh
-# Runs a command in a network of its own: only the loopback interface, with multicast routed over it.
-# What the command publishes cannot leave, and what others publish cannot reach it.
+# Runs a command in a private network namespace: only the loopback interface, with multicast routed over it.
+# Messages of the command cannot leave, and messages of others cannot reach it.
 #   in_private_network.sh COMMAND [ARGUMENTS]
-# The command replaces this script, so that its exit status and its signals are its own. 125: it
-# could not be started.
+# The command replaces this script, so exit status and signals are those of the command. 125: it could
+# not be started.
 if [ $# -eq 0 ]; then
   echo "usage: $0 COMMAND [ARGUMENTS]" >&2
   exit 125

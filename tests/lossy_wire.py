@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""A wire between two interfaces of this network namespace that loses frames.
+"""Forwards frames between two interfaces of this network namespace and loses some of them.
 
-lossy_wire.py NEAR FAR PERCENT SEED     passes frames on until it is ended; says "ready" first
-lossy_wire.py --whole-frames INTERFACE  has the kernel hand over frames as a wire carries them
+lossy_wire.py NEAR FAR PERCENT SEED     prints "ready", then forwards frames until it is killed
+lossy_wire.py --whole-frames INTERFACE  switches off offloads, so that frames have the size and checksums of a cable
 
-tc's netem would do this, where the kernel has it.
+A replacement for netem of tc, which not every kernel has.
 """
 import ctypes
 import fcntl
@@ -18,11 +18,11 @@ ETH_P_ALL = 0x0003
 PACKET_IGNORE_OUTGOING = 23
 SOL_PACKET = 263
 SIOCETHTOOL = 0x8946
-# Of the kernel's ethtool.h: checksums in hardware, segmentation, merging of received frames.
+# From linux/ethtool.h: checksums in hardware, segmentation, merging of received frames.
 SET_OFFLOADS = {"tx checksum": 0x17, "tso": 0x1F, "gso": 0x24, "gro": 0x2C}
 
 
-def hand_over_whole_frames(interface):
+def switch_off_offloads(interface):
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as control:
         for what, command in SET_OFFLOADS.items():
             value = ctypes.create_string_buffer(struct.pack("II", command, 0), 8)
@@ -33,7 +33,7 @@ def hand_over_whole_frames(interface):
                 sys.exit(f"lossy_wire.py: {interface}: {what} cannot be switched off: {error}")
 
 
-def end_of(interface):
+def open_socket(interface):
     end = socket.socket(socket.AF_PACKET, socket.SOCK_RAW, socket.htons(ETH_P_ALL))
     end.setsockopt(SOL_PACKET, PACKET_IGNORE_OUTGOING, 1)
     end.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4 << 20)
@@ -42,27 +42,27 @@ def end_of(interface):
     return end
 
 
-def carry(near, far, share, chance):
+def forward(near, far, share, random_source):
     others = {near: far, far: near}
     while True:
         for end in select.select([near, far], [], [])[0]:
             for _ in range(256):
                 try:
                     frame = end.recv(65536)
-                    if chance.random() >= share:
+                    if random_source.random() >= share:
                         others[end].send(frame)
-                except OSError:  # nothing more, or a cable is out
+                except OSError:  # no more frames, or the interface is down
                     break
 
 
 def main():
     if sys.argv[1] == "--whole-frames":
-        hand_over_whole_frames(sys.argv[2])
+        switch_off_offloads(sys.argv[2])
         return
     near, far, percent, seed = sys.argv[1:5]
-    ends = end_of(near), end_of(far)
+    ends = open_socket(near), open_socket(far)
     print("ready", flush=True)
-    carry(*ends, float(percent) / 100, random.Random(int(seed)))
+    forward(*ends, float(percent) / 100, random.Random(int(seed)))
 
 
 if __name__ == "__main__":

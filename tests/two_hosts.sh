@@ -1,23 +1,23 @@
 #!/bin/sh
-# Runs a command amid computers of its own: network namespaces, joined by a router that passes no
-# multicast. Nothing leaves; all of it ends with the command.
+# Runs a command with private hosts: network namespaces, joined by a router that forwards no multicast.
+# No traffic leaves them, and they end with the command.
 #
 #   two_hosts.sh [--hosts N] [--loss PERCENT] [--seed N] [--router] COMMAND [ARGUMENTS]
 #     --hosts N        2 (A and B) or 3 (A, B and C)
-#     --loss PERCENT   of the frames between A and the others are lost, in each direction
-#     --seed N         of what is lost
-#     --router         accepted: there is always one
+#     --loss PERCENT   loss of frames between A and the others, in each direction
+#     --seed N         random seed of the losses
+#     --router         accepted for compatibility; there is always a router
 #
-# The command runs on the router and finds
-#   HOST_A HOST_B HOST_C             a process in each network: nsenter -t "$HOST_A" -n COMMAND
+# The command runs on the router with the environment variables
+#   HOST_A HOST_B HOST_C             a process in each namespace: nsenter -t "$HOST_A" -n COMMAND
 #   ADDRESS_A ADDRESS_B ADDRESS_C    10.77.1.1, 10.77.2.1, 10.77.3.1
 #   TWO_HOSTS                        this script:
 #     "$TWO_HOSTS" on A COMMAND...     runs a command on A (replaces the shell: exec, signals)
-#     "$TWO_HOSTS" cut [B]             pulls that host's cable (B without a name)
+#     "$TWO_HOSTS" cut [B]             unplugs the cable of a host (default B)
 #     "$TWO_HOSTS" restore [B]         plugs it in again
-#     "$TWO_HOSTS" mute B / unmute B   the router drops what is for B and from B, cables are in
-# On each host multicast is routed over lo, as the lab does it. The command's exit status is ours;
-# 125: nothing could be started, 77: this system allows no network namespaces (skipped).
+#     "$TWO_HOSTS" mute B / unmute B   the router drops all packets to and from B; the cable stays plugged in
+# On each host multicast is routed over lo, as on a lab computer. The exit status is that of the command;
+# 125: setup failed, 77: this system allows no network namespaces (skipped).
 
 address_of() {
   case $1 in
@@ -48,7 +48,7 @@ case ${TWO_HOSTS:+$1} in
     ;;
 esac
 
-# ---- outside: into networks (and where it can be, processes) of our own ---------------------------
+# ---- outside: enter private network and, if possible, process namespaces ---------------------------
 if [ "${TWO_HOSTS_STAGE:-}" != inside ]; then
   if [ $# -eq 0 ]; then
     echo "usage: $0 [--hosts N] [--loss PERCENT] [--seed N] COMMAND [ARGUMENTS]" >&2
@@ -97,14 +97,14 @@ fail() {
   exit 125
 }
 
-# A process that stays in a network of its own; its id is in $made.
+# Starts a process in a new network namespace; its id is in $made.
 network() {
   unshare -n sleep 1000000 &
   made=$!
   children="$children $made"
-  # unshare becomes sleep once it is in its network
+  # unshare executes sleep once it is in the namespace
   until [ "$(cat "/proc/$made/comm" 2>/dev/null)" = sleep ]; do
-    kill -0 "$made" 2>/dev/null || fail "no network namespace could be made"
+    kill -0 "$made" 2>/dev/null || fail "cannot create a network namespace"
   done
 }
 
@@ -118,14 +118,14 @@ for host in A B C; do
   network
   pid=$made
   export "HOST_$host=$pid" "ADDRESS_$host=10.77.$number.1"
-  ip link add "leg$host" type veth peer name eth0 netns "$pid" || fail "no veth pair could be made"
+  ip link add "leg$host" type veth peer name eth0 netns "$pid" || fail "cannot create a veth pair"
   if [ "$host" = A ] && [ "$loss" != 0 ]; then
-    # A -- eth0 | near, wire, far | legA -- router: the wire loses what it is told to.
+    # A -- eth0 | near, wire, far | legA -- router: lossy_wire.py in "wire" loses frames.
     network
     wire=$made
     nsenter -t "$pid" -n ip link set dev eth0 netns "$wire" name far
     nsenter -t "$wire" -n sh -c "ip link add near type veth peer name eth0 netns $pid &&
-      ip link set dev near up && ip link set dev far up" || fail "no wire could be made"
+      ip link set dev near up && ip link set dev far up" || fail "cannot create the wire"
     ready=$(mktemp)
     nsenter -t "$wire" -n python3 "$TWO_HOSTS_FOLDER/lossy_wire.py" near far "$loss" "$seed" >"$ready" &
     children="$children $!"
@@ -144,13 +144,13 @@ for host in A B C; do
   number=$((number + 1))
 done
 if [ "$loss" != 0 ]; then
-  # What is handed to a wire of our own must be whole frames with their checksums.
+  # lossy_wire.py needs frames with checksums and of normal size, so offloads are switched off.
   python3 "$TWO_HOSTS_FOLDER/lossy_wire.py" --whole-frames legA || fail "offloads of legA"
   nsenter -t "$HOST_A" -n python3 "$TWO_HOSTS_FOLDER/lossy_wire.py" --whole-frames eth0 ||
     fail "offloads of eth0"
 fi
 
-# A new cable takes up to a second to carry.
+# A new veth pair needs up to a second until it is up.
 for host in A B C; do
   eval "pid=\${HOST_$host:-}"
   [ -n "$pid" ] || continue
@@ -164,7 +164,7 @@ command=$!
 trap 'kill -TERM $command 2>/dev/null' TERM INT
 wait "$command"
 status=$?
-# A signal of ours ends the first wait, not the command.
+# A signal to this script ends the first wait, but not the command.
 while kill -0 "$command" 2>/dev/null; do
   wait "$command"
   status=$?

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Whether tests/two_hosts.sh gives what it promises. Runs within it: two_hosts_test.py PERCENT
+"""Tests tests/two_hosts.sh, which runs it: two_hosts_test.py PERCENT
 
-Datagrams pass both ways, numbers of them are lost as told, multicast does not pass, cables come out.
+Datagrams pass in both directions with the given loss, multicast does not pass, cables can be unplugged.
 """
 import os
 import socket
@@ -64,18 +64,18 @@ def main():
     for sender, receiver in ("AB", "BA"):
         got = arrived(sender, receiver, os.environ["ADDRESS_" + receiver], SENT)
         print(f"{sender} to {receiver}: {got} of {SENT}, expected {expected:.0f} +- {error:.0f}")
-        # One end's arrival is a binomial number.
-        assert abs(got - expected) <= 4 * error, "not as many as told were lost"
-    # Multicast reaches the router's own network and no further.
+        # The number of arrivals has a binomial distribution.
+        assert abs(got - expected) <= 4 * error, "wrong number of losses"
+    # The router does not forward multicast.
     address_b = os.environ["ADDRESS_B"]
     assert arrived("A", "B", "239.1.2.3", 100, [address_b]) == 0, "multicast crossed the router"
     for out, back in (("cut", "restore"), ("mute", "unmute")):
         wire(out, "B")
-        assert arrived("A", "B", address_b, 100) == 0, f"{out} did not"
+        assert arrived("A", "B", address_b, 100) == 0, f"{out} has no effect"
         wire(back, "B")
         deadline = time.monotonic() + 10
         while arrived("A", "B", address_b, 100) == 0:
-            assert time.monotonic() < deadline, f"{back} did not"
+            assert time.monotonic() < deadline, f"{back} has no effect"
 
 
 if __name__ == "__main__":

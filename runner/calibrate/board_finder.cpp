@@ -17,13 +17,13 @@ namespace {
 using Eigen::Matrix2d;
 using Eigen::Vector2d;
 
-constexpr int kAround = 40;      // [px] the light is the mean over this far each way
-constexpr double kDark = 0.6;    // of it
+constexpr int kAround = 40;      // [px] half width of the window for the local mean
+constexpr double kDark = 0.6;    // a pixel below this part of the local mean is dark
 constexpr int kLeastArea = 30;   // [px]
 constexpr int kMostArea = 4000;  // [px]
-constexpr double kRound = 0.12;  // by which the area may miss that of its ellipse
+constexpr double kRound = 0.12;  // largest relative difference between area and ellipse
 constexpr double kMostAspect = 4;
-constexpr double kNear = 0.3;                // of the way to a neighbour
+constexpr double kNear = 0.3;  // search radius, relative to the distance of the neighbour
 constexpr double kLeastCornerSigma = 0.003;  // [px]
 
 struct Disc {
@@ -31,7 +31,7 @@ struct Disc {
   double sigma = 0;
 };
 
-/// Whether each pixel is much darker than what is around it.
+/// 1 for each pixel that is much darker than its surroundings.
 std::vector<std::uint8_t> darkPixels(const optics::GreyView& picture) {
   const auto width = static_cast<std::size_t>(picture.width);
   std::vector<std::uint32_t> sums((width + 1) * (static_cast<std::size_t>(picture.height) + 1), 0);
@@ -66,10 +66,10 @@ struct Blob {
   double count = 0;
   Vector2d sum = Vector2d::Zero();
   Matrix2d squares = Matrix2d::Zero();
-  bool cut = false;  // by the edge of the picture
+  bool cut = false;  // touches the edge of the picture
 };
 
-/// The blob that (x, y) belongs to; it is wiped out.
+/// The connected blob at (x, y), by flood fill; its pixels are cleared in `dark`.
 Blob takeBlob(std::vector<std::uint8_t>& dark, int width, int height, int x, int y) {
   Blob blob;
   const auto at = [&](int i, int j) -> std::uint8_t& {
@@ -108,7 +108,7 @@ std::optional<Disc> discFrom(const optics::GreyView& picture, const Blob& blob) 
   if (!(variances[0] > 0) || variances[1] > kMostAspect * kMostAspect * variances[0]) {
     return std::nullopt;
   }
-  // A filled ellipse has variances of a quarter of its half axes' squares.
+  // The variances of a filled ellipse are a quarter of its squared half axes.
   const double area = 4 * std::numbers::pi * std::sqrt(variances[0] * variances[1]);
   if (std::abs(blob.count / area - 1) > kRound) return std::nullopt;
   const Matrix2d m = (4 * blob.squares).eval();
@@ -118,9 +118,9 @@ std::optional<Disc> discFrom(const optics::GreyView& picture, const Blob& blob) 
                              static_cast<float>(to_unit(1, 0)), static_cast<float>(to_unit(1, 1))}};
   detector::CircleFit fit = fitCircle(picture, {blob.sum[0], blob.sum[1]}, shape, {});
   if (fit.fault == detector::FitFault::kNotRound) {
-    // Dark pixels say an outline's form, but its size only to some per cent: once more with the
-    // size that came out.
-    for (float& one : shape.m) one /= fit.scale;
+    // The dark pixels give the shape of the outline, but its size only to a few per cent: fit again
+    // with the fitted size.
+    for (float& element : shape.m) element /= fit.scale;
     fit = fitCircle(picture, {blob.sum[0], blob.sum[1]}, shape, {});
   }
   if (fit.fault != detector::FitFault::kNone) return std::nullopt;
@@ -143,7 +143,7 @@ std::vector<Disc> discsIn(const optics::GreyView& picture) {
   return discs;
 }
 
-/// Index of the disc nearest to a place, -1: none within `reach`.
+/// Index of the disc nearest to `place`, or -1 if none is within `reach`.
 int nearest(const std::vector<Disc>& discs, const Vector2d& place, double reach) {
   int best = -1;
   for (std::size_t i = 0; i < discs.size(); ++i) {
@@ -155,7 +155,7 @@ int nearest(const std::vector<Disc>& discs, const Vector2d& place, double reach)
   return best;
 }
 
-/// A disc's place in the grid, and how far its neighbours are there.
+/// A disc in the grid, with the vectors to its neighbours in the picture [px].
 struct Cell {
   int disc = 0;
   int column = 0;
@@ -164,20 +164,20 @@ struct Cell {
   Vector2d down;
 };
 
-/// The grid that one disc belongs to, as far as it goes.
+/// The grid that contains the disc `first`, grown by breadth-first search.
 std::vector<Cell> gridFrom(const std::vector<Disc>& discs, std::size_t first) {
   const Vector2d at = discs[first].at;
-  std::vector<Vector2d> ways;
+  std::vector<Vector2d> offsets;
   for (std::size_t i = 0; i < discs.size(); ++i) {
-    if (i != first) ways.emplace_back(discs[i].at - at);
+    if (i != first) offsets.emplace_back(discs[i].at - at);
   }
-  std::ranges::sort(ways, {}, [](const Vector2d& way) { return way.norm(); });
-  if (ways.empty()) return {};
-  const Vector2d right = ways[0];
-  const auto across = std::ranges::find_if(ways, [&right](const Vector2d& way) {
-    return std::abs(right.normalized().dot(way.normalized())) < 0.5;
+  std::ranges::sort(offsets, {}, [](const Vector2d& offset) { return offset.norm(); });
+  if (offsets.empty()) return {};
+  const Vector2d right = offsets[0];
+  const auto across = std::ranges::find_if(offsets, [&right](const Vector2d& offset) {
+    return std::abs(right.normalized().dot(offset.normalized())) < 0.5;
   });
-  if (across == ways.end()) return {};
+  if (across == offsets.end()) return {};
   std::vector<bool> taken(discs.size(), false);
   std::vector<Cell> cells;
   std::queue<Cell> open;
@@ -189,21 +189,22 @@ std::vector<Cell> gridFrom(const std::vector<Disc>& discs, std::size_t first) {
     cells.push_back(cell);
     const Vector2d& here = discs[static_cast<std::size_t>(cell.disc)].at;
     for (const auto& [dc, dr] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
-      const Vector2d way = dc * cell.right + dr * cell.down;
-      const int next = nearest(discs, here + way, kNear * way.norm());
+      const Vector2d expected = dc * cell.right + dr * cell.down;
+      const int next = nearest(discs, here + expected, kNear * expected.norm());
       if (next < 0 || taken[static_cast<std::size_t>(next)]) continue;
       taken[static_cast<std::size_t>(next)] = true;
       Cell found{next, cell.column + dc, cell.row + dr, cell.right, cell.down};
-      const Vector2d went = discs[static_cast<std::size_t>(next)].at - here;
-      if (dc != 0) found.right = dc * went;
-      if (dr != 0) found.down = dr * went;
+      const Vector2d found_offset = discs[static_cast<std::size_t>(next)].at - here;
+      if (dc != 0) found.right = dc * found_offset;
+      if (dr != 0) found.down = dr * found_offset;
       open.push(found);
     }
   }
   return cells;
 }
 
-/// Whether the cells fill the board, which may lie either way.
+/// Whether the cells fill the board, which may be rotated by 90 degrees; moves the indices to start
+/// at 0.
 bool fills(std::vector<Cell>& cells, const calibration::BoardSpec& board) {
   if (static_cast<int>(cells.size()) != board.columns * board.rows) return false;
   const auto [left, right] = std::ranges::minmax(cells, {}, &Cell::column);

@@ -1,4 +1,4 @@
-/// The board in a picture. Picture in, discs out.
+/// Finds the calibration board in a picture. Pure function.
 #pragma once
 
 #include <optional>
@@ -9,11 +9,12 @@
 
 namespace lab::runner {
 
-/// All discs of the board, as a grid; which corner of it comes first is chance, and makes no
-/// difference to a camera. Dark blobs that are as round as an ellipse are fitted like the circles
-/// of caps; neighbours are followed from disc to disc, so that strangers beside the board do no
-/// harm. Where it is not found so, the picture is read as one that was encoded for the eye.
-/// @return empty where not every disc was found
+/// Finds all discs of the board and orders them as a grid. Dark blobs with the area of an ellipse
+/// are fitted as the circles of caps are; the grid grows from neighbour to neighbour, so other dark
+/// objects do not disturb it. If the board is not found, the search is repeated with the picture
+/// decoded by the video gamma. Which corner of the grid comes first is arbitrary: a camera fit does
+/// not depend on it.
+/// @return nothing if not every disc was found
 [[nodiscard]] std::optional<calibration::BoardView> findBoard(const optics::GreyView& picture,
                                                               const calibration::BoardSpec& board);
 

@@ -32,10 +32,10 @@ using calibration::CameraFit;
 using calibration::CameraObservations;
 
 constexpr double kCenti = 0.01;            // [m]
-constexpr std::size_t kFirstPictures = 6;  // from which the first idea of the camera is made
+constexpr std::size_t kFirstPictures = 6;  // pictures for the first estimate of the camera
 constexpr std::size_t kFewestBoards = 4;
 constexpr std::size_t kMostBoards = 40;
-constexpr std::int64_t kMostFrames = 2000;  // that are searched, evenly over the film
+constexpr std::int64_t kMostFrames = 2000;  // frames to search, spread evenly over the film
 
 std::vector<double> numbersIn(const std::string& text, const std::string& separators) {
   std::vector<double> out;
@@ -72,28 +72,29 @@ optics::CapGeometry capOf(const CalibrateCameraOptions& options) {
   }
   const double both = options.big_radius_cm + options.small_radius_cm;
   if (options.spacing_cm < both) {
-    refuse("--spacing-cm", options.spacing_cm, "at least both circles' radii together,", both);
+    refuse("--spacing-cm", options.spacing_cm, "at least the sum of both circles' radii,", both);
   }
   const double reach =
       std::max(cap.big_offset + cap.big_radius, cap.small_radius - cap.small_offset);
   if (reach > cap.cap_radius) {
     refuse("--cap-radius-cm", options.cap_radius_cm,
-           "at least, as far as the circles reach from the axis,", reach / kCenti);
+           "at least the reach of the circles from the axis,", reach / kCenti);
   }
   return cap;
 }
 
-CameraObservations sightsFor(const CalibrateCameraOptions& options) {
-  CameraObservations sights;
+CameraObservations observationsFor(const CalibrateCameraOptions& options) {
+  CameraObservations observations;
   const std::vector<double> corners = numbersIn(options.corners, ",;");
   if (corners.size() != 8) {
     throw UserError(
-        fmt::format("--corners: found \"{}\", expected four pixels \"u,v u,v u,v u,v\": where the "
-                    "arena's inner "
-                    "corners (0, 0), (width, 0), (width, height), (0, height) are on the floor",
+        fmt::format("--corners: found \"{}\", expected four pixels \"u,v u,v u,v u,v\": the "
+                    "arena's inner corners (0, 0), (width, 0), (width, height), (0, height) on the "
+                    "floor",
                     options.corners));
   }
-  for (std::size_t i = 0; i < 4; ++i) sights.corners[i] = {corners[2 * i], corners[2 * i + 1]};
+  for (std::size_t i = 0; i < 4; ++i)
+    observations.corners[i] = {corners[2 * i], corners[2 * i + 1]};
   const std::vector<double> arena = numbersIn(options.arena_cm, "x");
   if (arena.size() != 2 ||
       !(arena[0] >= 10 && arena[0] <= 2000 && arena[1] >= 10 && arena[1] <= 2000)) {
@@ -101,25 +102,26 @@ CameraObservations sightsFor(const CalibrateCameraOptions& options) {
         fmt::format("--arena-cm: found \"{}\", expected width x height as 120x90, each 10 to 2000",
                     options.arena_cm));
   }
-  sights.arena_width = kCenti * arena[0];
-  sights.arena_height = kCenti * arena[1];
-  sights.corner_sigma = options.corner_px;
-  sights.cap = capOf(options);
-  if (options.camera_height_cm) sights.camera_height = kCenti * *options.camera_height_cm;
-  sights.with_k3 = options.k3;
-  return sights;
+  observations.arena_width = kCenti * arena[0];
+  observations.arena_height = kCenti * arena[1];
+  observations.corner_sigma = options.corner_px;
+  observations.cap = capOf(options);
+  if (options.camera_height_cm) observations.camera_height = kCenti * *options.camera_height_cm;
+  observations.with_k3 = options.k3;
+  return observations;
 }
 
-void checkSize(const std::string& source, const CameraObservations& sights,
+void checkSize(const std::string& source, const CameraObservations& observations,
                const CameraFrame& frame) {
-  if (frame.grey.width == sights.width && frame.grey.height == sights.height) return;
+  if (frame.grey.width == observations.width && frame.grey.height == observations.height) return;
   throw UserError(fmt::format("{}: frame {} has {} x {} px, expected {} x {} as before", source,
-                              frame.number, frame.grey.width, frame.grey.height, sights.width,
-                              sights.height));
+                              frame.number, frame.grey.width, frame.grey.height, observations.width,
+                              observations.height));
 }
 
-/// Pictures spread over the film, however long it is; their size goes into the sights.
-std::vector<optics::GreyImage> firstPictures(const std::string& source, CameraObservations& sights,
+/// Pictures spread evenly over a film of unknown length. Sets the picture size in `observations`.
+std::vector<optics::GreyImage> firstPictures(const std::string& source,
+                                             CameraObservations& observations,
                                              optics::Imaging& imaging) {
   const std::unique_ptr<FilmReader> film = openFilm(source);
   imaging.compressed = film->format().compressed;
@@ -128,11 +130,11 @@ std::vector<optics::GreyImage> firstPictures(const std::string& source, CameraOb
   CameraFrame frame;
   for (std::int64_t i = 0; film->next(frame); ++i) {
     const optics::GreyView& grey = frame.grey;
-    if (sights.width == 0) {
-      sights.width = grey.width;
-      sights.height = grey.height;
+    if (observations.width == 0) {
+      observations.width = grey.width;
+      observations.height = grey.height;
     }
-    checkSize(source, sights, frame);
+    checkSize(source, observations, frame);
     if (i % every != 0) continue;
     optics::GreyImage& picture = pictures.emplace_back(grey.width, grey.height);
     for (int y = 0; y < grey.height; ++y) std::copy_n(grey.row(y), grey.width, picture.row(y));
@@ -151,36 +153,37 @@ std::vector<optics::GreyImage> firstPictures(const std::string& source, CameraOb
   return pictures;
 }
 
-/// What a calibration is made of.
+/// Result of a calibration.
 struct Calibrated {
   CameraFit fit;
   std::optional<double> blur;   // [px]
   std::optional<double> gamma;  // Imaging::gamma
 };
 
-/// How the camera's grey steps follow the light, as far as these pictures tell: read so from now
-/// on.
-/// @return what is sure enough to be written
+/// Estimates the gamma of the camera from the pictures and sets it in `imaging`.
+/// @return the gamma if it is certain enough for the calibration file
 std::optional<double> findResponse(const std::vector<optics::GreyImage>& pictures,
                                    const optics::CameraParameters& camera,
-                                   const CameraObservations& sights, optics::Imaging& imaging) {
-  detector::ResponseFinder finder(optics::CameraModel(camera), sights.cap, imaging);
+                                   const CameraObservations& observations,
+                                   optics::Imaging& imaging) {
+  detector::ResponseFinder finder(optics::CameraModel(camera), observations.cap, imaging);
   for (const optics::GreyImage& picture : pictures) finder.take(picture.view());
   if (finder.gamma()) imaging.gamma = finder.gamma();
-  fmt::print("response  gamma {:g}: {}{}\n", imaging.gamma.value_or(1), finder.reason(),
-             finder.isSettled() ? "" : "; too little light or caps to be sure, not written");
+  fmt::print(
+      "response  gamma {:g}: {}{}\n", imaging.gamma.value_or(1), finder.reason(),
+      finder.isSettled() ? "" : "; too little light or too few caps to be certain, not written");
   return finder.isSettled() ? imaging.gamma : std::nullopt;
 }
 
-/// A first idea of the camera, by the reading of its grey steps with which most caps show.
+/// First estimate of the camera, with the gamma (1 or video) with which most caps are found.
 std::optional<optics::CameraParameters> roughCameraOf(
-    const CameraObservations& sights, const std::vector<optics::GreyImage>& pictures,
+    const CameraObservations& observations, const std::vector<optics::GreyImage>& pictures,
     optics::Imaging& imaging) {
   RoughCamera best;
-  optics::Imaging read = imaging;
+  optics::Imaging candidate = imaging;
   for (const double gamma : {1.0, optics::kVideoGamma}) {
-    read.gamma = gamma;
-    const RoughCamera found = roughCamera(sights, pictures, read);
+    candidate.gamma = gamma;
+    const RoughCamera found = roughCamera(observations, pictures, candidate);
     if (found.caps <= best.caps) continue;
     best = found;
     imaging.gamma = gamma;
@@ -189,27 +192,27 @@ std::optional<optics::CameraParameters> roughCameraOf(
   return best.camera;
 }
 
-/// The caps of the whole film go into the sights, as they are found with this camera, of this blur
-/// if it is known.
-/// @return the blur that they have
+/// Finds the caps of the whole film with this camera, and this blur if it is known, and stores them
+/// in `observations`.
+/// @return the blur of the caps [px]
 std::optional<double> findCaps(const std::string& source, const optics::CameraParameters& camera,
                                optics::Imaging imaging, std::optional<double> blur,
-                               CameraObservations& sights) {
+                               CameraObservations& observations) {
   const std::unique_ptr<FilmReader> film = openFilm(source);
   const std::int64_t every = std::max<std::int64_t>(1, film->length() / kMostFrames);
   imaging.blur = blur.value_or(imaging.blur);
-  CapCollector gathering(camera, sights.cap, imaging);
+  CapCollector collector(camera, observations.cap, imaging);
   ProgressBar progress(film->length());
   CameraFrame frame;
   for (std::int64_t i = 0; film->next(frame); ++i) {
-    if (i % every == 0) gathering.take(frame.grey);
+    if (i % every == 0) collector.take(frame.grey);
     progress.show(i + 1);
   }
   if (const std::string problem = film->problem(); !problem.empty()) {
     fmt::print("note      {}\n", problem);
   }
-  sights.caps = gathering.caps();
-  return gathering.blur();
+  observations.caps = collector.caps();
+  return collector.blur();
 }
 
 calibration::BoardSpec boardOf(const CalibrateCameraOptions& options) {
@@ -220,73 +223,80 @@ calibration::BoardSpec boardOf(const CalibrateCameraOptions& options) {
   }
 }
 
-/// The board in the pictures that show all of it; their size goes into the sights.
-void findBoards(const CalibrateCameraOptions& options, CameraObservations& sights) {
+/// Finds the board in the pictures that show all of it. Sets the picture size in `observations`.
+void findBoards(const CalibrateCameraOptions& options, CameraObservations& observations) {
   const calibration::BoardSpec board = boardOf(options);
   const std::unique_ptr<FilmReader> pictures = openFilm(options.board_pictures);
   int count = 0;
-  for (CameraFrame frame; pictures->next(frame) && sights.boards.size() < kMostBoards; ++count) {
+  for (CameraFrame frame; pictures->next(frame) && observations.boards.size() < kMostBoards;
+       ++count) {
     if (count == 0) {
-      sights.width = frame.grey.width;
-      sights.height = frame.grey.height;
+      observations.width = frame.grey.width;
+      observations.height = frame.grey.height;
     }
-    checkSize(options.board_pictures, sights, frame);
-    if (auto view = findBoard(frame.grey, board)) sights.boards.push_back(std::move(*view));
+    checkSize(options.board_pictures, observations, frame);
+    if (auto view = findBoard(frame.grey, board)) observations.boards.push_back(std::move(*view));
   }
-  fmt::print("boards    {} of {} pictures show all {} discs\n", sights.boards.size(), count,
+  fmt::print("boards    {} of {} pictures show all {} discs\n", observations.boards.size(), count,
              board.columns * board.rows);
-  if (sights.boards.size() < kFewestBoards) {
+  if (observations.boards.size() < kFewestBoards) {
     throw UserError(fmt::format(
         "{}: found the whole board of {} x {} discs in {} pictures, needed {}: flat, sharp, evenly "
-        "lit, "
-        "and tilted to different sides",
-        options.board_pictures, board.columns, board.rows, sights.boards.size(), kFewestBoards));
+        "lit, and tilted to different sides",
+        options.board_pictures, board.columns, board.rows, observations.boards.size(),
+        kFewestBoards));
   }
 }
 
-/// With a board: caps, where there is a film of them, make the pose more certain.
-Calibrated calibrateWithBoards(const CalibrateCameraOptions& options, CameraObservations& sights) {
-  findBoards(options, sights);
-  const CameraFit fit = calibration::fitCamera(sights);
+/// Calibrates with a board. The caps of a film, if given, improve the pose.
+Calibrated calibrateWithBoards(const CalibrateCameraOptions& options,
+                               CameraObservations& observations) {
+  findBoards(options, observations);
+  const CameraFit fit = calibration::fitCamera(observations);
   if (options.source.empty() || !(fit.camera.fx > 0)) return {fit, {}, {}};
   optics::Imaging imaging;
-  const std::vector<optics::GreyImage> pictures = firstPictures(options.source, sights, imaging);
-  const std::optional<double> gamma = findResponse(pictures, fit.camera, sights, imaging);
-  const std::optional<double> blur = findCaps(options.source, fit.camera, imaging, {}, sights);
-  return {calibration::fitCamera(sights, fit.camera), blur, gamma};
+  const std::vector<optics::GreyImage> pictures =
+      firstPictures(options.source, observations, imaging);
+  const std::optional<double> gamma = findResponse(pictures, fit.camera, observations, imaging);
+  const std::optional<double> blur =
+      findCaps(options.source, fit.camera, imaging, {}, observations);
+  return {calibration::fitCamera(observations, fit.camera), blur, gamma};
 }
 
-Calibrated calibrate(const CalibrateCameraOptions& options, CameraObservations& sights) {
-  if (!options.board_pictures.empty()) return calibrateWithBoards(options, sights);
+Calibrated calibrate(const CalibrateCameraOptions& options, CameraObservations& observations) {
+  if (!options.board_pictures.empty()) return calibrateWithBoards(options, observations);
   optics::Imaging imaging;
-  const std::vector<optics::GreyImage> pictures = firstPictures(options.source, sights, imaging);
+  const std::vector<optics::GreyImage> pictures =
+      firstPictures(options.source, observations, imaging);
   Calibrated out;
   CameraFit& fit = out.fit;
-  fit.refusal = calibration::cornerFault(sights.corners, sights.width, sights.height,
-                                         sights.arena_width, sights.arena_height);
+  fit.refusal =
+      calibration::cornerFault(observations.corners, observations.width, observations.height,
+                               observations.arena_width, observations.arena_height);
   if (!fit.refusal.empty()) return out;
-  const std::optional<optics::CameraParameters> camera = roughCameraOf(sights, pictures, imaging);
+  const std::optional<optics::CameraParameters> camera =
+      roughCameraOf(observations, pictures, imaging);
   if (!camera) {
     fit.refusal =
-        "found no cap in any of the pictures looked at: are there robots in it, are the "
-        "corners right, and --arena-cm, --cap-height-cm, --spacing-cm, --big-radius-cm, "
-        "--small-radius-cm?";
+        "found no cap in any of the pictures searched: check that they show robots, the "
+        "corners, --arena-cm, --cap-height-cm, --spacing-cm, --big-radius-cm, "
+        "--small-radius-cm";
     return out;
   }
-  out.gamma = findResponse(pictures, *camera, sights, imaging);
-  // Once with the first idea, with which caps may be missed where the lens bends most, and once
-  // more with what came out.
+  out.gamma = findResponse(pictures, *camera, observations, imaging);
+  // The first estimate may miss caps where the distortion is largest, so the search and the fit are
+  // repeated with the fitted camera.
   calibration::CameraFitLimits anywhere;
   anywhere.caps_in_part = 0;
-  out.blur = findCaps(options.source, *camera, imaging, {}, sights);
-  fit = calibration::fitCamera(sights, camera, anywhere);
+  out.blur = findCaps(options.source, *camera, imaging, {}, observations);
+  fit = calibration::fitCamera(observations, camera, anywhere);
   if (!(fit.camera.fx > 0)) return out;
-  out.blur = findCaps(options.source, fit.camera, imaging, out.blur, sights);
-  fit = calibration::fitCamera(sights, fit.camera);
+  out.blur = findCaps(options.source, fit.camera, imaging, out.blur, observations);
+  fit = calibration::fitCamera(observations, fit.camera);
   return out;
 }
 
-void writeWhole(const fs::path& path, const std::string& text) {
+void writeAtomically(const fs::path& path, const std::string& text) {
   const fs::path part = path.string() + ".part";
   {
     std::ofstream file(part, std::ios::binary);
@@ -299,11 +309,11 @@ void writeWhole(const fs::path& path, const std::string& text) {
 
 void printDrawing(const char* what, const fs::path& file, const std::string& svg, bool force) {
   checkOutput(file, force);
-  writeWhole(file, svg);
+  writeAtomically(file, svg);
   fmt::print("{:<10}{}\n", what, file.string());
 }
 
-/// Films the lab of an experiment file, and goes on as with any film.
+/// Films the lab of an experiment file and calibrates with that film.
 ExitCode calibrateFromLab(const CalibrateCameraOptions& options) {
   checkOutput(options.out, options.force);
   const FilmedLab lab = filmLab(options);
@@ -340,8 +350,8 @@ ExitCode calibrateCamera(const CalibrateCameraOptions& options) {
         "calibrate camera: found neither SOURCE nor --board-pictures, expected a film of "
         "robots, pictures of a board, or both");
   }
-  CameraObservations sights = sightsFor(options);
-  const Calibrated found = calibrate(options, sights);
+  CameraObservations observations = observationsFor(options);
+  const Calibrated found = calibrate(options, observations);
   const CameraFit& fit = found.fit;
   if (found.blur) fmt::print("blur      {:.2f} px (standard deviation)\n", *found.blur);
   if (fit.map.rms > 0) fmt::print("{}", calibration::cameraReport(fit));
@@ -352,15 +362,15 @@ ExitCode calibrateCamera(const CalibrateCameraOptions& options) {
   }
   CameraCalibration calibration;
   calibration.camera = fit.camera;
-  calibration.cap = sights.cap;
-  calibration.arena_width = sights.arena_width;
-  calibration.arena_height = sights.arena_height;
+  calibration.cap = observations.cap;
+  calibration.arena_width = observations.arena_width;
+  calibration.arena_height = observations.arena_height;
   calibration.residual = fit.map.rms;
   if (found.blur || found.gamma) {
     calibration.imaging =
         optics::Imaging{.blur = found.blur.value_or(optics::Imaging{}.blur), .gamma = found.gamma};
   }
-  writeWhole(options.out, cameraFileText(calibration));
+  writeAtomically(options.out, cameraFileText(calibration));
   fmt::print("camera    {}\n", options.out.string());
   return kDone;
 }

@@ -27,11 +27,11 @@ namespace {
 
 using units::kPercents;
 
-constexpr double kLightsStart = 60;   // [s]
-constexpr std::int64_t kFrames = 10;  // of the camera, of each light
-constexpr double kSurelyApart = 4;    // standard errors
-constexpr double kNoticeable = 0.02;  // of gamma
-constexpr double kLocalFault = 0.08;  // of the white
+constexpr double kStartTime = 60;         // [s]
+constexpr std::int64_t kFrames = 10;      // camera frames per light
+constexpr double kSignificant = 4;        // standard errors
+constexpr double kRelevant = 0.02;        // relative difference of gamma
+constexpr double kLocalDeviation = 0.08;  // relative to white
 
 void print(const calibration::LightFit& fit, const Experiment& experiment) {
   const optics::ProjectorTone tone(fit.gamma, fit.vignetting, experiment.arena_width,
@@ -41,8 +41,8 @@ void print(const calibration::LightFit& fit, const Experiment& experiment) {
              fit.scale, kPercents * tone.weakest());
   fmt::print("ambient  {:.4f}\n", fit.ambient);
   fmt::print(
-      "readings {}, {} at full scale left out; they miss the model by {:.2f} % of full scale, "
-      "at most {:.2f} %\n",
+      "readings {}, {} at full scale left out; deviation from the model {:.2f} % of full scale "
+      "rms, at most {:.2f} %\n",
       fit.samples, fit.saturated, kPercents * fit.residual, kPercents * fit.worst);
   fmt::print("\n{:>6} {:>8} {:>8}\n", "robot", "front", "back");
   std::set<std::int32_t> robots;
@@ -58,14 +58,14 @@ void print(const calibration::LightFit& fit, const Experiment& experiment) {
 
 Experiment labFor(const Experiment& experiment, int rounds) {
   Experiment lab = labUnderSteadyLight(experiment, "-light",
-                                       kLightsStart + 2 * LightCalibrator::roundTime() * rounds, 1);
+                                       kStartTime + 2 * LightCalibrator::roundTime() * rounds, 1);
   lab.projector.light_calibration.clear();
-  lab.projector.sync_patch = 0;  // nothing but the staircase
+  lab.projector.sync_patch = 0;  // only the staircase is shown
   return lab;
 }
 
-/// Shows the staircase once more, without robots, to a camera.
-/// @return nothing when the lab ended before that
+/// Shows the staircase again, without robots, and films it with the camera.
+/// @return nothing if the lab ended before the end of the staircase
 std::optional<std::vector<calibration::ToneObservation>> filmStaircase(
     const Experiment& experiment, const CalibrateLightOptions& options) {
   const std::vector<double>& levels = LightCalibrator::levels();
@@ -78,13 +78,13 @@ std::optional<std::vector<calibration::ToneObservation>> filmStaircase(
   Experiment filmed = filmedLab(experiment, "-light-camera", lights.size(), kFrames);
   filmed.projector.light_calibration.clear();
   const bool simulated = filmed.camera.source == kSimulatedCamera;
-  // What users are asked to lay: robots would be seen as places that lack light.
+  // Users are asked to lay a white sheet at sensor height; this simulates it.
   if (simulated) filmed.projector.sheet = optics::kSensorHeight;
   const CameraCalibration camera = cameraOf(experiment, options.file.parent_path()).calibration;
   optics::CameraResponse response(camera.imaging.value_or(optics::Imaging{}));
   calibration::TonePictures pictures(camera.camera, experiment.arena_width, experiment.arena_height,
                                      simulated ? filmed.projector.sheet : 0, levels.size());
-  std::string problem = "the lab ended before the lights did";
+  std::string problem = "the lab ended before all lights were shown";
   const Launched launched = launch(
       {.file = options.file,
        .out = options.runs,
@@ -110,7 +110,8 @@ std::optional<std::vector<calibration::ToneObservation>> filmStaircase(
   return std::nullopt;
 }
 
-/// What the camera says beside the robots. It changes nothing: the sensors choose the programs.
+/// Compares the camera's gamma and white with those from the robots. It is only printed: the
+/// robots' sensors decide about the programs.
 void printCamera(const std::vector<calibration::ToneObservation>& sights,
                  const calibration::LightFit& fit, const Experiment& experiment) {
   const optics::ProjectorTone known(fit.gamma, fit.vignetting, experiment.arena_width,
@@ -118,30 +119,31 @@ void printCamera(const std::vector<calibration::ToneObservation>& sights,
   const calibration::ToneFromPictures seen = calibration::fitTone(
       LightCalibrator::levels(), sights, known, experiment.arena_width, experiment.arena_height);
   if (!seen.refusal.empty()) {
-    fmt::print("camera   says nothing: {}\n", seen.refusal);
+    fmt::print("camera   no result: {}\n", seen.refusal);
     return;
   }
   fmt::print(
-      "camera   gamma {:.3f} +- {:.4f} at {} places, {} saturated left out; misses the model by "
-      "{:.2f} % of full scale\n",
+      "camera   gamma {:.3f} +- {:.4f} at {} places, {} saturated left out; deviation from the "
+      "model {:.2f} % of full scale\n",
       seen.gamma, seen.gamma_sigma, seen.places, seen.saturated, kPercents * seen.residual);
   const double sigma = std::hypot(seen.gamma_sigma, fit.gamma_sigma);
-  const double apart = std::abs(seen.gamma - fit.gamma);
-  if (apart > kSurelyApart * sigma && apart > kNoticeable * fit.gamma) {
+  const double difference = std::abs(seen.gamma - fit.gamma);
+  if (difference > kSignificant * sigma && difference > kRelevant * fit.gamma) {
     fmt::print(
-        "         that is not the robots' {:.3f}, which counts: is the camera's own curve "
-        "as its calibration says (imaging.gamma, no automatic exposure)?\n",
+        "         differs from the robots' {:.3f}, which is used: check the camera's "
+        "calibration (imaging.gamma) and that automatic exposure is off\n",
         fit.gamma);
   } else {
     fmt::print("         agrees with the robots' {:.3f}\n", fit.gamma);
   }
   fmt::print(
-      "         white as the robots found it within {:.1f} % rms, the camera's own falloff "
-      "taken out; most at x {:.0f} cm, y {:.0f} cm: {:+.1f} %{}\n",
+      "         white agrees with the robots' within {:.1f} % rms, with the camera's falloff "
+      "removed; largest difference at x {:.0f} cm, y {:.0f} cm: {:+.1f} %{}\n",
       kPercents * seen.white_rms, seen.worst_place.x / units::kCentimetre,
       seen.worst_place.y / units::kCentimetre, kPercents * seen.white_worst,
-      std::abs(seen.white_worst) > kLocalFault ? " - a shadow, a stain or a reflection there?"
-                                               : "");
+      std::abs(seen.white_worst) > kLocalDeviation
+          ? " - is there a shadow, a stain or a reflection?"
+          : "");
 }
 
 }  // namespace
@@ -149,7 +151,7 @@ void printCamera(const std::vector<calibration::ToneObservation>& sights,
 ExitCode calibrateLight(const CalibrateLightOptions& options) {
   if (fs::exists(options.out) && !options.force) {
     throw UserError(options.out.string() +
-                    ": exists; --force replaces it, --out takes another name");
+                    ": already exists; --force replaces it, --out sets another name");
   }
   const Experiment experiment = loadExperiment(options.file, options.set);
   fmt::print("rounds   {}, about {:.0f} s each\n", options.rounds, LightCalibrator::roundTime());
@@ -163,12 +165,12 @@ ExitCode calibrateLight(const CalibrateLightOptions& options) {
       labFor(experiment, options.rounds), [](const Progress&) {},
       [&](const ServiceContext& context, ExperimentController& controller,
           std::function<void()> done) {
-        const auto tell = [&](int round) {
+        const auto report_round = [&](int round) {
           fmt::print("round    {} of {}, {} readings\n", round, options.rounds, samples.size());
           std::fflush(stdout);
         };
-        return std::make_unique<LightCalibrator>(context, controller, options.rounds, samples, tell,
-                                                 std::move(done));
+        return std::make_unique<LightCalibrator>(context, controller, options.rounds, samples,
+                                                 report_round, std::move(done));
       });
   for (const std::string& fault : launched.outcome.faults) fmt::print("marked   {}\n", fault);
   const double width = experiment.arena_width;
@@ -184,7 +186,7 @@ ExitCode calibrateLight(const CalibrateLightOptions& options) {
     if (const auto sights = filmStaircase(experiment, options))
       printCamera(*sights, fit, experiment);
   }
-  fmt::print("\nThe light in the middle of each band:\n{}", marginLines(found, experiment));
+  fmt::print("\nLight in the middle of each band:\n{}", marginLines(found, experiment));
   if (options.force) fs::remove(options.out);
   writeNewFile(options.out, lightFileText(found));
   fmt::print("\nlight    {}\n", fs::absolute(options.out).lexically_normal().string());

@@ -17,9 +17,9 @@ namespace lab::runner {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr double kMostPerRobot = 180;  // [s] with every patience used up
+constexpr double kMostPerRobot = 180;  // [s] if every timeout is used up
 constexpr double kRobotsStart = 60;    // [s]
-constexpr double kBesidePatterns = 5;  // [s] of a robot, for turning and storing
+constexpr double kOverhead = 5;        // [s] per robot for turning and storing
 
 std::vector<std::int32_t> chosenRobots(const Experiment& experiment,
                                        const std::vector<std::int32_t>& wanted) {
@@ -28,22 +28,22 @@ std::vector<std::int32_t> chosenRobots(const Experiment& experiment,
     if (std::ranges::find(all, id) != all.end()) continue;
     std::string known;
     for (const std::int32_t robot : all) known += fmt::format(" {}", robot);
-    throw UserError(fmt::format("--robot {}: found no such robot that takes orders, allowed{}", id,
-                                known.empty() ? " none" : known));
+    throw UserError(fmt::format("--robot {}: found no such robot that takes commands, allowed{}",
+                                id, known.empty() ? " none" : known));
   }
   return wanted.empty() ? all : wanted;
 }
 
-/// For as long as it may take.
+/// The lab of the calibration, with the longest possible duration.
 Experiment labFor(const Experiment& experiment, std::size_t robots) {
   return labUnderSteadyLight(experiment, "-motors",
                              kRobotsStart + kMostPerRobot * static_cast<double>(robots),
                              experiment.light.safe_intensity);
 }
 
-/// [s] that one robot takes when nothing is in its way.
+/// Usual time for one robot [s].
 double usualTime(double max) {
-  double time = kBesidePatterns;
+  double time = kOverhead;
   for (const auto& pattern :
        {calibration::checkPattern(max), calibration::calibrationPattern({}, max),
         calibration::checkPattern(max)}) {
@@ -58,13 +58,13 @@ ExitCode calibrateMotors(const CalibrateOptions& options) {
   const Experiment experiment = loadExperiment(options.file, options.set);
   const std::vector<std::int32_t> robots = chosenRobots(experiment, options.robots);
   if (robots.empty()) {
-    throw UserError(options.file.string() + ": no robot takes orders: nothing to calibrate");
+    throw UserError(options.file.string() + ": no robot takes commands: nothing to calibrate");
   }
   fmt::print("robots   {}, one after the other, about {:.0f} s each\n", robots.size(),
              usualTime(experiment.hardware.max_wheel_speed));
 
   std::vector<calibration::MotorReport> reports;
-  const auto tell = [&reports](const calibration::MotorReport& report) {
+  const auto add_report = [&reports](const calibration::MotorReport& report) {
     if (reports.empty()) fmt::print("\n{}", calibration::tableHead());
     fmt::print("{}", calibration::tableLine(report));
     std::fflush(stdout);
@@ -79,7 +79,7 @@ ExitCode calibrateMotors(const CalibrateOptions& options) {
       labFor(experiment, robots.size()), [](const Progress&) {},
       [&](const ServiceContext& context, ExperimentController& controller,
           std::function<void()> done) {
-        return std::make_unique<MotorCalibrator>(context, controller, robots, tell,
+        return std::make_unique<MotorCalibrator>(context, controller, robots, add_report,
                                                  std::move(done));
       });
 
@@ -92,7 +92,8 @@ ExitCode calibrateMotors(const CalibrateOptions& options) {
   const auto refused =
       std::ranges::count_if(reports, [](const auto& report) { return !report.refusal.empty(); });
   const std::size_t missing = robots.size() - reports.size();
-  if (missing > 0) fmt::print("ended before {} of {} robots were done\n", missing, robots.size());
+  if (missing > 0)
+    fmt::print("ended before {} of {} robots were calibrated\n", missing, robots.size());
   if (launched.outcome.closed_early) return kMarked;
   return refused > 0 || missing > 0 ? kFailed : kDone;
 }

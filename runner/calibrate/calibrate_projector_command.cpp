@@ -25,7 +25,7 @@ namespace {
 
 using units::kCentimetre;
 
-constexpr double kAtSensors = 1e-3;  // [m]
+constexpr double kAtSensors = 1e-3;  // [m] tolerance of the surface height
 
 Experiment labFor(Experiment experiment, const CalibrateProjectorOptions& options) {
   experiment.projector.calibration.clear();
@@ -52,7 +52,7 @@ std::optional<std::array<double, 3>> projectorPlace(const std::string& text) {
   return place;
 }
 
-/// [m] above the floor.
+/// Height of the surface that is filmed [m above the floor].
 double surfaceOf(const Experiment& experiment, const CalibrateProjectorOptions& options) {
   const bool simulated =
       isPainted(experiment.camera) || experiment.camera.source == kSimulatedCamera;
@@ -63,10 +63,10 @@ double surfaceOf(const Experiment& experiment, const CalibrateProjectorOptions& 
     return surface;
   }
   throw UserError(fmt::format(
-      "the light would be measured {:g} cm above the floor, but is meant at {:g} cm, where the "
-      "robots' "
-      "light sensors are, and falls elsewhere there. {}; or say where the projector's lens is, "
-      "--projector-cm x,y,z, and it is worked out",
+      "the light would be measured {:g} cm above the floor, but is needed at {:g} cm, the height "
+      "of "
+      "the robots' light sensors, where it falls on other places. {}; or give the place of the "
+      "projector's lens with --projector-cm x,y,z, so that this can be computed",
       surface / kCentimetre, optics::kSensorHeight / kCentimetre,
       simulated ? "Lay the simulated white sheet: --set projector.sheet_cm=5"
                 : "Lay a white board on spacers of 5 cm, and leave out --surface-cm"));
@@ -115,7 +115,7 @@ void writeText(const fs::path& path, const std::string& text) {
 std::string countText(const calibration::PatternCount& count) {
   const auto share = [&](int part) { return 100.0 * part / std::max(1, count.pixels); };
   return fmt::format(
-      "pixels    {} of the camera look at the arena; {:.1f} % see no difference between "
+      "pixels    {} of the camera show the arena; {:.1f} % see no difference between "
       "bright and dark, {:.1f} % are saturated, {:.1f} % unclear\n",
       count.pixels, share(count.dark), share(count.saturated), share(count.unclear));
 }
@@ -136,8 +136,8 @@ void writePicture(const fs::path& path, const calibration::ProjectorFit& fit,
              picture.scale);
 }
 
-ExitCode conclude(const calibration::ProjectorFit& fit, const calibration::ProjectorPlane& plane,
-                  const std::string& camera_id, const CalibrateProjectorOptions& options) {
+ExitCode writeResult(const calibration::ProjectorFit& fit, const calibration::ProjectorPlane& plane,
+                     const std::string& camera_id, const CalibrateProjectorOptions& options) {
   if (fit.covered > 0) {
     fmt::print("{}", calibration::projectorReport(fit, plane));
     writePicture(pictureBeside(options.out), fit, plane);
@@ -175,7 +175,7 @@ ExitCode calibrateProjector(const CalibrateProjectorOptions& options) {
   const auto patterns =
       calibration::projectorPatterns(experiment.arena_width, experiment.arena_height);
   fmt::print("patterns {}, {} pictures each\n", patterns.size(), options.frames);
-  std::string problem = "the lab ended before the patterns did";
+  std::string problem = "the lab ended before all patterns were shown";
   const Launched launched = launch(
       {.file = options.file,
        .out = options.runs,
@@ -199,8 +199,8 @@ ExitCode calibrateProjector(const CalibrateProjectorOptions& options) {
     return launched.outcome.closed_early ? kMarked : kFailed;
   }
   fmt::print("{}", countText(reader.count()));
-  return conclude(calibration::fitProjector(reader.observations(), view.plane, camera.error),
-                  view.plane, camera.calibration.id, options);
+  return writeResult(calibration::fitProjector(reader.observations(), view.plane, camera.error),
+                     view.plane, camera.calibration.id, options);
 }
 
 }  // namespace lab::runner

@@ -9,9 +9,9 @@
 namespace lab::runner {
 namespace {
 
-constexpr double kStart = 60;         // [s] until the lights begin
+constexpr double kStart = 60;         // [s] before the first light
 constexpr double kPerLight = 12;      // [s] at most, without the frames
-constexpr double kSimulatedFps = 20;  // more pictures are painted for nothing
+constexpr double kSimulatedFps = 20;  // [1/s] more pictures are not needed
 
 }  // namespace
 
@@ -36,10 +36,10 @@ Experiment filmedLab(Experiment experiment, const std::string& suffix, std::size
   camera.handshake = false;
   camera.calibration.clear();
   if (camera.source == kSimulatedCamera) {
-    camera.tracker = Tracker::kCamera;  // else nobody paints
+    camera.tracker = Tracker::kCamera;  // otherwise no pictures are painted
     camera.fps = std::min(camera.fps, kSimulatedFps);
   } else {
-    camera.tracker = Tracker::kSimPoses;  // a camera has one reader
+    camera.tracker = Tracker::kSimPoses;  // a camera allows only one reader
   }
   RobotSpec robot;
   robot.id = experiment.robots.front().id;
@@ -63,7 +63,7 @@ KnownCamera cameraOf(const Experiment& experiment, const std::filesystem::path& 
         camera.width, camera.height, experiment.arena_width, experiment.arena_height);
     return out;
   }
-  static_cast<void>(cameraInForce(experiment, directory));  // or say why not
+  static_cast<void>(cameraInForce(experiment, directory));  // throws if it cannot be used
   out.calibration = readCameraFile(directory / camera.calibration);
   out.error = out.calibration.residual.value_or(0);
   return out;

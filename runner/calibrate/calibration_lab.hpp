@@ -1,4 +1,4 @@
-/// The labs in which projector, light and robots are calibrated.
+/// Experiments for the calibration of projector, light and robots.
 #pragma once
 
 #include <cstddef>
@@ -11,26 +11,26 @@
 
 namespace lab::runner {
 
-/// The experiment's lab under one even light, in a run of its own: its light script is gone.
-/// @param suffix of the run's name
-/// @param duration [s] at most
+/// The experiment with uniform constant light instead of its light script.
+/// @param suffix added to the name of the run
+/// @param duration longest duration [s]
 /// @param intensity [1]
 [[nodiscard]] Experiment labUnderSteadyLight(Experiment experiment, const std::string& suffix,
                                              double duration, double intensity);
 
-/// The lab of a ProjectorCalibrator, dark until it begins: one simulated robot, as an experiment
-/// has one and it is in nobody's way; the camera is nobody else's.
-/// @param lights that are shown, each in so many frames
+/// The experiment for a ProjectorCalibrator, dark until it begins. It has one robot, because an
+/// experiment needs one; the tracker does not use a real camera, which allows only one reader.
+/// @param lights number of lights, each filmed in `frames` frames
 [[nodiscard]] Experiment filmedLab(Experiment experiment, const std::string& suffix,
                                    std::size_t lights, std::int64_t frames);
 
 struct KnownCamera {
   CameraCalibration calibration;
-  double error = 0;  ///< [m] rms, 0: not known or none
+  double error = 0;  ///< [m] rms residual; 0 if unknown or simulated
 };
 
-/// The camera of the experiment: the simulated one as it is, a real one as calibrated.
-/// @throws UserError when a real one has no calibration, ExperimentError when that cannot be used
+/// The camera of the experiment: the simulated camera exactly, a real one by its calibration.
+/// @throws UserError if a real camera has no calibration; ExperimentError if it cannot be used
 [[nodiscard]] KnownCamera cameraOf(const Experiment& experiment,
                                    const std::filesystem::path& directory);
 

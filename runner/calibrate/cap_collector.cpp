@@ -11,7 +11,7 @@ constexpr double kHeights[] = {1.0, 1.4, 2.0, 3.0};  // [longer side of the aren
 constexpr double kDistortions[] = {-0.3, -0.24, -0.18, -0.12, -0.06, 0, 0.06};
 
 constexpr std::size_t kMostCaps = 3000;
-constexpr double kPlace = 0.01;  // [m]
+constexpr double kCellSize = 0.01;  // [m]
 constexpr int kHeadings = 12;
 constexpr std::size_t kFewestBlurs = 20;
 constexpr double kLeastCapSigma = 0.003;  // [px]
@@ -46,23 +46,24 @@ Found findWith(const optics::CameraParameters& camera, const optics::CapGeometry
 
 }  // namespace
 
-RoughCamera roughCamera(const calibration::CameraObservations& sights,
+RoughCamera roughCamera(const calibration::CameraObservations& observations,
                         const std::vector<optics::GreyImage>& pictures,
                         const optics::Imaging& imaging) {
   RoughCamera best;
-  Found of_best;
-  const double side = std::max(sights.arena_width, sights.arena_height);
+  Found best_found;
+  const double side = std::max(observations.arena_width, observations.arena_height);
   std::vector<double> heights;
   for (const double height : kHeights) heights.push_back(height * side);
-  if (sights.camera_height) heights = {*sights.camera_height};
+  if (observations.camera_height) heights = {*observations.camera_height};
   for (const double height : heights) {
     for (const double k1 : kDistortions) {
-      const optics::CameraParameters camera = calibration::guessFromCorners(sights, height, k1);
-      const Found found = findWith(camera, sights.cap, pictures, imaging);
-      if (found.caps < of_best.caps || found.caps == 0) continue;
-      if (found.caps == of_best.caps && found.spread >= of_best.spread) continue;
+      const optics::CameraParameters camera =
+          calibration::guessFromCorners(observations, height, k1);
+      const Found found = findWith(camera, observations.cap, pictures, imaging);
+      if (found.caps < best_found.caps || found.caps == 0) continue;
+      if (found.caps == best_found.caps && found.spread >= best_found.spread) continue;
       best = {camera, found.caps};
-      of_best = found;
+      best_found = found;
     }
   }
   return best;
@@ -83,14 +84,15 @@ std::optional<double> CapCollector::blur() const {
 void CapCollector::take(const optics::GreyView& picture) {
   for (const detector::Detection& one : detector_.search(picture)) {
     if (caps_.size() >= kMostCaps) return;
-    if (one.used != (detector::kUsedBig | detector::kUsedSmall)) continue;  // no light edge either
+    if (one.used != (detector::kUsedBig | detector::kUsedSmall))
+      continue;  // circles at the edge of a light are not used
     const auto cell = [](double value, double width) {
       return static_cast<std::int64_t>(std::floor(value / width));
     };
-    const std::int64_t key = (cell(one.x, kPlace) * 4096 + cell(one.y, kPlace)) * kHeadings +
+    const std::int64_t key = (cell(one.x, kCellSize) * 4096 + cell(one.y, kCellSize)) * kHeadings +
                              cell(one.theta + std::numbers::pi, 2 * std::numbers::pi / kHeadings);
     if (!taken_.insert(key).second) continue;
-    // The pose's variances are half of a circle's.
+    // The position is the mean of two circles, so its variance is half of that of a circle.
     const optics::PlaneScale scale =
         detector_.camera().scaleAt({one.x, one.y}, detector_.cap().height);
     const double per_metre = std::sqrt(std::abs(scale.ux * scale.vy - scale.uy * scale.vx));

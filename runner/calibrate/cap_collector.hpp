@@ -1,4 +1,4 @@
-/// Caps from pictures of a camera that is not known yet. Pictures in, sightings out.
+/// Finds caps in pictures of a camera that is not calibrated yet. Pure: no files, no bus.
 #pragma once
 
 #include <cstdint>
@@ -13,22 +13,22 @@
 
 namespace lab::runner {
 
-/// A first idea of a camera.
+/// First estimate of a camera.
 struct RoughCamera {
   optics::CameraParameters camera;
-  std::size_t caps = 0;  ///< found with it
+  std::size_t caps = 0;  ///< number of caps found with it
 };
 
-/// The camera from which most caps are found in these pictures, of cameras at several heights with
-/// several distortions that all fit to the corners: a first idea of the true one. Where as many are
-/// found, the one with which their spacings are most alike.
-/// @return without a cap where none finds one
-[[nodiscard]] RoughCamera roughCamera(const calibration::CameraObservations& sights,
+/// Tries cameras at several heights with several distortions, all fitted to the corners, and
+/// returns the one with which most caps are found; if several find as many, the one with the
+/// smallest variance of the spacings.
+/// @return `caps` is 0 if no cap was found
+[[nodiscard]] RoughCamera roughCamera(const calibration::CameraObservations& observations,
                                       const std::vector<optics::GreyImage>& pictures,
                                       const optics::Imaging& imaging = {});
 
-/// Collects caps, one for each place and heading: robots that stand tell nothing new, and what is
-/// wrong with their picture stays wrong in every frame.
+/// Collects caps, one per place and heading: further frames of a robot at rest add no information,
+/// and their errors are not independent.
 class CapCollector {
  public:
   CapCollector(const optics::CameraParameters& camera, const optics::CapGeometry& cap,
@@ -38,14 +38,15 @@ class CapCollector {
 
   [[nodiscard]] const std::vector<calibration::CapObservation>& caps() const { return caps_; }
 
-  /// Standard deviation of the point spread [px]: the median over the caps; empty for too few.
+  /// Standard deviation of the point spread function [px], median over the caps; nothing if there
+  /// are too few.
   [[nodiscard]] std::optional<double> blur() const;
 
  private:
   detector::Detector detector_;
-  std::set<std::int64_t> taken_;  // places and headings
+  std::set<std::int64_t> taken_;  // keys of places and headings
   std::vector<calibration::CapObservation> caps_;
-  std::vector<float> blurs_;  // [px] of the caps
+  std::vector<float> blurs_;  // [px] one per cap
 };
 
 }  // namespace lab::runner

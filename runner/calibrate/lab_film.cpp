@@ -21,8 +21,8 @@ namespace {
 
 using units::kCm;
 
-constexpr double kDriveStart = 60;  // [s] until the robots drive
-constexpr std::int64_t kWatch_us = 50'000;
+constexpr double kDriveStart = 60;  // [s] before the robots drive
+constexpr std::int64_t kCheckPeriod_us = 50'000;
 constexpr double kPerSecond = 1e6 / LabFilm::kEvery_us;
 
 void writePicture(const fs::path& path, const optics::GreyView& grey) {
@@ -35,14 +35,14 @@ void writePicture(const fs::path& path, const optics::GreyView& grey) {
   if (!file) throw std::runtime_error(path.string() + ": cannot be written");
 }
 
-/// Of a device the tracker is left out: a camera has one reader, and may have no calibration yet.
+/// Loads the experiment. If its calibration file does not exist yet, the file to be written takes
+/// its place.
 Experiment loadForFilming(const CalibrateCameraOptions& options) {
   try {
     return loadExperiment(options.source, options.set);
   } catch (const UserError& error) {
     if (std::string(error.what()).find("camera.calibration") == std::string::npos) throw;
   }
-  // The file names the one that is to be made.
   std::vector<std::string> set = options.set;
   set.push_back(fmt::format("camera.calibration=\"{}\"", options.out.string()));
   return loadExperiment(options.source, set);
@@ -59,14 +59,14 @@ Experiment labFor(const CalibrateCameraOptions& options) {
   camera.handshake = false;
   camera.calibration.clear();
   if (isPainted(camera)) {
-    camera.fps = kPerSecond;  // no more pictures are looked at
+    camera.fps = kPerSecond;  // more pictures are not needed
   } else {
-    camera.tracker = Tracker::kSimPoses;
+    camera.tracker = Tracker::kSimPoses;  // a camera allows only one reader
   }
   return labUnderSteadyLight(std::move(experiment), "-camera", kDriveStart + options.film_s, 1);
 }
 
-/// Where a careful eye would see the corners, to a tenth of a pixel.
+/// The corners of the simulated camera, rounded to 0.1 px as if marked by a careful user.
 std::string cornersOf(const Experiment& experiment) {
   const optics::CameraModel camera(
       optics::simulatedCamera(experiment.camera.width, experiment.camera.height,
@@ -94,20 +94,21 @@ LabFilm::LabFilm(const ServiceContext& context, ExperimentController& controller
   fs::create_directories(folder_);
   times_.open(folder_ / "frames.csv");
   times_ << "frame,t_s\n";
-  const auto say = [this](const std::string& what) {
+  const auto report = [this](const std::string& what) {
     if (!what.empty()) controller_.fault(what);
   };
   try {
-    source_ = context.cameras.open(
-        experiment_.camera.source, wantedFormat(experiment_.camera),
-        {.frame = [this](const CameraFrame& frame) { take(frame); }, .trouble = say, .end = say});
+    source_ = context.cameras.open(experiment_.camera.source, wantedFormat(experiment_.camera),
+                                   {.frame = [this](const CameraFrame& frame) { take(frame); },
+                                    .trouble = report,
+                                    .end = report});
   } catch (const CameraError& error) {
     throw UserError(error.what());
   }
-  loop_.every(kWatch_us, loop_.now() + kWatch_us, [this] { watch(); });
+  loop_.every(kCheckPeriod_us, loop_.now() + kCheckPeriod_us, [this] { startDriving(); });
 }
 
-void LabFilm::watch() {
+void LabFilm::startDriving() {
   if (driving_ || !controller_.inScript()) return;
   driving_ = true;
   controller_.command(lightTableCommand(experiment_));
@@ -115,7 +116,7 @@ void LabFilm::watch() {
 
 void LabFilm::take(const CameraFrame& frame) {
   if (!driving_ || kept_ >= wanted_ || frame.utime < next_utime_) return;
-  next_utime_ = frame.utime + kEvery_us - kWatch_us;
+  next_utime_ = frame.utime + kEvery_us - kCheckPeriod_us;
   writePicture(folder_ / fmt::format("f{:04d}.pgm", kept_), frame.grey);
   if (kept_ == 0) first_utime_ = frame.utime;
   const double time = units::seconds(frame.utime - first_utime_);

@@ -1,4 +1,4 @@
-/// Pictures of a lab that is running, for what is calibrated from films.
+/// Films a running lab, for calibrations that need a film.
 #pragma once
 
 #include <cstdint>
@@ -13,20 +13,20 @@
 
 namespace lab::runner {
 
-/// Lets the robots run their light table, and keeps a picture of the camera now and then.
+/// Lets the robots run the programs of their light table and stores a camera picture every 0.5 s.
 class LabFilm final : public Service {
  public:
   static constexpr std::int64_t kEvery_us = 500'000;
 
-  /// @param folder gets f0000.pgm and so on, and frames.csv with their times
-  /// @param pictures how many
-  /// @param done called when all are there
+  /// @param folder for f0000.pgm etc. and frames.csv with their times
+  /// @param pictures number of pictures
+  /// @param done called after the last picture
   LabFilm(const ServiceContext& context, ExperimentController& controller,
           std::filesystem::path folder, std::int64_t pictures, std::function<void()> done);
 
  private:
   void take(const CameraFrame& frame);
-  void watch();
+  void startDriving();
 
   Loop& loop_;
   const Experiment& experiment_;
@@ -43,15 +43,15 @@ class LabFilm final : public Service {
 };
 
 struct FilmedLab {
-  std::string pictures;    ///< pattern
-  std::string first;       ///< of them
-  std::string corners;     ///< as --corners has them, empty: not known
-  std::string arena_cm;    ///< as --arena-cm has it
-  std::int64_t count = 0;  ///< of pictures
+  std::string pictures;    ///< pattern of the file names
+  std::string first;       ///< file name of the first picture
+  std::string corners;     ///< as for --corners; empty if unknown
+  std::string arena_cm;    ///< as for --arena-cm
+  std::int64_t count = 0;  ///< number of pictures
 };
 
-/// Runs the lab of an experiment file without its script, and films it.
-/// @throws UserError for what the user can mend
+/// Runs the lab of an experiment file without its light script and films it.
+/// @throws UserError
 [[nodiscard]] FilmedLab filmLab(const CalibrateCameraOptions& options);
 
 }  // namespace lab::runner

@@ -14,13 +14,13 @@ namespace {
 constexpr std::int64_t kLightTick_us = 20'000;
 constexpr std::int64_t kLightRepeat_us = 200'000;
 constexpr double kDrive = 7;            // [s]
-constexpr double kStand = 1.0;          // [s] until all wheels and filters have come to rest
-constexpr double kSettle = 0.15;        // [s] after a light is shown, before a reading counts
+constexpr double kStand = 1.0;          // [s] for wheels and filters to settle
+constexpr double kSettle = 0.15;        // [s] after a light is shown, before readings are used
 constexpr double kRead = 0.5;           // [s]
-constexpr double kLightPatience = 3;    // [s] for a light to be shown
-constexpr double kSensorOffset = 0.03;  // [m] of the light sensors before and behind the axle
+constexpr double kLightTimeout = 3;     // [s] for a light to be shown
+constexpr double kSensorOffset = 0.03;  // [m] distance of the light sensors from the axle
 
-/// About, turning away from whatever is near.
+/// Command that makes all robots wander and turn away from obstacles.
 robot_command_t wander(const Experiment& experiment) {
   robot_command_t command = lightTableCommand(experiment);
   for (robot_order_t& order : command.orders) {
@@ -73,20 +73,20 @@ LightCalibrator::LightCalibrator(const ServiceContext& context, ExperimentContro
 }
 
 void LightCalibrator::take(const tracked_frame_t& frame) {
-  // In the dark a camera sees nobody, but nobody moves then.
+  // A camera sees no robot in the dark, but robots do not move then, so their last poses are valid.
   if (phase_ != Phase::kStand && phase_ != Phase::kShow) return;
   if (frame.utime < since_ && phase_ == Phase::kStand) return;
-  constexpr float kSure = 0.5F;
+  constexpr float kMinConfidence = 0.5F;
   for (const tracked_pose_t& pose : frame.robots) {
-    if (pose.confidence >= kSure) stands_[pose.robot_id] = {pose.x, pose.y, pose.theta};
+    if (pose.confidence >= kMinConfidence) stands_[pose.robot_id] = {pose.x, pose.y, pose.theta};
   }
 }
 
 void LightCalibrator::take(const light_status_t& status) {
   const NodeIdentity& own = node_.identity();
-  const bool ours = status.commander == own.name && status.command_instance == own.instance &&
-                    status.command_seq == light_.seq;
-  if (phase_ == Phase::kShow && ours && shown_ == 0) shown_ = status.first_shown_utime;
+  const bool own_light = status.commander == own.name && status.command_instance == own.instance &&
+                         status.command_seq == light_.seq;
+  if (phase_ == Phase::kShow && own_light && shown_ == 0) shown_ = status.first_shown_utime;
 }
 
 void LightCalibrator::take(const robot_status_t& status) {
@@ -129,7 +129,7 @@ void LightCalibrator::tick() {
       return;
     case Phase::kShow: {
       const bool read = shown_ != 0 && loop_.now() > shown_ + units::microseconds(kSettle + kRead);
-      if (!read && waited < kLightPatience) return;
+      if (!read && waited < kLightTimeout) return;
       keepLevel();
       if (++level_ < levels().size()) {
         showLevel();
@@ -149,7 +149,7 @@ void LightCalibrator::tick() {
   }
 }
 
-/// Under light, so that a camera sees them.
+/// Starts to drive, under light so that a camera sees the robots.
 void LightCalibrator::drive() {
   light::Layer uniform;
   uniform.intensity = 1;

@@ -1,4 +1,4 @@
-/// Measures the projector's light with the robots' own sensors.
+/// Measures the projector's light with the light sensors of the robots.
 #pragma once
 
 #include <cstdint>
@@ -15,20 +15,21 @@
 
 namespace lab::runner {
 
-/// Lets the robots drive about for a few seconds and stand; then shows a staircase of even lights
-/// and keeps what their sensors read; and again, so that they read at many places.
+/// In every round, lets the robots drive for a few seconds and stop; then shows a staircase of
+/// uniform lights and records the readings of their sensors. Several rounds give readings at many
+/// places.
 class LightCalibrator final : public Service {
  public:
-  /// Values of the pixels, 0..1.
+  /// Pixel values of the staircase, 0..1.
   static const std::vector<double>& levels();
 
-  /// [s] that one round takes when nothing is in its way.
+  /// Usual duration of a round [s].
   static double roundTime();
 
-  /// @param rounds at different places
-  /// @param samples filled
+  /// @param rounds number of rounds
+  /// @param samples output
   /// @param tell called after each round
-  /// @param done called when all is done
+  /// @param done called at the end
   LightCalibrator(const ServiceContext& context, ExperimentController& controller, int rounds,
                   std::vector<calibration::LightSample>& samples,
                   std::function<void(int round)> tell, std::function<void()> done);
@@ -65,12 +66,12 @@ class LightCalibrator final : public Service {
   std::function<void()> done_;
 
   Phase phase_ = Phase::kBoot;
-  std::int64_t since_ = 0;  ///< utime of the phase's begin
+  std::int64_t since_ = 0;  ///< utime of the beginning of the phase
   int round_ = 0;
   std::size_t level_ = 0;
   light_command_t light_{};
   std::int64_t next_light_ = 0;
-  std::int64_t shown_ = 0;  ///< utime of the level's first frame, 0: not shown yet
+  std::int64_t shown_ = 0;  ///< utime of the first frame with the level; 0 if not shown yet
   std::map<std::int32_t, Stand> stands_;
   std::map<std::int32_t, Readings> readings_;
 };

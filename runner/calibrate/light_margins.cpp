@@ -14,10 +14,8 @@ std::string marginLines(const LightCalibration& calibration, const Experiment& e
   for (const calibration::BandMargin& band : lightMargins(calibration, experiment)) {
     lines += fmt::format(
         "{}: light {:.3f} is {:.3f} from the edge of its band, {:.0f} standard deviations of a "
-        "reading; "
-        "chance of a wrong one {:.1e}. Without the calibration the {} sensor of robot {} would "
-        "read "
-        "{:.3f} at ({:.0f}, {:.0f}) cm, {} the band\n",
+        "reading; probability of a wrong reading {:.1e}. Without the calibration the {} sensor of "
+        "robot {} would read {:.3f} at ({:.0f}, {:.0f}) cm, {} the band\n",
         band.program, band.light, band.margin, band.sigmas, band.chance,
         band.plain_sensor.front ? "front" : "back", band.plain_sensor.robot, band.plain_light,
         kCm * band.plain_place.x, kCm * band.plain_place.y,

@@ -1,4 +1,4 @@
-/// What a calibration of light means for the bands of an experiment, in words.
+/// Describes the effect of a light calibration on the light bands of an experiment.
 #pragma once
 
 #include <string>
@@ -8,8 +8,9 @@
 
 namespace lab::runner {
 
-/// A line for each band: how far the light in its middle is from its edge, how probable a wrong
-/// reading is, and what the worst sensor would read at the worst place without the calibration.
+/// One line per band: the distance of the light in its middle from the edge of the band, the
+/// probability of a wrong reading, and the reading of the worst sensor at the worst place without
+/// the calibration.
 [[nodiscard]] std::string marginLines(const LightCalibration& calibration,
                                       const Experiment& experiment);
 

@@ -17,10 +17,10 @@ using calibration::Motors;
 
 constexpr std::int64_t kMotorTick_us = 20'000;
 constexpr std::int64_t kRequestPeriod_us = 500'000;  // 2 Hz
-constexpr std::int64_t kMotorPatience_us = 5'000'000;
+constexpr std::int64_t kMotorTimeout_us = 5'000'000;
 constexpr double kUsableShare = calibration::FitLimits{}.used_share;
-constexpr int kPatternTries = 2;                       // at a pattern that something disturbed
-constexpr std::int64_t kLinePatience_us = 15'000'000;  // of a robot on a serial line
+constexpr int kPatternTries = 2;                      // attempts at a disturbed pattern
+constexpr std::int64_t kLineTimeout_us = 15'000'000;  // for a robot on a serial line
 
 }  // namespace
 
@@ -58,10 +58,10 @@ void MotorCalibrator::take(const robot_calibration_t& status) {
   }
 }
 
-std::int64_t MotorCalibrator::patience() const {
+std::int64_t MotorCalibrator::timeout() const {
   const bool on_wire = std::ranges::any_of(
       experiment_.robots, [](const RobotSpec& robot) { return isOnWire(robot.body); });
-  return on_wire ? kLinePatience_us : kMotorPatience_us;
+  return on_wire ? kLineTimeout_us : kMotorTimeout_us;
 }
 
 void MotorCalibrator::tick() {
@@ -74,13 +74,13 @@ void MotorCalibrator::tick() {
     node_.publishCommand(channels::kRobotCalibration, request_);
   }
   if (driver_) driver_->tick(now);
-  const bool waited = now - since_ > patience();
+  const bool waited = now - since_ > timeout();
   switch (phase_) {
     case Phase::kBoot:
       if (!controller_.inScript()) return;
       phase_ = Phase::kAsk;
       since_ = now;
-      ask();
+      requestStored();
       return;
     case Phase::kAsk: {
       const bool all_known = std::ranges::all_of(
@@ -91,20 +91,20 @@ void MotorCalibrator::tick() {
     case Phase::kCheckBefore:
     case Phase::kPattern:
     case Phase::kCheckAfter:
-      if (driver_->isOver()) driven();
+      if (driver_->isOver()) finishPattern();
       return;
     case Phase::kStore:
     case Phase::kTakeBack:
       if (isHeld(calibration::fromMessage(request_.robots.front()))) return stored();
-      if (waited) giveUpStoring();
+      if (waited) failStoring();
       return;
     case Phase::kDone:
       return;
   }
 }
 
-// A gain of 0 asks and stores nothing.
-void MotorCalibrator::ask() {
+// A gain of 0 in the message requests the calibration without storing one.
+void MotorCalibrator::requestStored() {
   std::vector<motor_calibration_t> questions;
   for (const std::int32_t robot : robots_) {
     motor_calibration_t question{};
@@ -124,7 +124,8 @@ void MotorCalibrator::nextRobot() {
   report_.robot = robots_[next_robot_++];
   const auto held = held_.find(report_.robot);
   if (held == held_.end()) {
-    refuse(fmt::format("nobody says what robot {} holds: is it switched on?", report_.robot));
+    refuse(
+        fmt::format("robot {} does not report its calibration: is it switched on?", report_.robot));
     return;
   }
   report_.held = held->second;
@@ -153,7 +154,7 @@ void MotorCalibrator::startPattern() {
 
 void MotorCalibrator::command(double left, double right) {
   robot_command_t command = standCommand(experiment_);
-  // No robot drives on by itself for longer than this, whatever the experiment allows.
+  // The lease without free run: a robot must not drive on for longer if commands stop.
   command.lease_ms = static_cast<std::int32_t>(std::lround(experiment_.hardware.lease * 1000));
   std::vector<std::int32_t>& others = command.orders.front().robot_ids;
   std::erase(others, report_.robot);
@@ -169,7 +170,7 @@ void MotorCalibrator::command(double left, double right) {
   controller_.command(command);
 }
 
-void MotorCalibrator::driven() {
+void MotorCalibrator::finishPattern() {
   const std::unique_ptr<PatternDriver> driver = std::move(driver_);
   const double max = experiment_.hardware.max_wheel_speed;
   if (!driver->failure().empty()) {
@@ -229,22 +230,23 @@ bool MotorCalibrator::isHeld(const Motors& motors) const {
 void MotorCalibrator::stored() {
   if (phase_ == Phase::kTakeBack) {
     const std::string why = report_.refusal;
-    return refuse(why + "; what the robot held before was put back");
+    return refuse(why + "; the previous calibration was restored");
   }
   drive(Phase::kCheckAfter, calibration::checkPattern(experiment_.hardware.max_wheel_speed),
         report_.stored);
 }
 
-// The robot may drive by the new values although it does not say so.
-void MotorCalibrator::giveUpStoring() {
+// The robot may use the new values even though it did not confirm them, so the old ones are stored
+// again.
+void MotorCalibrator::failStoring() {
   if (phase_ == Phase::kStore) {
     report_.refusal =
-        fmt::format("robot {} does not say that it stored its calibration", report_.robot);
+        fmt::format("robot {} does not confirm that it stored its calibration", report_.robot);
     return store(Phase::kTakeBack, report_.held);
   }
   refuse(report_.refusal +
-         "; it does not say either that it took back what it held before: what "
-         "it drives by is not known, calibrate it again");
+         "; it does not confirm the previous calibration either: the calibration "
+         "that it uses is unknown, calibrate it again");
 }
 
 void MotorCalibrator::refuse(const std::string& why) {

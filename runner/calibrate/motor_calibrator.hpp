@@ -1,4 +1,4 @@
-/// Calibrates the motors of the robots of a lab, one after the other.
+/// Calibrates the motors of the robots, one after the other.
 #pragma once
 
 #include <cstdint>
@@ -16,15 +16,16 @@
 
 namespace lab::runner {
 
-/// Asks what the robots hold; then each drives the check, drives the pattern, is fitted, stores the
-/// outcome and drives the check again. What does not pass is not stored, or is taken back.
+/// Requests the stored calibrations of all robots. Then each robot drives the check, drives the
+/// pattern, stores the fit and drives the check again. If the second check fails, the previous
+/// calibration is stored again.
 ///
-/// Only the tracker's poses tell how a robot moves.
+/// The motion is measured only by the poses of the tracker.
 class MotorCalibrator final : public Service {
  public:
-  /// @param robots which, in this order
-  /// @param tell called with each outcome
-  /// @param done called when all is done
+  /// @param robots ids, in the order of calibration
+  /// @param tell called with the report of each robot
+  /// @param done called at the end
   MotorCalibrator(const ServiceContext& context, ExperimentController& controller,
                   std::vector<std::int32_t> robots,
                   std::function<void(const calibration::MotorReport&)> tell,
@@ -35,21 +36,21 @@ class MotorCalibrator final : public Service {
 
   void take(const robot_calibration_t& status);
   void tick();
-  void ask();
+  void requestStored();
   void nextRobot();
   void drive(Phase phase, const calibration::Pattern& pattern, const calibration::Motors& believed);
   void startPattern();
-  void driven();
+  void finishPattern();
   void fit(const std::vector<calibration::CheckedSegment>& driven);
   void store(Phase phase, const calibration::Motors& motors);
   void stored();
-  void giveUpStoring();
+  void failStoring();
   void refuse(const std::string& why);
   void finishRobot();
   void request(const std::vector<motor_calibration_t>& motors);
   void command(double left, double right);
   [[nodiscard]] bool isHeld(const calibration::Motors& motors) const;
-  [[nodiscard]] std::int64_t patience() const;
+  [[nodiscard]] std::int64_t timeout() const;
 
   Node& node_;
   Loop& loop_;
@@ -60,16 +61,17 @@ class MotorCalibrator final : public Service {
   std::function<void()> done_;
 
   Phase phase_ = Phase::kBoot;
-  std::int64_t since_ = 0;  ///< utime of the phase's begin
+  std::int64_t since_ = 0;  ///< utime of the beginning of the phase
   std::size_t next_robot_ = 0;
   calibration::MotorReport report_;
   std::unique_ptr<PatternDriver> driver_;
-  calibration::Pattern pattern_;                     ///< that it drives
-  calibration::Motors believed_;                     ///< by the robot meanwhile
-  int tries_ = 0;                                    ///< at this pattern
-  std::vector<calibration::CheckedSegment> before_;  ///< the check before
+  calibration::Pattern pattern_;                     ///< pattern being driven
+  calibration::Motors believed_;                     ///< calibration that the robot uses meanwhile
+  int tries_ = 0;                                    ///< attempts at this pattern
+  std::vector<calibration::CheckedSegment> before_;  ///< segments of the first check
   SeenRobots seen_robots_;
-  std::map<std::int32_t, calibration::Motors> held_;  ///< as their owners say
+  std::map<std::int32_t, calibration::Motors>
+      held_;  ///< stored calibrations, as CALIBRATION_STATUS reports
   robot_calibration_t request_{};
   std::int64_t next_request_ = 0;  ///< utime
 };

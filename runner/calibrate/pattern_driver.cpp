@@ -13,19 +13,19 @@ namespace {
 
 using calibration::PatternStep;
 
-constexpr std::int64_t kFresh_us = 300'000;  // a pose may be this old
-constexpr std::int64_t kSightPatience_us = 3'000'000;
-constexpr std::int64_t kPatternEchoPatience_us = 2'000'000;
-constexpr std::int64_t kMotionPatience_us = 10'000'000;
+constexpr std::int64_t kFresh_us = 300'000;  // largest age of a pose
+constexpr std::int64_t kPoseTimeout_us = 3'000'000;
+constexpr std::int64_t kPatternEchoTimeout_us = 2'000'000;
+constexpr std::int64_t kMotionTimeout_us = 10'000'000;
 constexpr std::int64_t kStuck_us = 1'500'000;
 constexpr std::int64_t kRest_us = 300'000;
-constexpr std::int64_t kLastFrames_us = 300'000;  // beside the camera's delay
-constexpr double kShare = 0.3;                    // of full speed
-constexpr double kShareMore = 0.15;               // for wheels that do not turn yet
+constexpr std::int64_t kLastFrames_us = 300'000;  // in addition to the camera's delay
+constexpr double kShare = 0.3;                    // part of the full speed
+constexpr double kShareMore = 0.15;               // added while the wheels do not turn
 constexpr double kMostShare = 0.8;
 constexpr double kTurnTolerance = 0.13;  // [rad]
-constexpr double kTurned = 0.05;         // [rad] that are no noise
-constexpr double kMoved = 0.004;         // [m] likewise
+constexpr double kTurned = 0.05;         // [rad] above the noise
+constexpr double kMoved = 0.004;         // [m] above the noise
 constexpr double kFullTurn = 2 * std::numbers::pi;
 constexpr int kMostTurns = 10;
 
@@ -33,13 +33,13 @@ constexpr int kMostTurns = 10;
 
 PatternDriver::PatternDriver(const Experiment& experiment, std::int32_t robot,
                              const calibration::Motors& believed, calibration::Pattern pattern,
-                             const SeenRobots& scene, DriveActions reins)
+                             const SeenRobots& scene, DriveActions actions)
     : experiment_(experiment),
       robot_(robot),
       believed_(believed),
       pattern_(std::move(pattern)),
       seen_robots_(scene),
-      actions_(std::move(reins)) {}
+      actions_(std::move(actions)) {}
 
 void PatternDriver::see(const tracked_frame_t& frame) {
   for (const tracked_pose_t& pose : frame.robots) {
@@ -51,9 +51,9 @@ void PatternDriver::see(const tracked_frame_t& frame) {
 void PatternDriver::hear(const robot_state_t& state) {
   if (state.robot_id != robot_ || isOver()) return;
   if ((state.flags & robot_state_t::FLAG_STOPPED) != 0) {
-    fail(name() + " is stopped: release it with lab stop --clear, and calibrate again");
+    fail(name() + " is stopped: release it with lab stop --clear and calibrate again");
   } else if ((state.flags & robot_state_t::FLAG_REJECTED) != 0 && actions_.obeyed()) {
-    fail(name() + " refuses to drive by hand; the lab's messages say why");
+    fail(name() + " rejects the commands; the messages of the lab give the reason");
   }
 }
 
@@ -61,16 +61,16 @@ void PatternDriver::tick(std::int64_t now) {
   if (now_ == 0) entered_ = now;
   now_ = now;
   switch (phase_) {
-    case Phase::kLook:
-      return look();
+    case Phase::kPlan:
+      return plan();
     case Phase::kTurn:
       return turn();
     case Phase::kRest:
       return rest();
     case Phase::kLeave:
       return leave();
-    case Phase::kOrder:
-      return order();
+    case Phase::kAwaitEcho:
+      return awaitEcho();
     case Phase::kHold:
       return hold();
     case Phase::kLastFrames:
@@ -96,7 +96,7 @@ void PatternDriver::fail(const std::string& why) {
 
 std::string PatternDriver::name() const { return fmt::format("robot {}", robot_); }
 
-const SeenRobot* PatternDriver::fresh() const {
+const SeenRobot* PatternDriver::recentPose() const {
   const auto seen = seen_robots_.find(robot_);
   return seen != seen_robots_.end() && now_ - seen->second.utime < kFresh_us ? &seen->second
                                                                              : nullptr;
@@ -111,7 +111,7 @@ calibration::Surroundings PatternDriver::surroundings() const {
   return around;
 }
 
-std::string PatternDriver::noRoom() const {
+std::string PatternDriver::noRoomText() const {
   const calibration::Place at = seen_robots_.at(robot_).place;
   std::string nearest;
   double distance = 1e9;
@@ -122,19 +122,19 @@ std::string PatternDriver::noRoom() const {
     nearest = fmt::format("; robot {} is {:.0f} cm away", id, 100 * found);
   }
   return fmt::format(
-      "{} has no room at ({:.0f}, {:.0f}) cm: it drives up to {:.0f} cm one way and needs {:.0f} "
-      "cm "
-      "beside its rim{}; move it, and calibrate it alone: --robot {}",
+      "{} has no room at ({:.0f}, {:.0f}) cm: it drives up to {:.0f} cm in a direction and needs "
+      "{:.0f} "
+      "cm of clearance{}; move it, and calibrate it alone: --robot {}",
       name(), 100 * at.x, 100 * at.y,
       100 * calibration::reachOf(pattern_, experiment_.hardware.diameter),
       100 * calibration::kClearance, nearest, robot_);
 }
 
-// Where to?
-void PatternDriver::look() {
-  const SeenRobot* seen = fresh();
+// Chooses the heading of the pattern, or an escape path if no heading has room.
+void PatternDriver::plan() {
+  const SeenRobot* seen = recentPose();
   if (seen == nullptr) {
-    if (inPhase() > kSightPatience_us) {
+    if (inPhase() > kPoseTimeout_us) {
       fail(name() + " is not seen by the tracker: is it in the arena, and is the tracker running?");
     }
     return;
@@ -143,12 +143,12 @@ void PatternDriver::look() {
   if (heading && std::fabs(std::remainder(*heading - seen->place.theta, kFullTurn)) < 1e-6) {
     return beginStep();
   }
-  const auto way =
+  const auto escape =
       heading ? std::nullopt : calibration::escapePath(pattern_, seen->place, surroundings());
-  if (!heading && !way) return fail(noRoom());
+  if (!heading && !escape) return fail(noRoomText());
   if (++turns_ > kMostTurns) return fail(name() + " cannot hold a heading: do its wheels slip?");
-  way_out_ = way ? way->distance : 0;
-  turnTo(way ? way->heading : *heading);
+  escape_ = escape ? escape->distance : 0;
+  turnTo(escape ? escape->heading : *heading);
 }
 
 void PatternDriver::drive(double left_share, double right_share) {
@@ -157,7 +157,7 @@ void PatternDriver::drive(double left_share, double right_share) {
 }
 
 void PatternDriver::turnTo(double heading) {
-  from_ = fresh()->place;
+  from_ = recentPose()->place;
   target_ = heading;
   turn_sign_ = std::remainder(target_ - from_.theta, kFullTurn) < 0 ? -1 : 1;
   share_ = kShare;
@@ -165,17 +165,17 @@ void PatternDriver::turnTo(double heading) {
   enter(Phase::kTurn);
 }
 
-/// A wheel with a wide dead band needs more than the usual speed to move at all.
+/// Raises the speed while the robot does not move, because of wheels with a wide dead band.
 double PatternDriver::shareFor(bool moves) const {
   const double wanted = kShare + kShareMore * static_cast<double>(inPhase() / kStuck_us);
   return moves ? share_ : std::clamp(wanted, share_, kMostShare);
 }
 
 void PatternDriver::turn() {
-  if (inPhase() > kMotionPatience_us) {
-    return fail(name() + " does not turn as told: are its motors on, and its wheels free?");
+  if (inPhase() > kMotionTimeout_us) {
+    return fail(name() + " does not turn as commanded: are its motors on and its wheels free?");
   }
-  const SeenRobot* seen = fresh();
+  const SeenRobot* seen = recentPose();
   if (seen == nullptr) return fail(name() + " is no longer seen by the tracker");
   const double to_turn = std::remainder(target_ - seen->place.theta, kFullTurn);
   const bool beyond = to_turn * turn_sign_ < 0 && std::fabs(to_turn) < kFullTurn / 4;
@@ -190,16 +190,16 @@ void PatternDriver::turn() {
   drive(-turn_sign_ * share_, turn_sign_ * share_);
 }
 
-// Away from what is too near.
+// Drives away from walls and robots that are too near.
 void PatternDriver::leave() {
-  if (inPhase() > kMotionPatience_us) {
-    return fail(name() + " does not drive as told: are its motors on, and its wheels free?");
+  if (inPhase() > kMotionTimeout_us) {
+    return fail(name() + " does not drive as commanded: are its motors on and its wheels free?");
   }
-  const SeenRobot* seen = fresh();
+  const SeenRobot* seen = recentPose();
   if (seen == nullptr) return fail(name() + " is no longer seen by the tracker");
   const double gone = std::hypot(seen->place.x - from_.x, seen->place.y - from_.y);
-  if (gone >= way_out_) {
-    way_out_ = 0;
+  if (gone >= escape_) {
+    escape_ = 0;
     actions_.stand();
     return enter(Phase::kRest);
   }
@@ -210,13 +210,13 @@ void PatternDriver::leave() {
 }
 
 void PatternDriver::rest() {
-  if (inPhase() > kPatternEchoPatience_us) {
+  if (inPhase() > kPatternEchoTimeout_us) {
     return fail(name() + (actions_.obeyed() ? " is no longer seen by the tracker"
                                             : " does not answer: is it switched on?"));
   }
-  const SeenRobot* seen = fresh();
+  const SeenRobot* seen = recentPose();
   if (inPhase() <= kRest_us || !actions_.obeyed() || seen == nullptr) return;
-  if (way_out_ == 0) return enter(Phase::kLook);
+  if (escape_ == 0) return enter(Phase::kPlan);
   from_ = seen->place;
   share_ = kShare;
   drive(share_, share_);
@@ -231,12 +231,12 @@ void PatternDriver::beginStep() {
   const PatternStep& step = pattern_[next_step_];
   actions_.drive(step.left, step.right);
   driven_.push_back({step, 0, 0});
-  enter(Phase::kOrder);
+  enter(Phase::kAwaitEcho);
 }
 
-// The step begins when the robot says so.
-void PatternDriver::order() {
-  if (inPhase() > kPatternEchoPatience_us)
+// The step begins when the robot echoes its command.
+void PatternDriver::awaitEcho() {
+  if (inPhase() > kPatternEchoTimeout_us)
     return fail(name() + " does not answer: is it switched on?");
   if (!actions_.obeyed()) return;
   driven_.back().from = std::max(now_, entered_ + units::microseconds(calibration::kSettleTime));

@@ -1,4 +1,4 @@
-/// One robot driven by hand through a pattern, in front of the tracker.
+/// Drives one robot through a calibration pattern in view of the tracker.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@
 
 namespace lab::runner {
 
-/// Where the tracker saw a robot last.
+/// Latest pose of a robot from the tracker.
 struct SeenRobot {
   std::int64_t utime = 0;
   calibration::Place place;
@@ -24,25 +24,26 @@ struct SeenRobot {
 
 using SeenRobots = std::map<std::int32_t, SeenRobot>;
 
-/// How a driver moves its robot while all others stand.
+/// Commands to the robot; all other robots stand still.
 struct DriveActions {
   std::function<void(double left, double right)> drive;  ///< [m/s]
-  std::function<void()> stand;
-  std::function<bool()> obeyed;  ///< whether the robot has echoed the last of these
+  std::function<void()> stand;                           ///< stops the robot
+  std::function<bool()> obeyed;  ///< whether the robot has echoed the latest command
 };
 
-/// Turns the robot on the spot until the pattern has room, and if that is not enough lets it drive
-/// a little away from walls and robots first; drives the pattern step by step, each step's time
-/// counting from the robot's echo, and keeps what the tracker saw.
+/// Turns the robot on the spot to a heading with room for the pattern; if there is none, first
+/// drives it away from walls and robots. Then drives the pattern step by step and records the
+/// poses. The time of a step begins when the robot echoes the command.
 ///
-/// The owner calls see(), hear() and, some 50 times a second, tick(), until isOver().
+/// The owner calls see() and hear() with the messages, and tick() about 50 times per second, until
+/// isOver().
 class PatternDriver {
  public:
-  /// @param believed what the robot takes its motors for: gives the duties
-  /// @param scene kept up to date by the owner
+  /// @param believed calibration that the robot uses; determines the duty cycles
+  /// @param scene latest poses of all robots, updated by the owner
   PatternDriver(const Experiment& experiment, std::int32_t robot,
                 const calibration::Motors& believed, calibration::Pattern pattern,
-                const SeenRobots& scene, DriveActions reins);
+                const SeenRobots& scene, DriveActions actions);
 
   void see(const tracked_frame_t& frame);
   void hear(const robot_state_t& state);
@@ -50,38 +51,38 @@ class PatternDriver {
 
   [[nodiscard]] bool isOver() const { return phase_ == Phase::kOver; }
 
-  /// Why the pattern was not driven to its end; empty when it was.
+  /// Why the pattern was not completed; empty if it was.
   [[nodiscard]] const std::string& failure() const { return failure_; }
 
-  /// What was driven and seen.
+  /// The steps driven, with duty cycles and poses.
   [[nodiscard]] std::vector<calibration::CheckedSegment> segments() const;
 
  private:
-  enum class Phase { kLook, kTurn, kRest, kLeave, kOrder, kHold, kLastFrames, kOver };
+  enum class Phase { kPlan, kTurn, kRest, kLeave, kAwaitEcho, kHold, kLastFrames, kOver };
 
   struct Driven {
     calibration::PatternStep step;
-    std::int64_t from = 0;  ///< utime of the first pose that counts
+    std::int64_t from = 0;  ///< utime of the first pose that is used
     std::int64_t to = 0;
   };
 
-  void look();
+  void plan();
   void turn();
   void rest();
   void leave();
   void turnTo(double heading);
   void drive(double left_share, double right_share);
   [[nodiscard]] double shareFor(bool moves) const;
-  void order();
+  void awaitEcho();
   void hold();
   void enter(Phase phase);
   void beginStep();
   void fail(const std::string& why);
   [[nodiscard]] std::int64_t inPhase() const { return now_ - entered_; }
-  [[nodiscard]] const SeenRobot* fresh() const;
+  [[nodiscard]] const SeenRobot* recentPose() const;
   [[nodiscard]] calibration::Surroundings surroundings() const;
   [[nodiscard]] std::string name() const;
-  [[nodiscard]] std::string noRoom() const;
+  [[nodiscard]] std::string noRoomText() const;
 
   const Experiment& experiment_;
   std::int32_t robot_;
@@ -90,13 +91,13 @@ class PatternDriver {
   const SeenRobots& seen_robots_;
   DriveActions actions_;
 
-  Phase phase_ = Phase::kLook;
+  Phase phase_ = Phase::kPlan;
   std::int64_t now_ = 0;
   std::int64_t entered_ = 0;
   double target_ = 0;        ///< [rad] heading with room
-  double way_out_ = 0;       ///< [m] to drive first, 0: none
-  calibration::Place from_;  ///< where the turn or the way out began
-  double share_ = 0;         ///< of full speed, meanwhile
+  double escape_ = 0;        ///< [m] distance to drive before the pattern
+  calibration::Place from_;  ///< pose at the beginning of the turn or the escape
+  double share_ = 0;         ///< part of the full speed in use
   double turn_sign_ = 1;
   int turns_ = 0;
   std::size_t next_step_ = 0;

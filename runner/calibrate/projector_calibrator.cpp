@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::int64_t kPatternTick_us = 10'000;
 constexpr std::int64_t kPatternRepeat_us = 500'000;
-constexpr std::int64_t kPatternPatience_us = 10'000'000;
+constexpr std::int64_t kPatternTimeout_us = 10'000'000;
 
 }  // namespace
 
@@ -51,17 +51,17 @@ void ProjectorCalibrator::tick() {
     show();
   }
   if (now >= next_send_utime_) send();
-  if (now - progress_utime_ > kPatternPatience_us) end(waitedFor());
+  if (now - progress_utime_ > kPatternTimeout_us) end(timeoutText());
 }
 
-std::string ProjectorCalibrator::waitedFor() const {
+std::string ProjectorCalibrator::timeoutText() const {
   const std::string what = fmt::format("pattern {} of {}", pattern_ + 1, patterns_.size());
   if (shown_from_ == 0) {
     return what +
-           ": LIGHT_STATUS did not say within 10 s that it is shown; is projector_ctl well, "
-           "and does somebody else command the light?";
+           ": LIGHT_STATUS did not report within 10 s that it is shown; does projector_ctl run, "
+           "and does another program command the light?";
   }
-  return fmt::format("{}: no picture of it came from the camera \"{}\" within 10 s{}{}", what,
+  return fmt::format("{}: no picture of it arrived from the camera \"{}\" within 10 s{}{}", what,
                      experiment_.camera.source, trouble_.empty() ? "" : ": ", trouble_);
 }
 
@@ -84,9 +84,10 @@ void ProjectorCalibrator::send() {
 
 void ProjectorCalibrator::hear(const light_status_t& status) {
   const NodeIdentity& own = node_.identity();
-  const bool ours = running_ && status.commander == own.name &&
-                    status.command_instance == own.instance && status.command_seq == command_.seq;
-  if (!ours || status.moving != 0) {
+  const bool own_pattern = running_ && status.commander == own.name &&
+                           status.command_instance == own.instance &&
+                           status.command_seq == command_.seq;
+  if (!own_pattern || status.moving != 0) {
     shown_from_ = 0;
     return;
   }
@@ -102,8 +103,8 @@ void ProjectorCalibrator::see(const CameraFrame& frame) {
   if (frame.grey.width != experiment_.camera.width ||
       frame.grey.height != experiment_.camera.height) {
     end(fmt::format(
-        "the camera gives pictures of {} x {} pixels, expected {} x {} as the experiment "
-        "says",
+        "the camera gives pictures of {} x {} pixels, expected {} x {} as in the "
+        "experiment",
         frame.grey.width, frame.grey.height, experiment_.camera.width, experiment_.camera.height));
     return;
   }

@@ -1,4 +1,4 @@
-/// Shows structured light in a running lab and takes the camera's pictures of it.
+/// Shows light patterns in a running lab and collects camera pictures of them.
 #pragma once
 
 #include <cstdint>
@@ -14,14 +14,14 @@
 
 namespace lab::runner {
 
-/// Commands one pattern after the other as anybody may, waits until LIGHT_STATUS says that it is on
-/// the arena, and takes so many frames that were exposed wholly after that, less one frame of the
-/// projector for its own delay.
+/// Commands one pattern after the other by LIGHT_COMMAND, waits until LIGHT_STATUS reports that it
+/// is shown, and collects frames whose exposure began at least one projector frame later, because
+/// the projector has a delay of its own.
 class ProjectorCalibrator final : public Service {
  public:
-  /// @param frames of the camera for each pattern
-  /// @param take called with each of them and the number of its pattern
-  /// @param done called at the end, with what went wrong; empty: nothing
+  /// @param frames camera frames per pattern
+  /// @param take called with the index of the pattern and each frame
+  /// @param done called at the end, with the error; empty on success
   ProjectorCalibrator(const ServiceContext& context, ExperimentController& controller,
                       std::vector<calibration::LightPattern> patterns, std::int64_t frames,
                       std::function<void(std::size_t, const optics::GreyView&)> take,
@@ -34,7 +34,7 @@ class ProjectorCalibrator final : public Service {
   void hear(const light_status_t& status);
   void see(const CameraFrame& frame);
   void end(const std::string& problem);
-  [[nodiscard]] std::string waitedFor() const;
+  [[nodiscard]] std::string timeoutText() const;
 
   Node& node_;
   Loop& loop_;
@@ -48,12 +48,11 @@ class ProjectorCalibrator final : public Service {
   bool running_ = false;
   bool over_ = false;
   std::size_t pattern_ = 0;
-  std::int64_t taken_ = 0;  ///< frames of this pattern
-  std::int64_t shown_from_ =
-      0;  ///< utime from which the pattern is surely on the arena, 0: not yet
+  std::int64_t taken_ = 0;       ///< frames of the current pattern
+  std::int64_t shown_from_ = 0;  ///< utime since which the pattern is shown; 0 if not yet
   std::int64_t progress_utime_ = 0;
   std::int64_t next_send_utime_ = 0;
-  std::string trouble_;  ///< of the camera
+  std::string trouble_;  ///< latest error of the camera
   light_command_t command_{};
   std::unique_ptr<FrameSource> source_;
 };

@@ -24,7 +24,8 @@ Finding multicast(const MachineFacts& facts) {
   return {Level::kError, facts.multicast_problem->what, facts.multicast_problem->fix};
 }
 
-/// With ttl 0 the kernel holds messages back only while the interface stays as it was.
+/// With ttl 0 the kernel keeps messages on this machine only as long as the multicast interface
+/// does not change.
 Finding pinnedRoute(const MachineFacts& facts) {
   const std::string by = facts.multicast_interface.value_or("");
   if (by == "lo") return {Level::kOk, "multicast is routed over lo: messages cannot leave", ""};
@@ -40,7 +41,7 @@ Finding receiveBuffer(const MachineFacts& facts) {
   const std::string what =
       "sockets get a receive buffer of " + std::to_string(facts.receive_buffer / 1024) + " kB";
   if (facts.receive_buffer >= kBufferNeeded) return {Level::kOk, what, ""};
-  return {Level::kWarning, what + ", 4096 kB are wanted: bursts of messages will be lost",
+  return {Level::kWarning, what + ", 4096 kB are needed: bursts of messages will be lost",
           "echo net.core.rmem_max=4194304 | sudo tee /etc/sysctl.d/60-active-lab.conf && "
           "sudo sysctl -p /etc/sysctl.d/60-active-lab.conf"};
 }
@@ -65,9 +66,9 @@ Finding program(bool found, const std::string& name, const std::string& package,
           "sudo apt-get install --no-install-recommends " + package};
 }
 
-/// Packages leave out what not everybody needs; a build lacks it where a library was missing.
-Finding part(bool found, const std::string& name, const std::string& consequence,
-             const std::string& build) {
+/// An optional program: a package of its own, or not built where a library was missing.
+Finding optionalProgram(bool found, const std::string& name, const std::string& consequence,
+                        const std::string& build) {
   if (found) return {Level::kOk, name + " is there", ""};
   return {Level::kWarning, name + " is not there: " + consequence,
           installation().installHint(name, build)};
@@ -95,12 +96,12 @@ Finding ports(const MachineFacts& facts) {
   return {Level::kOk, "an LCM bus is in use; UDP ports that are taken:" + list, ""};
 }
 
-/// A message of several fragments that lost one holds its place in the kernel's queue, until that
-/// is full and nothing long arrives any more.
+/// An IP datagram that lost a fragment occupies the kernel's reassembly memory for ipfrag_time.
+/// When that memory is full, no fragmented datagram arrives any more.
 Finding fragments(const MachineFacts& facts) {
   constexpr int kEnough = 3;  // [s]
   if (!facts.fragment_time) return {Level::kOk, "the system does not say ipfrag_time", ""};
-  const std::string what = "a message that lost a fragment is given up after " +
+  const std::string what = "a message that lost a fragment is discarded after " +
                            std::to_string(*facts.fragment_time) + " s (ipfrag_time)";
   if (*facts.fragment_time <= kEnough) return {Level::kOk, what, ""};
   return {Level::kWarning,
@@ -111,15 +112,16 @@ Finding fragments(const MachineFacts& facts) {
 
 Finding deviceRights(int count, const std::vector<std::string>& closed, const std::string& what,
                      const std::string& group) {
-  if (count == 0) return {Level::kOk, "no " + what + " is plugged in", ""};
+  if (count == 0) return {Level::kOk, "no " + what + " is connected", ""};
   if (closed.empty()) {
-    return {Level::kOk,
-            std::to_string(count) + " " + what + (count == 1 ? "" : "s") + ", open to this user",
-            ""};
+    return {
+        Level::kOk,
+        std::to_string(count) + " " + what + (count == 1 ? "" : "s") + ", accessible to this user",
+        ""};
   }
   std::string list;
   for (const std::string& path : closed) list += (list.empty() ? "" : ", ") + path;
-  return {Level::kWarning, "this user may not use " + list,
+  return {Level::kWarning, "this user has no access to " + list,
           "sudo usermod -aG " + group + " $USER  # then log out and in again"};
 }
 
@@ -128,7 +130,7 @@ Finding display(const MachineFacts& facts) {
   return {Level::kWarning,
           "no display in this session: the projector stays in memory (projector.display = "
           "\"headless\")",
-          "export DISPLAY=:0  # where somebody is logged in at the projector's desktop"};
+          "export DISPLAY=:0  # if a user is logged in at the projector's desktop"};
 }
 
 const char* labelOf(Level level) {
@@ -163,13 +165,14 @@ std::vector<Finding> judge(const MachineFacts& facts, const DoctorOptions& optio
       display(facts),
       program(facts.has_ssh, "ssh", "openssh-client", Level::kWarning,
               "no service can be placed on another host"),
-      part(facts.has_gateway, "dds_gateway", "no ROS 2, and no other hosts over DDS",
-           "./lab --version  # builds it"),
-      part(facts.has_emulator, "robot_emulator", "no robots with body = \"firmware\"",
-           "sudo apt-get install gcc-avr avr-libc libsimavr-dev && ./lab --version  # builds it"),
+      optionalProgram(facts.has_gateway, "dds_gateway", "no ROS 2, and no other hosts over DDS",
+                      "./lab --version  # builds it"),
+      optionalProgram(
+          facts.has_emulator, "robot_emulator", "no robots with body = \"firmware\"",
+          "sudo apt-get install gcc-avr avr-libc libsimavr-dev && ./lab --version  # builds it"),
   };
   for (const std::filesystem::path& file : facts.stale_registrations) {
-    findings.push_back({Level::kWarning, "a lab ended without taking back " + file.string(),
+    findings.push_back({Level::kWarning, "a lab ended without removing " + file.string(),
                         "rm '" + file.string() + "'"});
   }
   return findings;

@@ -1,4 +1,4 @@
-/// `lab doctor`: what is wrong with this machine, and the line that repairs it.
+/// `lab doctor`: problems of this machine and the commands that fix them.
 #pragma once
 
 #include <cstdint>
@@ -15,24 +15,25 @@ struct Finding {
   enum class Level : std::int8_t { kOk, kWarning, kError };
   Level level = Level::kOk;
   std::string what;  ///< what was found, in one line
-  std::string fix;   ///< the line to type; empty: there is nothing to do
+  std::string fix;   ///< command to type; empty if there is nothing to fix
 };
 
 struct DoctorOptions {
-  std::filesystem::path runs = "runs";  ///< where runs are written
-  std::filesystem::path registrations;  ///< registryDirectory(); empty: not examined
+  std::filesystem::path runs = "runs";  ///< folder for the runs
+  std::filesystem::path registrations;  ///< registryDirectory(); not checked if empty
 };
 
-/// The judgement: numbers in, sentences out. One finding at least a subject, always in one order.
+/// Derives the findings from the facts (pure function). At least one finding per subject, always in
+/// the same order.
 [[nodiscard]] std::vector<Finding> judge(const MachineFacts& facts, const DoctorOptions& options);
 
-/// Surveys this machine and judges it.
+/// survey() and judge() of this machine.
 [[nodiscard]] std::vector<Finding> examine(const DoctorOptions& options);
 
-/// One line a finding (ok, warn, FIX), below it the line that repairs it.
+/// Prints one line per finding (ok, warn, FIX), and below it the command that fixes it.
 void print(std::ostream& out, const std::vector<Finding>& findings);
 
-/// 0 when a lab can run (warnings or not), 2 when it cannot.
+/// 2 if a finding is an error, otherwise 0.
 [[nodiscard]] int exitCode(const std::vector<Finding>& findings);
 
 }  // namespace lab::runner

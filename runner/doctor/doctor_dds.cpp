@@ -20,7 +20,7 @@ using Level = Finding::Level;
 
 constexpr std::size_t kAtOnce = 64;
 
-/// Everything that the reader of a built-in topic holds now.
+/// Calls `take` with all samples of a built-in topic.
 template <typename Sample, typename Take>
 void takeAll(const dds::Domain& domain, dds_entity_t topic, const Take& take) {
   const dds::Entity reader(dds_create_reader(domain.participant(), topic, nullptr, nullptr));
@@ -39,7 +39,7 @@ void takeAll(const dds::Domain& domain, dds_entity_t topic, const Take& take) {
   }
 }
 
-/// By RTPS's rule: all participants of a domain hear this one.
+/// Multicast discovery port of a domain (DDSI-RTPS 2.2, section 9.6.1.1).
 int discoveryPort(int domain) { return 7400 + 250 * domain; }
 
 std::string keyOf(const dds_guid_t& guid) {
@@ -59,15 +59,19 @@ DdsEndpoint endpointOf(const dds_builtintopic_endpoint_t& found, bool writer) {
   return endpoint;
 }
 
-/// Why the reader hears nothing of the writer; empty: it does.
+/// @return why DDS does not match writer and reader; empty if it does
 std::string mismatch(const DdsEndpoint& writer, const DdsEndpoint& reader) {
-  if (writer.type != reader.type) return "its type is " + writer.type + ", wanted " + reader.type;
-  if (reader.reliable && !writer.reliable) return "it is best effort, wanted reliable";
-  if (reader.latched && !writer.latched) return "it is volatile, wanted transient local";
+  if (writer.type != reader.type)
+    return "the writer's type is " + writer.type + ", the reader's " + reader.type;
+  if (reader.reliable && !writer.reliable)
+    return "the writer is best effort, the reader wants reliable";
+  if (reader.latched && !writer.latched)
+    return "the writer is volatile, the reader wants transient local";
   return {};
 }
 
-/// Whether the reader's owner takes the topic in this type too, as the lab takes commands in two.
+/// Whether the participant of the reader also reads this type on the topic. The lab itself reads
+/// commands in two types.
 bool readsToo(const DdsFacts& facts, const DdsEndpoint& reader, const std::string& type) {
   return std::ranges::any_of(facts.endpoints, [&](const DdsEndpoint& other) {
     return !other.writer && other.topic == reader.topic && other.owner == reader.owner &&
@@ -77,9 +81,10 @@ bool readsToo(const DdsFacts& facts, const DdsEndpoint& reader, const std::strin
 
 std::string remedy(const DdsEndpoint& writer, const DdsEndpoint& reader) {
   std::string topic = reader.topic.starts_with("rt/") ? reader.topic.substr(2) : reader.topic;
-  if (writer.type != reader.type) return "ros2 topic info -v " + topic + "  # who wants which type";
+  if (writer.type != reader.type) return "ros2 topic info -v " + topic + "  # lists the types";
   return "ros2 topic echo " + topic +
-         " --qos-reliability best_effort --qos-durability volatile  # what the reader must ask for";
+         " --qos-reliability best_effort --qos-durability volatile  # the QoS that the reader must "
+         "request";
 }
 
 }  // namespace
@@ -89,22 +94,22 @@ DdsFacts surveyDds(const Gateway& gateway, const std::filesystem::path& director
   facts.domain = gateway.domain;
   facts.secured = !gateway.security.empty();
   try {
-    const dds::Domain own = gateway::joinDomain(gateway, directory);
+    const dds::Domain domain = gateway::joinDomain(gateway, directory);
     std::this_thread::sleep_for(std::chrono::milliseconds(listen_ms));
     dds_guid_t guid{};
-    dds_get_guid(own.participant(), &guid);
-    const std::string self = keyOf(guid);
+    dds_get_guid(domain.participant(), &guid);
+    const std::string own_key = keyOf(guid);
     takeAll<dds_builtintopic_participant_t>(
-        own, DDS_BUILTIN_TOPIC_DCPSPARTICIPANT, [&](const auto& participant) {
-          facts.participants += keyOf(participant.key) == self ? 0 : 1;
+        domain, DDS_BUILTIN_TOPIC_DCPSPARTICIPANT, [&](const auto& participant) {
+          facts.participants += keyOf(participant.key) == own_key ? 0 : 1;
         });
     const auto add = [&](const dds_builtintopic_endpoint_t& found, bool writer) {
       const DdsEndpoint endpoint = endpointOf(found, writer);
-      if (endpoint.owner != self) facts.endpoints.push_back(endpoint);
+      if (endpoint.owner != own_key) facts.endpoints.push_back(endpoint);
     };
-    takeAll<dds_builtintopic_endpoint_t>(own, DDS_BUILTIN_TOPIC_DCPSPUBLICATION,
+    takeAll<dds_builtintopic_endpoint_t>(domain, DDS_BUILTIN_TOPIC_DCPSPUBLICATION,
                                          [&](const auto& found) { add(found, true); });
-    takeAll<dds_builtintopic_endpoint_t>(own, DDS_BUILTIN_TOPIC_DCPSSUBSCRIPTION,
+    takeAll<dds_builtintopic_endpoint_t>(domain, DDS_BUILTIN_TOPIC_DCPSSUBSCRIPTION,
                                          [&](const auto& found) { add(found, false); });
   } catch (const std::runtime_error& error) {
     facts.problem = error.what();
@@ -118,18 +123,18 @@ std::vector<Finding> judgePorts(const Experiment& experiment,
   std::vector<Finding> findings;
   const auto taken = [&](int port, const std::string& use, const std::string& way_out) {
     const std::string number = std::to_string(port);
-    findings.push_back({Level::kWarning, "UDP port " + number + " (" + use + ") is taken",
-                        "ss -ulnp | grep ':" + number + " '  # who holds it; or " + way_out});
+    findings.push_back({Level::kWarning, "UDP port " + number + " (" + use + ") is in use",
+                        "ss -ulnp | grep ':" + number + " '  # which program; or " + way_out});
   };
   const int lcm = experiment.network.port;
   if (lcm != 0 && !lcm_free(lcm)) {
     taken(lcm, "network.port",
-          "lab stop, where it is a lab; or another network.port, 0 for any that is free");
+          "lab stop, if it is a lab; or another network.port, 0 for any free one");
   }
   const auto domain = [&](const std::string& key, int number) {
     const int port = discoveryPort(number);
     if (!dds_free(port)) {
-      taken(port, "of " + key + " = " + std::to_string(number), "another " + key);
+      taken(port, key + " = " + std::to_string(number), "another " + key);
     }
   };
   if (experiment.gateway.ros) domain("gateway.domain", experiment.gateway.domain);
@@ -142,13 +147,13 @@ std::vector<Finding> judgePorts(const Experiment& experiment,
 std::vector<Finding> judgeDds(const DdsFacts& facts) {
   const std::string name = "DDS domain " + std::to_string(facts.domain);
   if (!facts.problem.empty()) {
-    return {{Level::kWarning, name + " cannot be entered: " + facts.problem,
+    return {{Level::kWarning, name + " cannot be joined: " + facts.problem,
              "ss -ulnp | grep ':" + std::to_string(discoveryPort(facts.domain) / 100) +
-                 "'  # who holds its ports; or choose another gateway.domain"}};
+                 "'  # which program uses its ports; or choose another gateway.domain"}};
   }
   std::size_t writers = 0;
   std::vector<Finding> findings;
-  std::set<std::string> told;
+  std::set<std::string> reported;
   for (const DdsEndpoint& writer : facts.endpoints) {
     if (!writer.writer) continue;
     ++writers;
@@ -157,8 +162,8 @@ std::vector<Finding> judgeDds(const DdsFacts& facts) {
       if (writer.type != reader.type && readsToo(facts, reader, writer.type)) continue;
       const std::string why = mismatch(writer, reader);
       const std::string what =
-          name + ": a reader of " + reader.topic + " hears nothing of a writer: ";
-      if (why.empty() || !told.insert(what + why).second) continue;
+          name + ": a reader of " + reader.topic + " does not match a writer: ";
+      if (why.empty() || !reported.insert(what + why).second) continue;
       findings.push_back({Level::kWarning, what + why, remedy(writer, reader)});
     }
   }
@@ -167,8 +172,8 @@ std::vector<Finding> judgeDds(const DdsFacts& facts) {
                    name + ": " + std::to_string(facts.participants) + " participants, " +
                        std::to_string(writers) + " writers, " +
                        std::to_string(facts.endpoints.size() - writers) + " readers" +
-                       (facts.secured ? " (secured: who has no certificate of gateway.security "
-                                        "is not seen)"
+                       (facts.secured ? " (secured: participants without a certificate of "
+                                        "gateway.security are not visible)"
                                       : ""),
                    ""});
   return findings;

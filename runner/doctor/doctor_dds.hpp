@@ -1,4 +1,4 @@
-/// What the doctor says of DDS: who is in a domain, and who does not hear whom.
+/// DDS checks of `lab doctor`: participants of a domain, and incompatible writers and readers.
 #pragma once
 
 #include <filesystem>
@@ -13,31 +13,34 @@ namespace lab::runner {
 
 struct DdsEndpoint {
   bool writer = false;
-  std::string topic;  ///< DDS's name: "rt/lab/robot1/pose"
+  std::string topic;  ///< DDS topic name, as "rt/lab/robot1/pose"
   std::string type;
   bool reliable = false;
-  bool latched = false;    ///< late joiners get the last ones
-  std::string owner = {};  ///< key of its participant
+  bool latched = false;    ///< durability other than volatile: late readers get the last samples
+  std::string owner = {};  ///< key of the participant
 };
 
 struct DdsFacts {
   int domain = 0;
-  bool secured = false;  ///< who has no certificate of the lab's is not seen
-  std::string problem;   ///< why nothing can be said; empty: all is well
-  int participants = 0;  ///< without the doctor's own
+  bool secured =
+      false;  ///< with DDS Security: participants without a certificate of the lab are not visible
+  std::string problem;   ///< why the survey failed; empty if it did not
+  int participants = 0;  ///< without this program
   std::vector<DdsEndpoint> endpoints;
 };
 
-/// Listens this long in the gateway's domain, as the gateway does. Nobody writes or reads for it.
-/// @param directory of the experiment file
+/// Discovers the participants of the gateway's domain for `listen_ms`, with the gateway's DDS
+/// configuration. Creates no writers or readers of user topics.
+/// @param directory folder of the experiment file
 [[nodiscard]] DdsFacts surveyDds(const Gateway& gateway, const std::filesystem::path& directory,
                                  int listen_ms);
 
-/// Writers and readers of one topic that DDS does not join, and why; it says nothing itself. A
-/// reader of another type is none of these where its owner also reads the writer's type.
+/// Reports writers and readers of the same topic with incompatible type or QoS: DDS itself reports
+/// nothing to the user. A different type is not reported if the participant of the reader also
+/// reads the type of the writer.
 [[nodiscard]] std::vector<Finding> judgeDds(const DdsFacts& facts);
 
-/// UDP ports that the experiment names and others hold; nothing where all are free.
+/// Warns about UDP ports that the experiment uses and that other programs occupy.
 [[nodiscard]] std::vector<Finding> judgePorts(const Experiment& experiment,
                                               const std::function<bool(int port)>& lcm_free,
                                               const std::function<bool(int port)>& dds_free);

@@ -16,9 +16,9 @@ namespace {
 using Level = Finding::Level;
 using Steady = std::chrono::steady_clock;
 
-constexpr auto kHostsPatience = std::chrono::seconds(15);
+constexpr auto kTimeout = std::chrono::seconds(15);
 
-bool decided(RemoteHost::State state) { return state != RemoteHost::State::kCalling; }
+bool isDecided(RemoteHost::State state) { return state != RemoteHost::State::kCalling; }
 
 Finding findingOf(const RemoteHost& host) {
   if (host.state() == RemoteHost::State::kMet) {
@@ -40,18 +40,18 @@ std::vector<Finding> examineHosts(const Experiment& experiment) {
   for (const std::string& name : hostsInUse(experiment)) {
     hosts.push_back(
         std::make_unique<RemoteHost>(hostSpec(experiment, name), experiment.link.max_clock_offset));
-    hosts.back()->call();
+    hosts.back()->connect();
   }
-  const auto deadline = Steady::now() + kHostsPatience;
+  const auto deadline = Steady::now() + kTimeout;
   std::vector<Finding> findings;
   for (const auto& host : hosts) {
-    while (!decided(host->state()) && Steady::now() < deadline) {
+    while (!isDecided(host->state()) && Steady::now() < deadline) {
       for (const auto& any : hosts) any->attend();
       std::this_thread::sleep_for(std::chrono::microseconds(200));
     }
     findings.push_back(findingOf(*host));
   }
-  for (const auto& host : hosts) host->leave();
+  for (const auto& host : hosts) host->disconnect();
   return findings;
 }
 

@@ -1,4 +1,4 @@
-/// What the doctor says of the other hosts of an experiment.
+/// Checks of `lab doctor` on the other hosts of an experiment.
 #pragma once
 
 #include <vector>
@@ -8,8 +8,8 @@
 
 namespace lab::runner {
 
-/// Visits each host that services are placed on: reachable, the same lab, the same time. Starts
-/// nothing there but the agent that answers.
+/// Checks every host that runs services: reachable, same version, clocks agree. Starts only the
+/// host agent there.
 [[nodiscard]] std::vector<Finding> examineHosts(const Experiment& experiment);
 
 }  // namespace lab::runner

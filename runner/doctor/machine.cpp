@@ -32,13 +32,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kGroup = "239.255.76.67";  // LCM's
+constexpr const char* kGroup = "239.255.76.67";  // LCM's default group
 constexpr int kProbeWait = 300;                  // [ms]
 constexpr int kBufferAsked = 4194304;            // [byte] recv_buf_size of the lab's URL
 constexpr const char* kRouteFix =
     "sudo ip link set dev lo up; sudo ip route add 224.0.0.0/4 dev lo";
 
-/// A UDP socket that closes itself.
 class UdpSocket {
  public:
   UdpSocket() : handle_(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {}
@@ -61,7 +60,7 @@ sockaddr_in addressOf(in_addr_t host, in_port_t port_in_network_order) {
   return address;
 }
 
-/// Sockets take every family's address as a sockaddr.
+/// The type that the socket functions take for every address family.
 sockaddr* generic(sockaddr_in& address) { return reinterpret_cast<sockaddr*>(&address); }
 
 std::string systemError() { return std::generic_category().message(errno); }
@@ -73,8 +72,8 @@ bool loopbackUp() {
   return ioctl(udp.handle(), SIOCGIFFLAGS, &request) == 0 && (request.ifr_flags & IFF_UP) != 0;
 }
 
-/// Asking is the only way that works everywhere: a container may hide /proc/sys/net/core/rmem_max.
-/// The kernel answers with twice what it grants.
+/// Requests a buffer and reads its size, because a container may hide /proc/sys/net/core/rmem_max.
+/// The kernel returns twice the usable size (man 7 socket).
 std::int64_t largestReceiveBuffer() {
   const UdpSocket udp;
   int bytes = kBufferAsked;
@@ -95,7 +94,7 @@ std::string textOf(const fs::path& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-/// /proc/net/igmp writes a group as the hexadecimal digits of its address in memory order.
+/// /proc/net/igmp lists a group as the hexadecimal digits of its address in network byte order.
 bool groupHasListener() {
   std::array<char, 9> digits{};
   std::snprintf(digits.data(), digits.size(), "%08X", inet_addr(kGroup));
@@ -125,7 +124,7 @@ std::optional<Problem> diagnoseMulticast() {
   pollfd readable{udp.handle(), POLLIN, 0};
   if (poll(&readable, 1, kProbeWait) == 1) return std::nullopt;
   return Problem{"multicast does not come back to this machine: a firewall drops it",
-                 std::string("sudo nft list ruleset  # let UDP to ") + kGroup + " through"};
+                 std::string("sudo nft list ruleset  # allow UDP to ") + kGroup};
 }
 
 std::optional<std::string> multicastProblem() {
@@ -155,7 +154,7 @@ std::string unpinnedWarning() {
   const std::string by = multicastInterface().value_or("lo");
   if (by == "lo") return {};
   return "multicast is routed over " + by +
-         ": should that connection change during the run, messages leave this machine; sudo ip "
+         ": if that connection changes during the run, messages leave this machine; sudo ip "
          "route add 224.0.0.0/4 dev lo prevents it (lab doctor)";
 }
 
@@ -251,11 +250,11 @@ MachineFacts survey(const fs::path& runs, const fs::path& registrations) {
   const Devices cameras = devices({"/dev/video*"});
   facts.cameras = cameras.count;
   facts.closed_cameras = cameras.closed;
-  const auto given = [](const char* name) {
+  const auto is_set = [](const char* name) {
     const char* value = std::getenv(name);
     return value != nullptr && *value != '\0';
   };
-  facts.has_display = given("DISPLAY") || given("WAYLAND_DISPLAY");
+  facts.has_display = is_set("DISPLAY") || is_set("WAYLAND_DISPLAY");
   return facts;
 }
 

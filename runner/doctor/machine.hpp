@@ -1,5 +1,5 @@
-/// What this machine is and can do, read from the system: the facts the doctor judges, and the
-/// checks a run makes before it starts anything.
+/// Facts about this machine, read from the system: for `lab doctor`, and for the checks before a
+/// run.
 #pragma once
 
 #include <cstdint>
@@ -13,68 +13,69 @@ namespace lab::runner {
 
 struct Problem {
   std::string what;
-  std::string fix;  ///< the line to type
+  std::string fix;  ///< command to type
 };
 
-/// Why LCM's multicast cannot work on this machine; nothing when a datagram sent to the group with
-/// ttl 0 came back. Takes under a millisecond when all is well and 0.3 s when a firewall swallows
-/// the datagram.
+/// Sends a datagram with ttl 0 to LCM's multicast group and waits for it.
+/// @return why LCM's multicast does not work; nothing if the datagram came back. Takes less than 1
+/// ms on success and 0.3 s if a firewall drops the datagram.
 [[nodiscard]] std::optional<Problem> diagnoseMulticast();
 
-/// The same as one line: the problem and what mends it.
+/// diagnoseMulticast() as one line: the problem and the fix.
 [[nodiscard]] std::optional<std::string> multicastProblem();
 
-/// The interface by which multicast leaves ("lo", "eth0"); nothing without a route or without the
+/// The interface of the multicast route ("lo", "eth0"); nothing without a route or without the
 /// program `ip`.
 [[nodiscard]] std::optional<std::string> multicastInterface();
 
-/// Why messages with ttl 0 might leave this machine all the same, and what prevents it; empty: they
-/// cannot.
+/// @return why messages with ttl 0 could leave this machine, and how to prevent it; empty if they
+/// cannot
 [[nodiscard]] std::string unpinnedWarning();
 
-/// The device in the answer of `ip route get`.
+/// The interface in the output of `ip route get`.
 [[nodiscard]] std::optional<std::string> interfaceOfRoute(std::string_view answer);
 
-/// Bytes that an unprivileged user can still write where `path` is or will be made; 0 when no
-/// ancestor of it can be asked.
+/// Free bytes for an unprivileged user on the file system of `path`, which need not exist yet;
+/// 0 if unknown.
 [[nodiscard]] std::int64_t freeBytes(const std::filesystem::path& path);
 
-/// The first executable file of that name in $PATH.
+/// The first executable file with this name in $PATH.
 [[nodiscard]] std::optional<std::filesystem::path> findProgram(std::string_view name);
 
-/// Registrations of labs whose runner is no longer alive, in order of name: the files <pid>.json of
-/// `folder` (lab_registry.hpp). An absent folder has none.
+/// Registrations (files <pid>.json, see lab_registry.hpp) of runners that no longer exist, sorted
+/// by name. Empty if `folder` does not exist.
 [[nodiscard]] std::vector<std::filesystem::path> staleRegistrations(
     const std::filesystem::path& folder);
 
-/// UDP ports from 20000 to 59999 that listen on every address and to nobody in particular, as LCM's
-/// sockets do, ascending, from the text of /proc/net/udp. Other programs do so too.
+/// UDP ports from 20000 to 59999 that are bound to all addresses and not connected, as LCM's
+/// sockets are; ascending. Other programs may have such sockets too. @param proc_net_udp text of
+/// /proc/net/udp
 [[nodiscard]] std::vector<int> listeningPorts(std::string_view proc_net_udp);
 
 struct MachineFacts {
   bool loopback_up = false;
   std::optional<Problem> multicast_problem;        ///< as diagnoseMulticast()
   std::optional<std::string> multicast_interface;  ///< as multicastInterface()
-  std::int64_t receive_buffer = 0;                 ///< [byte] the largest a socket gets
-  std::int64_t free_bytes = 0;                     ///< [byte] where runs go
-  bool has_logger = false;                         ///< lcm-logger
+  std::int64_t receive_buffer = 0;  ///< [byte] largest receive buffer that a socket can get
+  std::int64_t free_bytes = 0;      ///< [byte] on the disk of the runs
+  bool has_logger = false;          ///< lcm-logger
   bool has_gnuplot = false;
   std::vector<std::filesystem::path> stale_registrations;
-  std::vector<int> busy_ports;            ///< as listeningPorts(), where LCM's group has a listener
-  std::optional<bool> clock_disciplined;  ///< by NTP or the like; nothing: the system does not say
+  std::vector<int> busy_ports;            ///< as listeningPorts(), if LCM's group has a member
+  std::optional<bool> clock_disciplined;  ///< by NTP or similar; nothing if unknown
   unsigned cpus = 0;
   bool has_ssh = false;
-  bool has_gateway = false;          ///< dds_gateway, beside this program
-  bool has_emulator = false;         ///< robot_emulator, likewise
-  std::optional<int> fragment_time;  ///< [s] a message that lacks a fragment keeps its place
-  int serial_lines = 0;              ///< plugged in
-  std::vector<std::string> closed_serial_lines;  ///< of these, those we may not use
+  bool has_gateway = false;          ///< dds_gateway is installed beside this program
+  bool has_emulator = false;         ///< robot_emulator is installed beside this program
+  std::optional<int> fragment_time;  ///< [s] ipfrag_time; nothing if unknown
+  int serial_lines = 0;              ///< number of connected lines
+  std::vector<std::string> closed_serial_lines;  ///< those without access for this user
   int cameras = 0;
   std::vector<std::string> closed_cameras;
-  bool has_display = false;  ///< X11 or Wayland, in this session
+  bool has_display = false;  ///< X11 or Wayland display in this session
 };
 
-/// Device files of these patterns (as /dev/video*), and those of them that we may not read and
+/// Device files that match the patterns (as /dev/video*), and those that this user cannot read and
 /// write.
 struct Devices {
   int count = 0;
@@ -82,8 +83,7 @@ struct Devices {
 };
 [[nodiscard]] Devices devices(const std::vector<std::string>& patterns);
 
-/// Reads the facts. @param runs where runs are written @param registrations as
-/// registryDirectory()
+/// Reads the facts. @param runs folder for the runs @param registrations registryDirectory()
 [[nodiscard]] MachineFacts survey(const std::filesystem::path& runs,
                                   const std::filesystem::path& registrations);
 

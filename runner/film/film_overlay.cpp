@@ -20,13 +20,13 @@ namespace {
 namespace fs = std::filesystem;
 using tracker::RgbImage;
 
-constexpr std::size_t kTiles = 12;  // of a contact sheet
+constexpr std::size_t kTiles = 12;  // tiles of a contact sheet
 constexpr int kFrameTilesAcross = 3;
 constexpr int kFrameTileWidth = 960;  // [px]
 constexpr int kJpegQuality = 90;
 
-/// A name beside the file, with its ending, for what is not finished.
-fs::path unfinished(const fs::path& file) {
+/// Temporary name in the same folder, with the same extension.
+fs::path temporaryName(const fs::path& file) {
   return file.parent_path() / ("." + file.stem().string() + ".part" + file.extension().string());
 }
 
@@ -36,19 +36,19 @@ void writeFile(const fs::path& path, const std::vector<std::uint8_t>& bytes) {
   file.close();
   if (!file)
     throw std::runtime_error(
-        fmt::format("{}: cannot write it: {}", path.string(), std::strerror(errno)));
+        fmt::format("{}: cannot be written: {}", path.string(), std::strerror(errno)));
 }
 
-/// A file that is there only when it is whole.
-class WholeFile {
+/// A file that gets its final name only when it is complete.
+class AtomicFile {
  public:
-  explicit WholeFile(fs::path path) : path_(std::move(path)), part_(unfinished(path_)) {}
-  ~WholeFile() {
+  explicit AtomicFile(fs::path path) : path_(std::move(path)), part_(temporaryName(path_)) {}
+  ~AtomicFile() {
     std::error_code ignored;
     fs::remove(part_, ignored);
   }
-  WholeFile(const WholeFile&) = delete;
-  WholeFile& operator=(const WholeFile&) = delete;
+  AtomicFile(const AtomicFile&) = delete;
+  AtomicFile& operator=(const AtomicFile&) = delete;
 
   [[nodiscard]] const fs::path& part() const { return part_; }
   void finish() { fs::rename(part_, path_); }
@@ -58,7 +58,7 @@ class WholeFile {
   fs::path part_;
 };
 
-/// What all of them draw.
+/// Draws the overlay of one frame.
 class Painter {
  public:
   explicit Painter(const OverlaySettings& settings)
@@ -84,7 +84,8 @@ class Painter {
   optics::CapGeometry cap_;
 };
 
-/// Frames spread over a film of any length: every n-th, where n doubles when there are too many.
+/// Frames spread evenly over a film of unknown length: every n-th frame. When twice the wanted
+/// number of tiles is reached, every second one is dropped and n doubles.
 class ContactSheet final : public FilmOverlay {
  public:
   explicit ContactSheet(const OverlaySettings& settings)
@@ -119,7 +120,7 @@ class ContactSheet final : public FilmOverlay {
 
  private:
   Painter painter_;
-  WholeFile file_;
+  AtomicFile file_;
   std::vector<RgbImage> tiles_;
   std::int64_t next_ = 0;
   std::int64_t stride_ = 1;
@@ -146,7 +147,7 @@ class Movie final : public FilmOverlay {
 
  private:
   Painter painter_;
-  WholeFile file_;
+  AtomicFile file_;
   double fps_;
   std::optional<MovieWriter> writer_;
 };
@@ -158,7 +159,7 @@ class PictureFolder final : public FilmOverlay {
     std::error_code error;
     fs::create_directories(folder_, error);
     if (error) {
-      throw UserError(fmt::format("{}: cannot be made: {}", folder_.string(), error.message()));
+      throw UserError(fmt::format("{}: cannot be created: {}", folder_.string(), error.message()));
     }
   }
 
@@ -177,8 +178,8 @@ class PictureFolder final : public FilmOverlay {
 };
 
 bool isMovie(const fs::path& path) {
-  const fs::path ending = path.extension();
-  return ending == ".mp4" || ending == ".mkv" || ending == ".avi";
+  const fs::path extension = path.extension();
+  return extension == ".mp4" || extension == ".mkv" || extension == ".avi";
 }
 
 }  // namespace
@@ -190,7 +191,7 @@ std::unique_ptr<FilmOverlay> FilmOverlay::open(const OverlaySettings& settings) 
   if (folder) {
     if (fs::exists(path) && !fs::is_directory(path)) {
       throw UserError(
-          fmt::format("{}: found a file, expected a folder (or the ending .png, .mp4, "
+          fmt::format("{}: found a file, expected a folder (or a name ending in .png, .mp4, "
                       ".mkv or .avi); choose another name",
                       path.string()));
     }

@@ -1,5 +1,5 @@
-/// Pictures of a film with what the tracker made of them: a contact sheet, a movie, or one file
-/// each.
+/// Draws the detections of the tracker into the pictures of a film: as a contact sheet, a movie, or
+/// one file per picture.
 #pragma once
 
 #include <filesystem>
@@ -13,7 +13,7 @@
 
 namespace lab::runner {
 
-/// One picture with all that is drawn on it.
+/// One picture and what is drawn into it.
 struct OverlayFrame {
   std::int64_t number = 0;
   double time = 0;  ///< [s]
@@ -23,13 +23,14 @@ struct OverlayFrame {
 };
 
 struct OverlaySettings {
-  std::filesystem::path path;  ///< .png: a contact sheet; .mp4, .mkv, .avi: a movie; else a folder
-  bool force = false;          ///< replaces what is there
-  double fps = 30;             ///< [1/s] of a movie
+  std::filesystem::path path;  ///< .png: contact sheet; .mp4, .mkv, .avi: movie; otherwise a folder
+  bool force = false;          ///< replaces an existing file
+  double fps = 30;             ///< [1/s] frame rate of a movie
   optics::CameraModel camera;
   optics::CapGeometry cap;
 };
 
+/// Output of `lab track --overlay`.
 class FilmOverlay {
  public:
   FilmOverlay() = default;
@@ -37,17 +38,20 @@ class FilmOverlay {
   FilmOverlay& operator=(const FilmOverlay&) = delete;
   virtual ~FilmOverlay() = default;
 
-  /// By the ending of the path. @throws UserError when it is there already, cannot be written, or
-  /// needs ffmpeg and there is none.
+  /// Chooses the kind of output by the extension of the path.
+  /// @throws UserError if the file exists, cannot be written, or needs ffmpeg and it is not
+  /// installed
   [[nodiscard]] static std::unique_ptr<FilmOverlay> open(const OverlaySettings& settings);
 
-  /// Whether the next frame goes into it: others need not be drawn, nor their rejections collected.
+  /// Whether the next frame is drawn. The rejected detections of other frames are not needed.
   [[nodiscard]] virtual bool wantsNext() const = 0;
 
-  /// The next frame, whether wanted or not. @throws std::runtime_error when it cannot be written.
+  /// Adds the next frame; must be called for every frame. @throws std::runtime_error if it cannot
+  /// be written
   virtual void add(const OverlayFrame& frame) = 0;
 
-  /// Puts the whole of it in place. Without it nothing is left. @throws std::runtime_error
+  /// Completes the output. Without this call no contact sheet or movie remains.
+  /// @throws std::runtime_error
   virtual void finish() = 0;
 };
 

@@ -15,10 +15,11 @@ namespace {
 using units::kCm;
 using units::kPercents;
 
-constexpr double kSpacingTolerance = 0.005;  // share by which circles may be off before it is said
-constexpr double kSpreadTolerance = 0.008;   // share; dim or compressed films have 0.3 %
+constexpr double kSpacingTolerance =
+    0.005;  // largest relative error of the spacing without a warning
+constexpr double kSpreadTolerance = 0.008;  // relative; dim or compressed films have 0.3 %
 
-/// A film is judged as a whole.
+/// Settings for one check over the whole film.
 calibration::SpacingSettings wholeFilm(const CameraCalibration& calibration) {
   calibration::SpacingSettings settings = tracker::spacingSettings(calibration);
   settings.window = std::numeric_limits<double>::infinity();
@@ -31,7 +32,7 @@ void printFilmSummary(const tracker::FilmSummary& film, const CameraCalibration&
                       std::int64_t dropped, double seconds) {
   fmt::print(
       "{} frames ({} dropped), {} to {} robots in each, {} tracks, {} poses ({} degraded), "
-      "mean confidence {:.2f}, {:.0f} frames a second",
+      "mean confidence {:.2f}, {:.0f} frames/s",
       film.frames, dropped, film.fewest, film.most, film.ids, film.rows, film.degraded,
       film.confidence, static_cast<double>(film.frames) / std::max(seconds, 1e-9));
   const double expected = calibration.cap.spacing();
@@ -44,11 +45,11 @@ void printFilmSummary(const tracker::FilmSummary& film, const CameraCalibration&
   if (film.surplus > 0) {
     fmt::print(
         "note     {} of {} frames showed more caps than --robots says; {} poses were left out, "
-        "those of least confidence\n",
+        "those with the lowest confidence\n",
         film.crowded, film.frames, film.surplus);
   }
   if (film.rows == 0) {
-    fmt::print("note     no robot was found; --overlay NAME.png shows what was refused and why\n");
+    fmt::print("note     no robot was found; --overlay NAME.png shows what was rejected and why\n");
   }
 }
 
@@ -61,11 +62,11 @@ void CalibrationVerdict::add(const tracker::FilmRow& row) {
   const double out = std::max(
       {-pose.x, pose.x - calibration_.arena_width, -pose.y, pose.y - calibration_.arena_height});
   if (out <= calibration_.cap.robot_radius) return;
-  ++beyond_;
+  ++outside_;
   farthest_ = std::max(farthest_, out);
 }
 
-void CalibrationVerdict::tell(const tracker::FilmSummary& film) const {
+void CalibrationVerdict::print(const tracker::FilmSummary& film) const {
   const calibration::SpacingReport spacing = spacing_.whole();
   const double expected = calibration_.cap.spacing();
   if (!spacing.fits) {
@@ -76,7 +77,7 @@ void CalibrationVerdict::tell(const tracker::FilmSummary& film) const {
         "the camera moved, or its zoom? Calibrate it again (docs/calibration.md)\n",
         film.spacing * kCm, expected * kCm);
   }
-  // Wrong by so much that no slope describes it, or seen in too few places for one.
+  // The error is too large for a linear fit, or the poses are in too few places for one.
   if (spacing.fits && film.spacing_spread > kSpreadTolerance * expected) {
     fmt::print(
         "warning  the distance of the circles varies by {:.2f} %, up to 0.3 % is usual: are the "
@@ -84,12 +85,13 @@ void CalibrationVerdict::tell(const tracker::FilmSummary& film) const {
         "camera again (docs/calibration.md)\n",
         film.spacing_spread / expected * kPercents);
   }
-  if (beyond_ > 0) {
+  if (outside_ > 0) {
     fmt::print(
         "warning  {:.1f} % of the poses are outside the arena of {:g} x {:g} cm, by up to {:.1f} "
-        "cm: is the calibration of this camera where it was, and of this arena (size, corner, "
+        "cm: was the camera moved after its calibration, or is the arena another one (size, "
+        "corner, "
         "axes)?\n",
-        kPercents * static_cast<double>(beyond_) / static_cast<double>(film.rows),
+        kPercents * static_cast<double>(outside_) / static_cast<double>(film.rows),
         calibration_.arena_width * kCm, calibration_.arena_height * kCm, farthest_ * kCm);
   }
 }

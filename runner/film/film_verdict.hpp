@@ -1,4 +1,4 @@
-/// What `lab track` says of a film at its end, and of the calibration that it was read with.
+/// Summary of `lab track` about a film and its calibration.
 #pragma once
 
 #include <cstdint>
@@ -9,26 +9,28 @@
 
 namespace lab::runner {
 
-/// Prints one line of what was found, and notes of what was left out.
-/// @param seconds that it took
+/// Prints one line about the poses that were found, and notes about those that were left out.
+/// @param seconds processing time
 void printFilmSummary(const tracker::FilmSummary& film, const CameraCalibration& calibration,
                       std::int64_t dropped, double seconds);
 
-/// What the poses themselves say against the calibration.
+/// Checks the calibration with the detected poses: the spacing of the two circles of a cap, and
+/// poses outside the arena.
 class CalibrationVerdict {
  public:
   explicit CalibrationVerdict(const CameraCalibration& calibration);
 
   void add(const tracker::FilmRow& row);
 
-  /// Prints a line for each doubt.
-  void tell(const tracker::FilmSummary& film) const;
+  /// Prints one warning per problem.
+  void print(const tracker::FilmSummary& film) const;
 
  private:
   const CameraCalibration& calibration_;
   calibration::SpacingCheck spacing_;
-  std::int64_t beyond_ = 0;  ///< poses with the axis farther beyond a wall than a robot's radius
-  double farthest_ = 0;      ///< [m] behind the wall
+  std::int64_t outside_ =
+      0;                 ///< poses whose centre is farther outside the arena than a robot's radius
+  double farthest_ = 0;  ///< [m] largest distance outside the arena
 };
 
 }  // namespace lab::runner

@@ -16,37 +16,38 @@ namespace lab::runner {
 namespace {
 
 constexpr std::int64_t kStart_utime = 1'000'000;
-constexpr double kFramePeriod = 0.2;  // [s] between the frames in which the robots are seen
-constexpr double kLongestTrail = 60;  // [s] of standing that a trail shows
-constexpr double kSight = 0.2;        // [m] of the way that shows a motion
-constexpr double kUnknownSpan = 10;   // [s] of what has no period
-constexpr int kMargin = 3;            // [px] around the words
-constexpr tracker::Colour kWords{255, 255, 255};
-constexpr tracker::Colour kRobot{255, 140, 0};
+constexpr double kFramePeriod = 0.2;  // [s] period of the tracker frames that the layers receive
+constexpr double kLongestTrail = 60;  // [s] length of a trail
+constexpr double kVisibleDistance = 0.2;  // [m] distance after which a motion is visible
+constexpr double kDefaultSpan = 10;       // [s] for light without a period
+constexpr int kMargin = 3;                // [px] around the text
+constexpr tracker::Colour kTextColour{255, 255, 255};
+constexpr tracker::Colour kRobotColour{255, 140, 0};
 
 std::int64_t utimeAt(double time) {
   return kStart_utime + static_cast<std::int64_t>(std::llround(time * 1e6));
 }
 
-/// How long a layer takes to show what it does [s].
+/// Time in which the motion of a layer becomes visible [s].
 double spanOf(const LayerSpec& layer) {
   const light::Drive& drive = layer.drive;
   const bool noise = static_cast<light::LayerKind>(layer.kind) == light::LayerKind::kNoise;
   const bool telegraph = drive.waveform == light::Waveform::kTelegraph;
   double span = 0;
-  const auto takes = [&](double time) { span = std::max(span, time); };
-  if (const double speed = std::hypot(drive.vx, drive.vy); speed > 0) takes(kSight / speed);
-  if (drive.spin != 0) takes(2 * std::numbers::pi / std::abs(drive.spin));
+  const auto extend = [&](double time) { span = std::max(span, time); };
+  if (const double speed = std::hypot(drive.vx, drive.vy); speed > 0)
+    extend(kVisibleDistance / speed);
+  if (drive.spin != 0) extend(2 * std::numbers::pi / std::abs(drive.spin));
   if (drive.phase_rate != 0) {
-    takes((noise ? 2 : 2 * std::numbers::pi) / std::abs(drive.phase_rate));
+    extend((noise ? 2 : 2 * std::numbers::pi) / std::abs(drive.phase_rate));
   }
-  if (drive.waveform != light::Waveform::kSteady) takes((telegraph ? 4 : 1) * drive.period);
-  if (!drive.images.empty()) takes(static_cast<double>(drive.images.size()) / drive.image_rate);
-  if (drive.follow == light::Follow::kTrail) takes(kUnknownSpan);
+  if (drive.waveform != light::Waveform::kSteady) extend((telegraph ? 4 : 1) * drive.period);
+  if (!drive.images.empty()) extend(static_cast<double>(drive.images.size()) / drive.image_rate);
+  if (drive.follow == light::Follow::kTrail) extend(kDefaultSpan);
   return span;
 }
 
-/// Where the simulator would begin.
+/// The frame with all robots at their start poses.
 projector::ObservedFrame startOf(const Experiment& experiment) {
   std::vector<sim::Place> places;
   projector::ObservedFrame frame;
@@ -72,7 +73,7 @@ projector::ObservedFrame startOf(const Experiment& experiment) {
 }  // namespace
 
 LightPreview::LightPreview(const Experiment& experiment, const ExperimentImages& images)
-    : experiment_(experiment), standing_(startOf(experiment)) {
+    : experiment_(experiment), start_frame_(startOf(experiment)) {
   scene_context_.arena_width = experiment.arena_width;
   scene_context_.arena_height = experiment.arena_height;
   for (const RobotSpec& robot : experiment.robots) scene_context_.robots.push_back(robot.id);
@@ -115,10 +116,10 @@ std::vector<light::Layer> LightPreview::layers(std::size_t step, double time) {
     for (;; next += kFramePeriod) {
       next = std::min(next, time);
       if (next > shown.seen) {
-        standing_.utime = utimeAt(next);
-        ++standing_.number;
-        shown.robots.take(standing_);
-        shown.scene.take(standing_, shown.robots);
+        start_frame_.utime = utimeAt(next);
+        ++start_frame_.number;
+        shown.robots.take(start_frame_);
+        shown.scene.take(start_frame_, shown.robots);
         shown.seen = next;
       }
       if (next >= time) break;
@@ -145,15 +146,15 @@ void LightPreview::mark(tracker::RgbImage& image, int top) const {
   };
   const double radius = experiment_.hardware.diameter / 2;
   constexpr int kSides = 24;
-  for (const projector::ObservedRobot& robot : standing_.robots) {
+  for (const projector::ObservedRobot& robot : start_frame_.robots) {
     const auto rim = [&](double angle) {
       return pixel(robot.x + radius * std::cos(angle), robot.y + radius * std::sin(angle));
     };
     for (int side = 0; side < kSides; ++side) {
       const double step = 2 * std::numbers::pi / kSides;
-      canvas.line(rim(side * step), rim((side + 1) * step), kRobot);
+      canvas.line(rim(side * step), rim((side + 1) * step), kRobotColour);
     }
-    canvas.line(pixel(robot.x, robot.y), rim(robot.theta), kRobot);
+    canvas.line(pixel(robot.x, robot.y), rim(robot.theta), kRobotColour);
   }
 }
 
@@ -172,9 +173,9 @@ tracker::RgbImage LightPreview::picture(std::size_t step, double time, int width
   }
   if (steps_[step].scene.needsPoses()) mark(image, top);
   const LightStep& shown = experiment_.light.steps[step];
-  std::string words = fmt::format("{:.2f} s  {}", shown.at + time, shown.label);
-  if (steps_[step].scene.needsPoses()) words += "  (robots at their start)";
-  tracker::Canvas(image).text(kMargin, kMargin, words, kWords);
+  std::string caption = fmt::format("{:.2f} s  {}", shown.at + time, shown.label);
+  if (steps_[step].scene.needsPoses()) caption += "  (robots at their start)";
+  tracker::Canvas(image).text(kMargin, kMargin, caption, kTextColour);
   return image;
 }
 

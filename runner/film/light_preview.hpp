@@ -1,4 +1,4 @@
-/// The light of a script as pictures, without running anything.
+/// Draws the light of a script without running the lab.
 #pragma once
 
 #include <cstdint>
@@ -11,31 +11,31 @@
 
 namespace lab::runner {
 
-/// Robots stand where they start, those without a place of their own where the simulator puts them;
-/// layers that follow them, and trails, are drawn there. Gates that ask for a program are open.
+/// The robots stay at their start poses; robots without one stay where the simulator would place
+/// them. Layers that follow robots, and trails, are drawn there. Gates on a program are open.
 class LightPreview {
  public:
-  /// @param images of the experiment's script.
+  /// @param images the images of the experiment
   LightPreview(const Experiment& experiment, const ExperimentImages& images);
 
   LightPreview(const LightPreview&) = delete;
   LightPreview& operator=(const LightPreview&) = delete;
 
-  /// How long the step is shown [s], at the latest.
+  /// Longest duration of the step [s].
   [[nodiscard]] double length(std::size_t step) const;
 
-  /// How long one looks at the step to see what it does [s]: the longest period of what moves in
-  /// it, at most its length; 0 where nothing does.
+  /// Time in which the motion of the step becomes visible [s]: the longest period in it, at most
+  /// its length; 0 if the light is constant.
   [[nodiscard]] double span(std::size_t step) const;
 
-  /// Moments of the step that show it [s], rising: its light after the ramp, and where it moves
-  /// three more of its span.
+  /// Times to show the step at [s], ascending: the end of the ramp and, if the light changes, three
+  /// more within the span.
   [[nodiscard]] std::vector<double> moments(std::size_t step) const;
 
-  /// The light `time` [s] after the step began. Not earlier than the last call for this step.
+  /// The light `time` [s] after the step began. `time` must not decrease between calls for a step.
   [[nodiscard]] light::Field field(std::size_t step, double time);
 
-  /// The same as a picture of this width [px], x right and y up, with label and time.
+  /// The same as a picture `width` [px] wide with x to the right and y up, with label and time.
   [[nodiscard]] tracker::RgbImage picture(std::size_t step, double time, int width);
 
   [[nodiscard]] std::size_t steps() const { return experiment_.light.steps.size(); }
@@ -44,7 +44,7 @@ class LightPreview {
   struct Step {
     projector::Scene scene;
     projector::RobotTracks robots{};
-    double seen = -1;  ///< [s] until when the robots stood there
+    double seen = -1;  ///< [s] time of the last frame that the layers received
   };
 
   [[nodiscard]] std::vector<light::Layer> layers(std::size_t step, double time);
@@ -52,7 +52,7 @@ class LightPreview {
 
   const Experiment& experiment_;
   projector::SceneContext scene_context_;
-  projector::ObservedFrame standing_;
+  projector::ObservedFrame start_frame_;
   std::vector<Step> steps_;
 };
 

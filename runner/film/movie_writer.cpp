@@ -30,7 +30,7 @@ std::vector<std::string> arguments(const fs::path& file, int width, int height, 
                                "-f", "rawvideo", "-pixel_format", "rgb24", "-video_size",
                                fmt::format("{}x{}", width, height), "-framerate",
                                fmt::format("{:.6g}", fps), "-i", "pipe:0", "-vf",
-                               // H.264 as players want it has even sides.
+                               // Players need H.264 with even width and height.
                                "pad=ceil(iw/2)*2:ceil(ih/2)*2"};
   const bool motion_jpeg = file.extension() == ".avi";
   for (const char* word :
@@ -38,7 +38,7 @@ std::vector<std::string> arguments(const fs::path& file, int width, int height, 
                    : std::array{"-c:v", "libx264", "-crf", "22", "-pix_fmt", "yuv420p"}) {
     all.emplace_back(word);
   }
-  all.push_back("file:" + file.string());  // whatever signs are in its name
+  all.push_back("file:" + file.string());  // the prefix allows any character in the name
   return all;
 }
 
@@ -73,7 +73,7 @@ MovieWriter::MovieWriter(fs::path file, int width, int height, double fps)
   posix_spawn_file_actions_adddup2(&actions, messages_, STDERR_FILENO);
   posix_spawnattr_t attributes{};
   posix_spawnattr_init(&attributes);
-  // Ctrl-C is for us: ffmpeg ends when its input does.
+  // In its own process group, so that Ctrl-C does not end ffmpeg before its input ends.
   posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
   const std::vector<std::string> words = arguments(file_, width, height, fps);
   std::vector<char*> pointers;
@@ -108,10 +108,10 @@ void MovieWriter::write(const tracker::RgbImage& image) {
 }
 
 void MovieWriter::finish() {
-  // What it complains about (a full disk) does not always make it fail.
+  // ffmpeg does not always fail on errors such as a full disk, but it prints them.
   const int status = wait();
-  struct stat said {};
-  if (status != 0 || fstat(messages_, &said) != 0 || said.st_size > 0) fail();
+  struct stat messages {};
+  if (status != 0 || fstat(messages_, &messages) != 0 || messages.st_size > 0) fail();
 }
 
 int MovieWriter::wait() {
@@ -127,9 +127,9 @@ int MovieWriter::wait() {
 
 void MovieWriter::fail() {
   static_cast<void>(wait());
-  std::array<char, 400> said{};
-  const ssize_t length = pread(messages_, said.data(), said.size() - 1, 0);
-  std::string text(said.data(), length > 0 ? static_cast<std::size_t>(length) : 0);
+  std::array<char, 400> message{};
+  const ssize_t length = pread(messages_, message.data(), message.size() - 1, 0);
+  std::string text(message.data(), length > 0 ? static_cast<std::size_t>(length) : 0);
   text = text.substr(0, text.find('\n'));
   throw std::runtime_error(fmt::format("{}: ffmpeg could not write it: {}", file_.string(),
                                        text.empty() ? "it gave no reason" : text));

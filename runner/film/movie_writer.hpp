@@ -1,4 +1,4 @@
-/// A movie made by the program ffmpeg, fed picture by picture.
+/// Writes a movie by a pipe to the program ffmpeg.
 #pragma once
 
 #include <sys/types.h>
@@ -12,20 +12,20 @@ namespace lab::runner {
 class MovieWriter {
  public:
   /// Starts ffmpeg: H.264 for .mp4 and .mkv, MJPEG for .avi.
-  /// @param file the movie; replaced where it is there
-  /// @param width, height of all its pictures [px]
-  /// @throws UserError when ffmpeg is not installed.
+  /// @param file the movie; an existing file is replaced
+  /// @param width, height size of all pictures [px] @param fps frame rate [1/s]
+  /// @throws UserError if ffmpeg is not installed
   MovieWriter(std::filesystem::path file, int width, int height, double fps);
 
-  /// Ends ffmpeg; a movie that was not finished is not worth keeping.
+  /// Kills ffmpeg if finish() was not called.
   ~MovieWriter();
   MovieWriter(const MovieWriter&) = delete;
   MovieWriter& operator=(const MovieWriter&) = delete;
 
-  /// @throws std::runtime_error with what ffmpeg said when it has ended.
+  /// @throws std::runtime_error with ffmpeg's message if ffmpeg has ended
   void write(const tracker::RgbImage& image);
 
-  /// Waits until the movie is complete. @throws std::runtime_error when ffmpeg failed.
+  /// Waits until the movie is complete. @throws std::runtime_error if ffmpeg failed
   void finish();
 
  private:
@@ -33,12 +33,12 @@ class MovieWriter {
   [[noreturn]] void fail();
 
   std::filesystem::path file_;
-  int input_ = -1;     ///< ffmpeg's stdin
-  int messages_ = -1;  ///< what it said
+  int input_ = -1;     ///< standard input of ffmpeg
+  int messages_ = -1;  ///< temporary file with ffmpeg's standard error
   pid_t pid_ = -1;
 };
 
-/// Whether a program is on the PATH.
+/// Whether an executable file with this name is in $PATH.
 [[nodiscard]] bool isInstalled(const char* program);
 
 }  // namespace lab::runner

@@ -33,7 +33,7 @@ std::unique_ptr<FilmReader> openFilm(const std::string& source, double fps) {
   if (source.find("://") != std::string::npos) {
     throw UserError(fmt::format(
         "{}: is a network stream, expected a film or pictures; record it first (ffmpeg -i {} "
-        "-c copy film.mkv), or make it the camera of an experiment (docs/cameras.md)",
+        "-c copy film.mkv), or use it as the camera of an experiment (docs/cameras.md)",
         source, source));
   }
   try {

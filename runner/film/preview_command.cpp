@@ -20,11 +20,11 @@ constexpr int kTilesAcross = 4;
 constexpr int kTileWidth = 320;   // [px]
 constexpr int kMovieWidth = 480;  // [px]
 constexpr double kFps = 25;
-constexpr double kShortestLook = 2;   // [s] at a step
-constexpr double kLongestLook = 20;   // [s]
+constexpr double kShortestView = 2;   // [s] per step
+constexpr double kLongestView = 20;   // [s]
 constexpr double kLongestMovie = 60;  // [s]
 
-/// @return how many steps are in it.
+/// @return number of steps in the sheet
 std::size_t writeSheet(LightPreview& preview, const fs::path& path) {
   std::vector<tracker::RgbImage> tiles;
   std::size_t step = 0;
@@ -40,14 +40,14 @@ std::size_t writeSheet(LightPreview& preview, const fs::path& path) {
   return step;
 }
 
-/// Each step in its own time, for as long as it takes to see what it does.
+/// Shows each step in real time, long enough to see its motion.
 void writeMovie(LightPreview& preview, const Experiment& experiment, const fs::path& path) {
   std::optional<MovieWriter> movie;
   double shown = 0;
   for (std::size_t step = 0; step < preview.steps() && shown < kLongestMovie; ++step) {
-    const double look = experiment.light.steps[step].ramp +
-                        std::clamp(2 * preview.span(step), kShortestLook, kLongestLook);
-    const double seconds = std::min({look, preview.length(step), kLongestMovie - shown});
+    const double view = experiment.light.steps[step].ramp +
+                        std::clamp(2 * preview.span(step), kShortestView, kLongestView);
+    const double seconds = std::min({view, preview.length(step), kLongestMovie - shown});
     const int frames = std::max(1, static_cast<int>(std::lround(seconds * kFps)));
     for (int frame = 0; frame < frames; ++frame) {
       const tracker::RgbImage picture = preview.picture(step, frame / kFps, kMovieWidth);
@@ -67,21 +67,21 @@ ExitCode preview(const PreviewOptions& options) {
   std::error_code error;
   fs::create_directories(options.out, error);
   if (error)
-    throw UserError(options.out.string() + ": cannot make this folder: " + error.message());
+    throw UserError(options.out.string() + ": cannot create this folder: " + error.message());
   const fs::path sheet = options.out / (experiment.name + "_light.png");
   const fs::path movie = options.out / (experiment.name + "_light.mp4");
-  LightPreview of_sheet(experiment, images);
-  const std::size_t steps = writeSheet(of_sheet, sheet);
+  LightPreview sheet_preview(experiment, images);
+  const std::size_t steps = writeSheet(sheet_preview, sheet);
   fmt::print("{}\n", sheet.string());
-  if (steps < of_sheet.steps()) {
-    fmt::print("  the first {} of {} steps\n", steps, of_sheet.steps());
+  if (steps < sheet_preview.steps()) {
+    fmt::print("  the first {} of {} steps\n", steps, sheet_preview.steps());
   }
   if (!isInstalled("ffmpeg")) {
     fmt::print("no animation: it needs the program ffmpeg: apt-get install ffmpeg\n");
     return kDone;
   }
-  LightPreview of_movie(experiment, images);
-  writeMovie(of_movie, experiment, movie);
+  LightPreview movie_preview(experiment, images);
+  writeMovie(movie_preview, experiment, movie);
   fmt::print("{}\n", movie.string());
   return kDone;
 }

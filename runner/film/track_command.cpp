@@ -31,27 +31,27 @@ using tracker::FilmRow;
 
 volatile std::sig_atomic_t tracking_interrupted = 0;
 
-/// While it lives, Ctrl-C ends the film and not the program.
-class Interruptible {
+/// While it exists, SIGINT, SIGTERM and SIGHUP end the reading of the film, not the program.
+class InterruptHandler {
  public:
-  Interruptible() {
+  InterruptHandler() {
     tracking_interrupted = 0;
     for (std::size_t i = 0; i < kSignals.size(); ++i) {
-      before_[i] = std::signal(kSignals[i], [](int) { tracking_interrupted = 1; });
+      previous_[i] = std::signal(kSignals[i], [](int) { tracking_interrupted = 1; });
     }
   }
-  ~Interruptible() {
-    for (std::size_t i = 0; i < kSignals.size(); ++i) std::signal(kSignals[i], before_[i]);
+  ~InterruptHandler() {
+    for (std::size_t i = 0; i < kSignals.size(); ++i) std::signal(kSignals[i], previous_[i]);
   }
-  Interruptible(const Interruptible&) = delete;
-  Interruptible& operator=(const Interruptible&) = delete;
+  InterruptHandler(const InterruptHandler&) = delete;
+  InterruptHandler& operator=(const InterruptHandler&) = delete;
 
  private:
   static constexpr std::array kSignals{SIGINT, SIGTERM, SIGHUP};
-  std::array<void (*)(int), kSignals.size()> before_{};
+  std::array<void (*)(int), kSignals.size()> previous_{};
 };
 
-/// The rows, under another name until they are all there.
+/// Writes the rows to NAME.part and renames the file when it is complete.
 class PoseWriter {
  public:
   PoseWriter(fs::path path, bool force) : path_(std::move(path)), part_(path_.string() + ".part") {
@@ -92,15 +92,15 @@ class PoseWriter {
   std::ofstream file_;
 };
 
-/// What is written must not take the place of the film or the calibration, nor of what else is
-/// written. Single pictures of a folder are not looked at.
+/// Refuses outputs that would overwrite the film, the calibration or each other. Single pictures in
+/// a folder are not checked.
 void refuseSameFiles(const TrackOptions& options) {
   const std::array<std::pair<const char*, fs::path>, 4> named{
       {{"SOURCE", options.source},
        {"--calibration", options.calibration},
        {"--out", options.out},
        {"--overlay", options.overlay}}};
-  const auto place = [](const fs::path& path) {
+  const auto canonical = [](const fs::path& path) {
     std::error_code error;
     return fs::weakly_canonical(fs::absolute(path, error), error);
   };
@@ -108,42 +108,42 @@ void refuseSameFiles(const TrackOptions& options) {
     const auto& [option, path] = named[written];
     if (path.empty()) continue;
     for (std::size_t other = 0; other < written; ++other) {
-      if (place(path) != place(named[other].second)) continue;
+      if (canonical(path) != canonical(named[other].second)) continue;
       throw UserError(fmt::format("{}: is named as {} and as {}; choose another name for {}",
                                   path.string(), named[other].first, option, option));
     }
   }
 }
 
-/// A sheet in the folder of the pictures would be one of them the next time.
+/// A sheet in the folder of the pictures would be read as a picture in the next run.
 void refuseSheetAmongPictures(const TrackOptions& options) {
   std::error_code error;
   if (options.overlay.extension() != ".png" || !fs::is_directory(options.source, error)) return;
   const fs::path folder = fs::absolute(options.overlay, error).parent_path();
   if (!fs::equivalent(folder, options.source, error)) return;
   throw UserError(fmt::format(
-      "{}: would be read as one of the pictures of {} the next time; choose another folder for "
+      "{}: would be read as one of the pictures of {} in the next run; choose another folder for "
       "--overlay",
       options.overlay.string(), options.source));
 }
 
-/// A calibration holds for pictures of one size only.
+/// A calibration is valid only for pictures of the size it was made with.
 void checkSize(const TrackOptions& options, const CameraCalibration& calibration,
                const FilmReader& reader, int width, int height) {
   const optics::CameraParameters& camera = calibration.camera;
   if (width == camera.width && height == camera.height) return;
-  // Smaller ones made larger have blur and noise that no camera has.
-  const bool shrinks = width > camera.width && width * camera.height == height * camera.width;
+  // Enlarging is not suggested: it gives blur and noise that no camera has.
+  const bool can_shrink = width > camera.width && width * camera.height == height * camera.width;
   const std::string mark = reader.mark();
   throw UserError(fmt::format(
       "{}: found pictures of {} x {} px{}, expected {} x {} px as in {}; calibrate the camera at "
       "the size of the film{}",
       options.source, width, height,
-      mark.empty() ? "" : fmt::format(" (as they are stored; players turn them, by {})", mark),
+      mark.empty() ? "" : fmt::format(" (as stored; players rotate them, by {})", mark),
       camera.width, camera.height, options.calibration.string(),
-      shrinks ? fmt::format(", or convert the film: ffmpeg -i FILM -vf scale={}:{} ...",
-                            camera.width, camera.height)
-              : ""));
+      can_shrink ? fmt::format(", or convert the film: ffmpeg -i FILM -vf scale={}:{} ...",
+                               camera.width, camera.height)
+                 : ""));
 }
 
 tracker::TrackerSettings trackerSettings(const CameraCalibration& calibration) {
@@ -166,7 +166,7 @@ std::unique_ptr<FilmOverlay> openOverlay(const TrackOptions& options,
        .cap = calibration.cap});
 }
 
-/// One film from its first frame to its last.
+/// Tracks one film from its first frame to its last.
 class Film {
  public:
   Film(const TrackOptions& options, const CameraCalibration& calibration, FilmReader& reader)
@@ -187,7 +187,7 @@ class Film {
   ExitCode track() {
     detector_.setCompressed(reader_.format().compressed);
     response_.setCompressed(reader_.format().compressed);
-    const Interruptible until_interrupted;
+    const InterruptHandler interrupt_handler;
     std::string problem;
     double seconds = 0;
     {
@@ -198,7 +198,7 @@ class Film {
           if (i % options_.every == 0) take(frame);
           progress.show(i + 1);
         }
-        problem = tracking_interrupted != 0 ? "stopped before its end" : reader_.problem();
+        problem = tracking_interrupted != 0 ? "interrupted before its end" : reader_.problem();
       } catch (const CameraError& error) {
         problem = error.what();
       }
@@ -211,66 +211,67 @@ class Film {
     poses_.finish();
     draw([&] { overlay_->finish(); });
     printFilmSummary(tracking_.summary(), calibration_, reader_.dropped(), seconds);
-    verdict_.tell(tracking_.summary());
+    verdict_.print(tracking_.summary());
     if (!(reader_.format().fps > 0) && tracking_.summary().frames > 1) {
       fmt::print(
-          "note     the pictures do not say their times, and were taken for {:.0f} a second: "
-          "--fps, or frames.csv beside them (docs/cameras.md)\n",
+          "note     the pictures have no times; {:.0f} pictures per second are assumed: set "
+          "--fps, or put frames.csv beside them (docs/cameras.md)\n",
           kAssumedFps);
     }
     if (options_.fps > 0) {
-      fmt::print("note     times are those of {:g} frames a second, as asked for\n", options_.fps);
+      fmt::print("note     times are those of {:g} frames per second, as --fps says\n",
+                 options_.fps);
     }
     if (const std::string mark = reader_.mark(); !mark.empty()) {
       fmt::print(
-          "note     players turn these pictures ({}), here they are taken as they are stored: is "
-          "the calibration of such? (docs/cameras.md)\n",
+          "note     players rotate these pictures ({}), here they are used as stored; the "
+          "calibration must be made with such pictures (docs/cameras.md)\n",
           mark);
     }
     if (finds_response_) {
-      tellResponse();
+      printResponse();
     } else if (tracking_.summary().rows == 0) {
       fmt::print("note     grey steps were read with a gamma of {:g}, as the calibration says\n",
                  *calibration_.imaging->gamma);
     }
     fmt::print("poses    {}\n", options_.out.string());
     if (overlay_) fmt::print("overlay  {}\n", options_.overlay.string());
-    if (!no_overlay_.empty()) {
-      fmt::print("marked   {}: there is no overlay: {}\n", options_.overlay.string(), no_overlay_);
+    if (!overlay_problem_.empty()) {
+      fmt::print("marked   {}: no overlay was written: {}\n", options_.overlay.string(),
+                 overlay_problem_);
     }
     if (!problem.empty()) {
       const bool named = problem.starts_with(options_.source);
       fmt::print("marked   {}{}; the poses of what could be read are kept\n",
                  named ? "" : options_.source + ": ", problem);
     }
-    return problem.empty() && no_overlay_.empty() ? kDone : kMarked;
+    return problem.empty() && overlay_problem_.empty() ? kDone : kMarked;
   }
 
  private:
-  /// How the camera's grey steps follow the light, where the calibration does not say it.
+  /// Estimates the gamma of the grey values if the calibration does not contain it.
   void findResponse(const CameraFrame& frame) {
     if (!finds_response_) return;
     response_.take(frame.grey);
     const double gamma = response_.gamma().value_or(gamma_);
-    if (gamma != gamma_ && tracking_.summary().frames > 0) told_from_ = frame.number;
+    if (gamma != gamma_ && tracking_.summary().frames > 0) gamma_from_ = frame.number;
     gamma_ = gamma;
     detector_.setGamma(gamma);
   }
 
-  void tellResponse() const {
+  void printResponse() const {
     const bool unknown = !response_.gamma() && tracking_.summary().rows > 0;
-    if (gamma_ != 1 || unknown || told_from_) {
+    if (gamma_ != 1 || unknown || gamma_from_) {
       fmt::print("note     grey steps were read {}: {}\n",
-                 gamma_ == 1
-                     ? "as linear in light"
-                     : fmt::format("with a gamma of {:g}, as if encoded for the eye", gamma_),
+                 gamma_ == 1 ? "as linear in light"
+                             : fmt::format("with a gamma of {:g}, as for display encoding", gamma_),
                  response_.reason());
     }
-    if (told_from_) {
+    if (gamma_from_) {
       fmt::print(
-          "note     only from frame {} on; those before were read otherwise. With gamma in the "
-          "calibration (docs/cameras.md) all are read alike\n",
-          *told_from_);
+          "note     only from frame {} on; earlier frames were read with another gamma. With "
+          "gamma in the calibration (docs/cameras.md) all frames are read alike\n",
+          *gamma_from_);
     }
   }
 
@@ -288,13 +289,13 @@ class Film {
     draw([&] { overlay_->add({frame.number, time, frame.grey, rows, rejected_}); });
   }
 
-  /// An overlay that cannot be written is no reason to lose the poses.
+  /// Runs `act` on the overlay; if that fails, tracking goes on without an overlay.
   void draw(const auto& act) {
     if (!overlay_) return;
     try {
       act();
     } catch (const std::runtime_error& error) {
-      no_overlay_ = error.what();
+      overlay_problem_ = error.what();
       overlay_.reset();
     }
   }
@@ -305,14 +306,14 @@ class Film {
   detector::Detector detector_;
   detector::ResponseFinder response_;
   bool finds_response_;
-  double gamma_ = 1;                       ///< that is believed
-  std::optional<std::int64_t> told_from_;  ///< frame; those before were read with another one
+  double gamma_ = 1;                        ///< gamma in use
+  std::optional<std::int64_t> gamma_from_;  ///< first frame that was read with gamma_; nothing: all
   tracker::CapTracker caps_;
   tracker::FilmTracking tracking_;
   CalibrationVerdict verdict_;
   PoseWriter poses_;
   std::unique_ptr<FilmOverlay> overlay_;
-  std::string no_overlay_;  ///< why there is none though one was asked for
+  std::string overlay_problem_;  ///< why the overlay could not be written
   std::vector<detector::Rejection> rejected_;
 };
 
@@ -325,7 +326,7 @@ ExitCode track(const TrackOptions& options) {
   const std::unique_ptr<FilmReader> reader = openFilm(options.source, options.fps);
   if (const std::string table = reader->table(); options.fps > 0 && !table.empty()) {
     throw UserError(
-        fmt::format("{}: found --fps beside the times of {}, expected one of them: leave out --fps",
+        fmt::format("{}: found --fps and the times of {}, expected one of them: leave out --fps",
                     options.source, table));
   }
   const CameraFormat format = reader->format();

@@ -19,25 +19,25 @@ namespace lab::runner {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr int kNewcomerStep_ms = 50;
-constexpr int kNewcomerRepeat_ms = 1000;
-constexpr int kNewcomerPatience_ms = 10000;  // its services end one after the other
+constexpr int kPollPeriod_ms = 50;
+constexpr int kSignalPeriod_ms = 1000;
+constexpr int kTermTimeout_ms = 10000;  // the other agent ends its services one after the other
 
 }  // namespace
 
 AgentLock::AgentLock(const std::string& name)
     : file_(registryDirectory() / ("agent-" + name + ".lock")) {
   open();
-  for (int waited = 0; !holds(); waited += kNewcomerStep_ms) {
+  for (int waited = 0; !holds(); waited += kPollPeriod_ms) {
     const pid_t other = holder();
-    if (other > 1 && waited % kNewcomerRepeat_ms == 0) {
-      kill(other, waited < kNewcomerPatience_ms ? SIGTERM : SIGKILL);
+    if (other > 1 && waited % kSignalPeriod_ms == 0) {
+      kill(other, waited < kTermTimeout_ms ? SIGTERM : SIGKILL);
     }
-    if (waited > 2 * kNewcomerPatience_ms) {
+    if (waited > 2 * kTermTimeout_ms) {
       close(descriptor_);
-      throw UserError("another agent of this run does not end");
+      throw UserError("another agent of this run does not end (SIGKILL was sent)");
     }
-    std::this_thread::sleep_for(std::chrono::milliseconds(kNewcomerStep_ms));
+    std::this_thread::sleep_for(std::chrono::milliseconds(kPollPeriod_ms));
     open();
   }
   const std::string own = std::to_string(getpid());
@@ -59,13 +59,14 @@ void AgentLock::open() {
   if (descriptor_ < 0) throw UserError("cannot write " + file_.string());
 }
 
-/// Whoever held the file removes it at the end: a lock on what is no longer there binds nobody.
+/// True if this process holds the lock and the locked file is still the one at the path: the
+/// previous holder deletes the file when it ends, and a lock on a deleted file excludes nobody.
 bool AgentLock::holds() const {
   if (flock(descriptor_, LOCK_EX | LOCK_NB) != 0) return false;
   struct stat locked {};
-  struct stat there {};
-  return fstat(descriptor_, &locked) == 0 && stat(file_.c_str(), &there) == 0 &&
-         locked.st_dev == there.st_dev && locked.st_ino == there.st_ino;
+  struct stat current {};
+  return fstat(descriptor_, &locked) == 0 && stat(file_.c_str(), &current) == 0 &&
+         locked.st_dev == current.st_dev && locked.st_ino == current.st_ino;
 }
 
 pid_t AgentLock::holder() const {

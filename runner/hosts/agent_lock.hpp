@@ -1,4 +1,4 @@
-/// Who alone drives the robots of a run on one host.
+/// Lock that allows one agent per host and run.
 #pragma once
 
 #include <sys/types.h>
@@ -8,13 +8,14 @@
 
 namespace lab::runner {
 
-/// One agent for each host of a run: one whose connection is lost does not know it yet when the
-/// runner calls again, and still drives the robots. The newcomer ends it (SIGTERM, after a while
-/// SIGKILL) and waits until it is gone; of several newcomers one drives at a time.
+/// Ensures that one agent per host commands the robots of a run. When the runner reconnects after a
+/// lost connection, the previous agent may still run. The new agent ends it (SIGTERM every second,
+/// SIGKILL after 10 s) and waits until it has released the lock. If several agents wait, one gets
+/// the lock at a time.
 class AgentLock {
  public:
-  /// @param name of run and host
-  /// @throws UserError when the other does not end, or the lock cannot be written.
+  /// Waits for the lock. @param name identifies run and host
+  /// @throws UserError if the other agent does not end within 20 s or the file cannot be written
   explicit AgentLock(const std::string& name);
   ~AgentLock();
   AgentLock(const AgentLock&) = delete;

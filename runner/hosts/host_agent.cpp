@@ -41,15 +41,15 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr std::int64_t kAgentTick_us = 50'000;
-constexpr std::int64_t kNameless_us = 60'000'000;  // until it is told its patience
-constexpr int kKillPatience_ms = 3000;
-constexpr std::size_t kMostLinesWaiting = 4'000'000;  // [byte] then lines of services wait
-constexpr std::size_t kLongestServiceLine = 65'536;   // [byte] of a service that ends none
-constexpr int kLastWords_ms = 1000;
-constexpr int kDrain_ms = 10;
+constexpr std::int64_t kInitialTimeout_us = 60'000'000;  // until "begin" sets the timeout
+constexpr int kKillTimeout_ms = 3000;
+constexpr std::size_t kMostBytesQueued = 4'000'000;  // [byte] above: output is not read on
+constexpr std::size_t kLongestServiceLine = 65'536;  // [byte] longer lines are split
+constexpr int kFinalFlush_ms = 1000;
+constexpr int kFlushPeriod_ms = 10;
 
-/// Removes a folder when this process is gone, however it went: a process of its own waits for
-/// that.
+/// A temporary folder that is removed even if this process is killed: a forked child process
+/// waits until the pipe from this process closes, and then removes the folder.
 class HostFolder {
  public:
   HostFolder() {
@@ -61,12 +61,12 @@ class HostFolder {
     const pid_t cleaner = fork();
     if (cleaner == 0) clean(ends);
     close(ends[0]);
-    lives_ = ends[1];
+    alive_pipe_ = ends[1];
   }
   ~HostFolder() {
     std::error_code error;
     fs::remove_all(path_, error);
-    close(lives_);
+    close(alive_pipe_);
   }
   HostFolder(const HostFolder&) = delete;
   HostFolder& operator=(const HostFolder&) = delete;
@@ -76,12 +76,13 @@ class HostFolder {
   [[noreturn]] void clean(const std::array<int, 2>& ends) const {
     setsid();
     for (const int signal : {SIGHUP, SIGINT, SIGTERM, SIGPIPE}) ::signal(signal, SIG_IGN);
-    for (int descriptor = 0; descriptor < 3; ++descriptor) close(descriptor);  // or ssh would wait
+    for (int descriptor = 0; descriptor < 3; ++descriptor)
+      close(descriptor);  // ssh waits while one of them is open
     close(ends[1]);
-    char nothing = 0;
-    while (read(ends[0], &nothing, 1) < 0 && errno == EINTR) {
+    char unused = 0;
+    while (read(ends[0], &unused, 1) < 0 && errno == EINTR) {
     }
-    // Services that end may still write.
+    // Services that are ending may still write files, so the folder is removed again later.
     std::error_code error;
     for (const int pause_ms : {0, 1000, 3000}) {
       if (!fs::exists(path_, error)) break;
@@ -92,7 +93,7 @@ class HostFolder {
   }
 
   fs::path path_;
-  int lives_ = -1;
+  int alive_pipe_ = -1;
 };
 
 class Agent {
@@ -102,19 +103,19 @@ class Agent {
 
   void execute() {
     lines_.send(toJson(ownHello()));
-    heard_ = loop_.now();
+    last_receive_us_ = loop_.now();
     loop_.onSignals({SIGINT, SIGTERM, SIGHUP}, [this](int) { loop_.stop(); });
-    loop_.onReadable(STDIN_FILENO, [this] { listen(); });
-    loop_.every(kAgentTick_us, loop_.now(), [this] { look(); });
+    loop_.onReadable(STDIN_FILENO, [this] { receive(); });
+    loop_.every(kAgentTick_us, loop_.now(), [this] { update(); });
     loop_.every(kHostHeartbeat_ms * 1000, loop_.now(), [this] {
       lines_.send({{"say", "alive"}, {"utime", wallClock()}});
     });
     loop_.run();
     endAll();
     lines_.send({{"say", "left"}});
-    for (int waited = 0; lines_.waiting() > 0 && !lines_.closed() && waited < kLastWords_ms;
-         waited += kDrain_ms) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(kDrain_ms));
+    for (int waited = 0; lines_.waiting() > 0 && !lines_.closed() && waited < kFinalFlush_ms;
+         waited += kFlushPeriod_ms) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(kFlushPeriod_ms));
       lines_.flush();
     }
   }
@@ -125,39 +126,39 @@ class Agent {
     std::unique_ptr<ChildProcess> process;
     fs::path output;
     std::streamoff read = 0;
-    std::string begun;  ///< of a line
-    bool told = false;  ///< that it ended
+    std::string partial_line;  ///< output since the last end of line
+    bool end_reported = false;
     bool ready = false;
   };
 
-  void listen() {
+  void receive() {
     lines_.receive(
-        [this](const Json& order) {
-          heard_ = loop_.now();
+        [this](const Json& request) {
+          last_receive_us_ = loop_.now();
           try {
-            obey(order);
+            handle(request);
           } catch (const std::exception& error) {
-            trouble(error.what());
+            reportTrouble(error.what());
           }
         },
-        [this](const std::string&) { trouble("a line that is no JSON"); });
+        [this](const std::string&) { reportTrouble("a line that is not JSON"); });
     if (lines_.closed()) loop_.stop();
   }
 
-  void trouble(const std::string& text) { lines_.send({{"say", "trouble"}, {"text", text}}); }
+  void reportTrouble(const std::string& text) { lines_.send({{"say", "trouble"}, {"text", text}}); }
 
-  void obey(const Json& order) {
-    const std::string what = order.value("do", "");
+  void handle(const Json& request) {
+    const std::string what = request.value("do", "");
     if (what == "ping") {
-      lines_.send({{"say", "pong"}, {"asked", order.at("utime")}, {"utime", wallClock()}});
+      lines_.send({{"say", "pong"}, {"asked", request.at("utime")}, {"utime", wallClock()}});
     } else if (what == "begin") {
-      begin(order);
+      begin(request);
     } else if (what == "file") {
-      append(order);
+      append(request);
     } else if (what == "start") {
-      start(order);
+      start(request);
     } else if (what == "end" || what == "kill") {
-      Running* service = find(order.at("service"));
+      Running* service = find(request.at("service"));
       if (service == nullptr || !service->process->running()) return;
       if (what == "end")
         service->process->terminate();
@@ -166,44 +167,46 @@ class Agent {
     } else if (what == "stop") {
       loop_.stop();
     } else if (what != "alive") {
-      trouble("an order that is not known: " + what);
+      reportTrouble("unknown request: " + what);
     }
   }
 
-  void begin(const Json& order) {
-    patience_us_ = static_cast<std::int64_t>(order.at("patience_s").get<double>() * 1e6);
+  void begin(const Json& request) {
+    timeout_us_ = static_cast<std::int64_t>(request.at("patience_s").get<double>() * 1e6);
     if (const auto problem = multicastProblem()) throw UserError(*problem);
-    const int wanted = order.value("port", 0);
-    const int ttl = order.value("ttl", 0);
+    const int wanted = request.value("port", 0);
+    const int ttl = request.value("ttl", 0);
     const int port = choosePort(wanted);
-    if (wanted == 0) lock_.emplace(port);
+    if (wanted == 0) port_lock_.emplace(port);
     url_ = lcmUrl(port, ttl);
     bus_ = std::make_unique<LcmBus>(url_);
-    bus_->subscribe(channels::kServiceStatus, [this](const Packet& packet) { note(packet); });
+    bus_->subscribe(channels::kServiceStatus,
+                    [this](const Packet& packet) { onServiceStatus(packet); });
     loop_.onReadable(bus_->fileDescriptor(), [this] { bus_->drain(); });
     registration_.emplace(
-        RunningLab{order.value("name", "lab"), url_, getpid(), folder_.path().string()});
-    only_.emplace(order.value("name", "lab") + "-" + order.value("host", "host"));
+        RunningLab{request.value("name", "lab"), url_, getpid(), folder_.path().string()});
+    agent_lock_.emplace(request.value("name", "lab") + "-" + request.value("host", "host"));
     std::string warning;
     if (ttl == 0 && multicastInterface().value_or("") != "lo") warning = unpinnedWarning();
     lines_.send({{"say", "begun"}, {"url", url_}, {"warning", warning}});
   }
 
-  void append(const Json& order) {
-    const fs::path name = fs::path(order.at("path").get<std::string>()).lexically_normal();
+  void append(const Json& request) {
+    const fs::path name = fs::path(request.at("path").get<std::string>()).lexically_normal();
     if (name.is_absolute() || name.empty() || *name.begin() == "..") {
-      throw UserError("a file outside of the run: " + name.string());
+      throw UserError("a path outside the folder of the run: " + name.string());
     }
     fs::create_directories((folder_.path() / name).parent_path());
     std::ofstream file(folder_.path() / name, std::ios::binary | std::ios::app);
-    file << decodedBytes(order.at("data").get<std::string>()) << std::flush;
+    file << decodedBytes(request.at("data").get<std::string>()) << std::flush;
     if (!file) throw UserError("cannot write " + name.string() + ": is the disk full?");
   }
 
-  void start(const Json& order) {
+  void start(const Json& request) {
     if (!bus_) throw UserError("start before begin");
-    const std::string name = order.at("service");
-    if (name.empty() || name.find('/') != std::string::npos) throw UserError("no service: " + name);
+    const std::string name = request.at("service");
+    if (name.empty() || name.find('/') != std::string::npos)
+      throw UserError("not a service: " + name);
     const fs::path program = programs_ / name;
     if (access(program.c_str(), X_OK) != 0) {
       throw UserError(program.string() + " is not there: " +
@@ -211,11 +214,11 @@ class Agent {
     }
     std::vector<std::string> arguments{
         program.string(), "--experiment",
-        (folder_.path() / order.at("experiment").get<std::string>()).string(), "--lcm-url", url_};
-    if (order.value("uses_ports", false)) {
+        (folder_.path() / request.at("experiment").get<std::string>()).string(), "--lcm-url", url_};
+    if (request.value("uses_ports", false)) {
       arguments.insert(arguments.end(), {"--ports", (folder_.path() / files::kPorts).string()});
     }
-    for (const std::string& argument : order.value("arguments", std::vector<std::string>{})) {
+    for (const std::string& argument : request.value("arguments", std::vector<std::string>{})) {
       arguments.push_back(argument);
     }
     std::erase_if(services_, [&](const auto& service) { return service->name == name; });
@@ -234,7 +237,7 @@ class Agent {
     return nullptr;
   }
 
-  void note(const Packet& packet) {
+  void onServiceStatus(const Packet& packet) {
     service_status_t status{};
     if (!decode(packet.data, status) || status.state != service_status_t::READY) return;
     Running* service = find(status.sender);
@@ -243,73 +246,73 @@ class Agent {
     lines_.send({{"say", "ready"}, {"service", service->name}});
   }
 
-  void look() {
+  void update() {
     for (const auto& service : services_) {
       const bool running = service->process->running();
-      tell(*service);
-      if (running || service->told) continue;
-      service->told = true;
+      forwardOutput(*service);
+      if (running || service->end_reported) continue;
+      service->end_reported = true;
       lines_.send(
           {{"say", "ended"}, {"service", service->name}, {"how", service->process->ending()}});
     }
     lines_.flush();
-    if (lines_.closed() || loop_.now() - heard_ > patience_us_) loop_.stop();
+    if (lines_.closed() || loop_.now() - last_receive_us_ > timeout_us_) loop_.stop();
   }
 
-  /// What the service has printed since the last time.
-  /// @return whether there was anything
-  bool tell(Running& service) {
-    if (lines_.waiting() > kMostLinesWaiting) return false;
+  /// Sends what the service has printed since the last call.
+  /// @return whether there was new output
+  bool forwardOutput(Running& service) {
+    if (lines_.waiting() > kMostBytesQueued) return false;
     std::ifstream file(service.output, std::ios::binary);
     file.seekg(service.read);
     std::string text(65536, '\0');
     file.read(text.data(), static_cast<std::streamsize>(text.size()));
     text.resize(static_cast<std::size_t>(file.gcount()));
     service.read += file.gcount();
-    service.begun += text;
-    if (service.begun.size() > kLongestServiceLine &&
-        service.begun.find('\n') == std::string::npos) {
-      service.begun += '\n';
+    service.partial_line += text;
+    if (service.partial_line.size() > kLongestServiceLine &&
+        service.partial_line.find('\n') == std::string::npos) {
+      service.partial_line += '\n';
     }
     std::size_t begin = 0;
-    for (std::size_t end = 0; (end = service.begun.find('\n', begin)) != std::string::npos;
+    for (std::size_t end = 0; (end = service.partial_line.find('\n', begin)) != std::string::npos;
          begin = end + 1) {
       lines_.send({{"say", "line"},
                    {"service", service.name},
-                   {"text", service.begun.substr(begin, end - begin)}});
+                   {"text", service.partial_line.substr(begin, end - begin)}});
     }
-    service.begun.erase(0, begin);
+    service.partial_line.erase(0, begin);
     return !text.empty();
   }
 
-  /// Who joins the buses ends last: the others' last messages pass through it.
+  /// Ends dds_gateway last, because the last messages of the other services pass through it.
   void endAll() {
     std::stable_partition(services_.begin(), services_.end(),
                           [](const auto& service) { return service->name != "dds_gateway"; });
     for (const auto& service : services_) {
       service->process->terminate();
-      service->process->waitOrKill(kKillPatience_ms);
-      while (tell(*service)) {
+      service->process->waitOrKill(kKillTimeout_ms);
+      while (forwardOutput(*service)) {
       }
-      if (service->begun.empty()) continue;
-      lines_.send({{"say", "line"}, {"service", service->name}, {"text", service->begun}});
-      service->begun.clear();
+      if (service->partial_line.empty()) continue;
+      lines_.send({{"say", "line"}, {"service", service->name}, {"text", service->partial_line}});
+      service->partial_line.clear();
     }
-    look();
+    update();
   }
 
   fs::path programs_;
   const HostFolder& folder_;
   AsioLoop loop_;
   JsonLines lines_;
-  std::optional<AgentLock> only_;
-  std::optional<PortLock> lock_;
+  std::optional<AgentLock> agent_lock_;
+  std::optional<PortLock> port_lock_;
   std::string url_;
   std::unique_ptr<LcmBus> bus_;
   std::optional<Registration> registration_;
   std::vector<std::unique_ptr<Running>> services_;
-  std::int64_t heard_ = 0;
-  std::int64_t patience_us_ = kNameless_us;
+  std::int64_t last_receive_us_ = 0;
+  std::int64_t timeout_us_ = kInitialTimeout_us;
   int starts_ = 0;
 };
 

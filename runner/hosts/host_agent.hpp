@@ -1,32 +1,36 @@
-/// `lab host-agent`: a lab's hands on another computer (docs/hosts.md).
+/// `lab host-agent`: starts and stops services on a remote host (docs/hosts.md).
 #pragma once
 
 #include <filesystem>
 
 namespace lab::runner {
 
-/// How often either side says that it is there.
+/// Period of the "alive" messages of both sides.
 inline constexpr int kHostHeartbeat_ms = 200;
 
-/// Obeys the JSON lines on standard input, and answers on standard output, until it is told to
-/// stop, its input ends, or it has heard nothing for long. Nothing of it is left then: no process,
-/// no file.
+/// Reads requests as JSON lines from standard input and answers on standard output, until it
+/// receives "stop", its input ends, or no message arrives within the time set by "begin". It then
+/// ends all processes that it started and deletes all files that it wrote.
 ///
-///   runner              agent
-///                       {"say": "hello", ...} (host_contract.hpp)
-///   {"do": "ping", "utime"}           {"say": "pong", "asked", "utime"}
-///   {"do": "begin", "name", "port", "ttl", "patience_s"}   {"say": "begun", "url", "warning"}
-///   {"do": "file", "path", "data"}    appended to a file of the run
-///   {"do": "start", "service", "experiment", "uses_ports", "arguments"}   {"say": "started",
-///   "service"}
-///   {"do": "end", "service"}          SIGTERM; {"do": "kill", ...} SIGKILL
-///   {"do": "alive"}                   {"say": "alive", "utime"} both all kHostHeartbeat_ms
-///   {"do": "stop"}                    all of it ends; {"say": "left"}
-///                       {"say": "line", "service", "text"}   what a service prints
-///                       {"say": "ready", "service"}
-///                       {"say": "ended", "service", "how"}
-///                       {"say": "trouble", "text"}           what cannot be done
-/// @param programs folder of the services' programs
+/// Requests of the runner, and answers of the agent:
+///   {"do": "ping", "utime"}          {"say": "pong", "asked", "utime"}
+///   {"do": "begin", "name", "host", "port", "ttl", "patience_s"}
+///                                    {"say": "begun", "url", "warning"}
+///   {"do": "file", "path", "data"}   appends to a file of the run
+///   {"do": "start", "service", "experiment", "uses_ports", "arguments"}
+///                                    {"say": "started", "service"}
+///   {"do": "end", "service"}         SIGTERM
+///   {"do": "kill", "service"}        SIGKILL
+///   {"do": "stop"}                   ends all services; {"say": "left"}
+/// Messages of the agent without a request:
+///   {"say": "hello", ...}                the first message (host_contract.hpp)
+///   {"say": "line", "service", "text"}   a line that a service printed
+///   {"say": "ready", "service"}
+///   {"say": "ended", "service", "how"}
+///   {"say": "trouble", "text"}           a request failed
+/// Both sides send {"do": "alive"} or {"say": "alive", "utime"} every kHostHeartbeat_ms.
+///
+/// @param programs folder with the programs of the services
 /// @return exit code
 [[nodiscard]] int hostAgent(const std::filesystem::path& programs);
 

@@ -20,7 +20,7 @@
 namespace lab::runner {
 namespace {
 
-/// FNV-1a: the list is long, and only whether it is the same matters.
+/// FNV-1a hash of the list: it is only compared for equality.
 std::string digest(const std::string& text) {
   std::uint64_t hash = 0xcbf29ce484222325U;
   for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3U;
@@ -41,7 +41,7 @@ std::string lastLine(const std::string& text) {
   return last;
 }
 
-bool says(const std::string& text, const char* words) {
+bool contains(const std::string& text, const char* words) {
   return text.find(words) != std::string::npos;
 }
 
@@ -105,8 +105,8 @@ std::string refusal(const HostSpec& host, const HostHello& here, const HostHello
   }
   if (difference.empty()) return {};
   return fmt::format(
-      "host {}: found {} of the lab, {} there and {} here, expected the same on both; bring both "
-      "to the same (ssh {}, then {}), or name the folder of the right programs there: "
+      "host {}: found {} of the lab, {} there and {} here, expected the same on both; update "
+      "(ssh {}, then {}), or name the folder of the right programs there: "
       "hosts.{}.programs",
       host.name, difference, versionText(there), versionText(here), host.ssh,
       installation().installHint("lab", "git pull and ./lab --version in its folder"), host.name);
@@ -138,30 +138,30 @@ std::optional<SshEnds> endsOf(const std::string& ssh_connection) {
 }
 
 std::string sshTrouble(const HostSpec& host, const std::string& said, const std::string& ending) {
-  struct Known {
+  struct KnownError {
     const char* words;
-    std::string meaning;
+    std::string explanation;
   };
   const std::string programs = installation().installHint(
       "lab", "build it there (./lab --version in its folder) and set hosts." + host.name +
                  ".programs = \"FOLDER/build/release/bin\"");
-  const std::vector<Known> all = {
+  const std::vector<KnownError> known_errors = {
       {"Could not resolve hostname", "no machine of that name is known: set hosts." + host.name +
                                          ".ssh = \"user@address\", or name it in ~/.ssh/config"},
       {"IDENTIFICATION HAS CHANGED",
-       "it shows another key than before; if the machine was set up anew: ssh-keygen -R " +
+       "its host key has changed; if the machine was reinstalled: ssh-keygen -R " +
            host.ssh.substr(host.ssh.find('@') + 1)},
       {"Host key verification failed",
-       "its key is not known yet: ssh " + host.ssh + " once by hand, and accept it"},
+       "its key is not known yet: type ssh " + host.ssh + " once and accept the key"},
       {"Permission denied",
        "it does not let this user in without a password: ssh-copy-id " + host.ssh},
       {"Connection refused",
        "no ssh server answers there: sudo apt-get install openssh-server (there)"},
-      {"timed out", "it does not answer: is it switched on, is the cable in?"},
-      {"No route to host", "it does not answer: is it switched on, is the cable in?"},
-      {"Network is unreachable", "this machine has no way to it: is the cable in?"},
-      {"no such command: host-agent", "its lab is an older version: git pull there"},
-      {"host-agent", "its lab is an older version, or none: " + programs},
+      {"timed out", "it does not answer: is it switched on and connected?"},
+      {"No route to host", "it does not answer: is it switched on and connected?"},
+      {"Network is unreachable", "this machine has no route to it: is the cable connected?"},
+      {"no such command: host-agent", "the lab there is an older version: git pull there"},
+      {"host-agent", "the lab there is an older version or not installed: " + programs},
       {"not found", "the lab is not there: " + programs},
       {"No such file", "the lab is not there: " + programs},
   };
@@ -170,19 +170,19 @@ std::string sshTrouble(const HostSpec& host, const std::string& said, const std:
   const std::string tail = last.empty() ? "" : " [" + last + "]";
   if (ending == "exit code 126")
     return head + "the lab there cannot be executed: " + programs + tail;
-  for (const Known& known : all) {
-    if (says(said, known.words)) return head + known.meaning + tail;
+  for (const KnownError& known : known_errors) {
+    if (contains(said, known.words)) return head + known.explanation + tail;
   }
   if (ending == "exit code 127") return head + "the lab is not there: " + programs + tail;
   return head + (last.empty() ? "ssh ended (" + ending + ")" : last);
 }
 
 std::string agentCommand(const HostSpec& host) {
-  // Of the host's own package, where this lab comes from one.
+  // A lab from a Debian package uses the package on the host as well.
   if (host.programs.empty()) {
     return installation().packaged ? "exec active-lab host-agent" : "exec lab host-agent";
   }
-  // In single quotes for the shell there, which is to resolve a leading ~ all the same.
+  // Quoted for the remote shell, except a leading ~, which that shell must expand.
   std::string folder = host.programs;
   std::string home;
   if (folder == "~" || folder.starts_with("~/")) {

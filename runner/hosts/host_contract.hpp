@@ -1,4 +1,4 @@
-/// What two computers must agree on before a run spans them. Numbers and texts in, sentences out.
+/// Checks before a run uses several hosts: same version, message types and time. Pure functions.
 #pragma once
 
 #include <cstdint>
@@ -10,40 +10,42 @@
 
 namespace lab::runner {
 
-/// What a host agent says first.
+/// First message of a host agent.
 struct HostHello {
   std::string version;
   int contract_version = 0;
-  std::string fingerprints;    ///< of the message types, one number for all
-  std::string revision;        ///< of the source, empty: the build does not know
-  std::string host;            ///< its own name
+  std::string fingerprints;    ///< one hash over the fingerprints of all message types
+  std::string revision;        ///< of the source; empty if the build does not record it
+  std::string host;            ///< host name, as gethostname() returns it
   std::string ssh_connection;  ///< $SSH_CONNECTION: "client port server port"
-  std::string multicast;       ///< interface by which multicast leaves, empty: not known
+  std::string multicast;       ///< interface of the multicast route; empty if unknown
   std::int64_t utime = 0;      ///< [us since 1970]
 };
 
-/// This program's own.
+/// The hello of this program on this host.
 [[nodiscard]] HostHello ownHello();
 
 [[nodiscard]] nlohmann::json toJson(const HostHello& hello);
 
-/// @return nothing when it is no hello.
+/// @return nothing if `json` is not a hello
 [[nodiscard]] std::optional<HostHello> helloFrom(const nlohmann::json& json);
 
-/// Why the two must not work together, with the way out; empty: they may.
+/// @return why the two versions cannot work together and how to fix it; empty if they can
 [[nodiscard]] std::string refusal(const HostSpec& host, const HostHello& here,
                                   const HostHello& there);
 
-/// How far another clock is ahead of ours.
+/// Offset of another host's clock: positive if it is ahead of the local clock.
 struct ClockOffset {
   double offset = 0;  ///< [s]
-  double error = 0;   ///< [s] known to within this
+  double error = 0;   ///< [s] bound of the measurement error: half the round trip
 };
 
-/// The fastest of several questions and answers says most (NTP's formula).
+/// Estimates a clock offset from request and answer times as NTP does (RFC 5905, section 8). The
+/// exchange with the shortest round trip is used.
 class ClockMeasurement {
  public:
-  /// @param asked, answered our clock [us] @param there its clock between the two [us]
+  /// @param asked, answered local time of request and answer [us]
+  /// @param there time of the other clock in between [us]
   void add(std::int64_t asked, std::int64_t there, std::int64_t answered);
   [[nodiscard]] int count() const { return count_; }
   [[nodiscard]] const ClockOffset& best() const { return best_; }
@@ -53,23 +55,24 @@ class ClockMeasurement {
   ClockOffset best_;
 };
 
-/// Why the clocks are too far apart, with the way out; empty: they are not. @param allowed [s]
+/// @return why the clock offset is too large and how to fix it; empty if it is within limits
+/// @param allowed largest offset [s]
 [[nodiscard]] std::string clockRefusal(const HostSpec& host, const ClockOffset& clock,
                                        double allowed);
 
-/// Both ends of an ssh connection, as the other computer saw it.
+/// Addresses of both ends of an ssh connection, as the remote host sees them.
 struct SshEnds {
   std::string here;
   std::string there;
 };
 [[nodiscard]] std::optional<SshEnds> endsOf(const std::string& ssh_connection);
 
-/// What ssh's failure means, with the way out. @param said on its standard error
-/// @param ending "exit code 255"
+/// Explains why ssh failed and how to fix it. @param said standard error of ssh
+/// @param ending how it ended, as "exit code 255"
 [[nodiscard]] std::string sshTrouble(const HostSpec& host, const std::string& said,
                                      const std::string& ending);
 
-/// The command that ssh is to run there.
+/// The command that ssh runs on the host.
 [[nodiscard]] std::string agentCommand(const HostSpec& host);
 
 }  // namespace lab::runner

@@ -25,8 +25,8 @@ void addFolder(const fs::path& folder, const std::string& name, std::vector<Host
   }
 }
 
-/// Nothing else of that folder: somebody may keep the key of a CA there. Who misses one is the
-/// gateway, and says so.
+/// Only the files that DDS Security needs: the folder may also hold the private key of the CA. A
+/// missing file is reported by the gateway.
 void addCertificates(const fs::path& folder, const std::string& name,
                      std::vector<HostFile>& files) {
   for (const std::string_view file : dds::kSecurityFiles) {

@@ -1,4 +1,4 @@
-/// What another host needs of a run.
+/// The files of a run that its other hosts need.
 #pragma once
 
 #include <filesystem>
@@ -10,20 +10,20 @@
 namespace lab::runner {
 
 struct HostFile {
-  std::string path;              ///< in the run's folder there
-  std::filesystem::path source;  ///< empty: `text`
+  std::string path;              ///< relative to the folder of the run on that host
+  std::filesystem::path source;  ///< if empty, `text` is the content
   std::string text;
 };
 
-/// Files beside the experiment: images, calibrations, recordings, certificates.
-/// @param directory of the run here
+/// The files that the experiment names: images, calibrations, recordings, certificates.
+/// @param directory folder of the run on this host
 [[nodiscard]] std::vector<HostFile> filesFor(const Experiment& experiment,
                                              const std::filesystem::path& directory);
 
-/// The experiment as another host is to know it: paths as filesFor() names them.
+/// The experiment for another host, with the paths that filesFor() assigns.
 [[nodiscard]] Experiment experimentElsewhere(Experiment experiment);
 
-/// Whether buses are joined by gateways, one on each host.
+/// Whether the LCM buses of the hosts are joined by a dds_gateway on each host.
 [[nodiscard]] bool joinsByGateways(const Experiment& experiment,
                                    const std::vector<std::string>& hosts);
 

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::string_view kDigits =
     "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-constexpr std::size_t kLongestLine = 4'000'000;  // [byte] then it is no line of ours
+constexpr std::size_t kLongestLine = 4'000'000;  // [byte] above: not from an agent
 
 void unblock(int descriptor) {
   fcntl(descriptor, F_SETFL, fcntl(descriptor, F_GETFL) | O_NONBLOCK);
@@ -61,7 +61,7 @@ void JsonLines::receive(const std::function<void(const nlohmann::json&)>& take,
       break;
     }
   }
-  // Taken out before anybody acts on them: what a handler throws leaves nothing to be read twice.
+  // Removed before the handlers run, so that an exception does not cause a line to be read twice.
   const std::size_t last = in_.rfind('\n');
   const std::string lines = last == std::string::npos ? "" : in_.substr(0, last + 1);
   in_.erase(0, lines.size());
@@ -76,7 +76,7 @@ void JsonLines::receive(const std::function<void(const nlohmann::json&)>& take,
     }
     try {
       take(json);
-    } catch (const nlohmann::json::exception&) {  // a key of another type than ours
+    } catch (const nlohmann::json::exception&) {  // a value of an unexpected type
       noise(line);
     }
   }

@@ -1,4 +1,4 @@
-/// A conversation in JSON, one object a line, that never waits.
+/// Non-blocking exchange of JSON objects, one per line.
 #pragma once
 
 #include <functional>
@@ -8,25 +8,25 @@
 
 namespace lab::runner {
 
-/// Reads and writes a pair of descriptors, which it makes non-blocking and which stay their
-/// owner's.
+/// Reads from one file descriptor and writes to another. Makes both non-blocking; does not close
+/// them.
 class JsonLines {
  public:
   JsonLines(int input, int output);
 
-  /// Sends as much as can be sent now; the rest goes with the next send() or flush().
+  /// Writes as much as possible without blocking; the next send() or flush() writes the rest.
   void send(const nlohmann::json& message);
   void flush();
 
-  /// Hands over every whole line that has come. What is no JSON object, or one that `take` throws a
-  /// json::exception at, is handed to `noise`.
+  /// Calls `take` with every complete line that has arrived. Calls `noise` with lines that are not
+  /// JSON objects and with those for which `take` throws a json::exception.
   void receive(const std::function<void(const nlohmann::json&)>& take,
                const std::function<void(const std::string&)>& noise);
 
-  /// Whether the other side has closed, in either direction.
+  /// Whether the other side has closed one of the descriptors.
   [[nodiscard]] bool closed() const { return closed_; }
 
-  /// What waits to be sent [byte].
+  /// Number of bytes that are not written yet.
   [[nodiscard]] std::size_t waiting() const { return out_.size(); }
 
  private:
@@ -37,7 +37,7 @@ class JsonLines {
   bool closed_ = false;
 };
 
-/// Bytes as text that JSON carries, and back. decoded() of what is no such text is short.
+/// Base64 (RFC 4648). decodedBytes() stops at the first character that is not a digit.
 [[nodiscard]] std::string encodedBytes(std::string_view bytes);
 [[nodiscard]] std::string decodedBytes(std::string_view text);
 

@@ -27,11 +27,11 @@ using std::chrono::milliseconds;
 
 constexpr int kPings = 11;
 constexpr int kStep_ms = 5;
-constexpr int kLeavePatience_ms = 6000;
-constexpr double kDeaf = 2.0;               // [s] then nobody waits for its answer
-constexpr std::size_t kChunk = 256 * 1024;  // [byte] of a file in one line
-constexpr std::size_t kMostBytesWaiting = 8 * kChunk;
-constexpr std::int64_t kMostNoise = 16384;  // [byte]
+constexpr int kDisconnectTimeout_ms = 6000;
+constexpr double kUnresponsive = 2.0;       // [s] of silence; after it no answer is awaited
+constexpr std::size_t kChunk = 256 * 1024;  // [byte] of a file per message
+constexpr std::size_t kMostRequestBytes = 8 * kChunk;
+constexpr std::int64_t kMostErrorText = 16384;  // [byte]
 
 void closeIfOpen(int& descriptor) {
   if (descriptor >= 0) close(descriptor);
@@ -40,38 +40,38 @@ void closeIfOpen(int& descriptor) {
 
 }  // namespace
 
-/// A service that runs there. What a host that is silent does is not known: it is taken to run.
+/// A service on the remote host. While the host is silent, the service counts as running.
 class RemoteService final : public ServiceProcess {
  public:
   RemoteService(RemoteHost& host, std::string name)
-      : host_(host), name_(std::move(name)), meeting_(host.meeting()) {}
+      : host_(host), name_(std::move(name)), connection_(host.connection()) {}
 
   bool running() override {
     if (!ending_.empty()) return false;
-    if (meeting_ != host_.meeting()) {
-      // Nobody can start it again before the host is back.
+    if (connection_ != host_.connection()) {
+      // It cannot be started again before the host is back.
       if (host_.state() == RemoteHost::State::kBegun) ending_ = kWithItsHost;
       return ending_.empty();
     }
-    const RemoteHost::Told& told = host_.told_[name_];
-    if (told.ended) ending_ = told.how;
+    const RemoteHost::ServiceReport& report = host_.reports_[name_];
+    if (report.ended) ending_ = report.how;
     return ending_.empty();
   }
   [[nodiscard]] bool ready() const override {
-    return meeting_ == host_.meeting() && host_.told_[name_].ready;
+    return connection_ == host_.connection() && host_.reports_[name_].ready;
   }
   [[nodiscard]] const std::string& ending() const override { return ending_; }
   void terminate() override {
-    if (reachable()) host_.order("end", name_);
+    if (reachable()) host_.request("end", name_);
   }
-  bool waitOrKill(int patience_ms) override {
+  bool waitOrKill(int timeout_ms) override {
     bool killed = false;
     for (int waited = 0; reachable() && running(); waited += kStep_ms) {
-      if (waited >= patience_ms && !killed) {
-        host_.order("kill", name_);
+      if (waited >= timeout_ms && !killed) {
+        host_.request("kill", name_);
         killed = true;
       }
-      if (waited > 2 * patience_ms) break;
+      if (waited > 2 * timeout_ms) break;
       std::this_thread::sleep_for(milliseconds(kStep_ms));
       host_.attend();
     }
@@ -80,23 +80,23 @@ class RemoteService final : public ServiceProcess {
 
  private:
   [[nodiscard]] bool reachable() const {
-    return meeting_ == host_.meeting() && host_.state() == RemoteHost::State::kBegun &&
-           host_.silentFor() < kDeaf;
+    return connection_ == host_.connection() && host_.state() == RemoteHost::State::kBegun &&
+           host_.silentFor() < kUnresponsive;
   }
 
   RemoteHost& host_;
   std::string name_;
-  int meeting_;
+  int connection_;
   std::string ending_;
 };
 
 RemoteHost::RemoteHost(HostSpec spec, double max_clock_offset)
     : spec_(std::move(spec)), max_clock_offset_(max_clock_offset) {}
 
-RemoteHost::~RemoteHost() { hangUp(); }
+RemoteHost::~RemoteHost() { closeConnection(); }
 
-void RemoteHost::call() {
-  hangUp();
+void RemoteHost::connect() {
+  closeConnection();
   const auto ssh = findProgram("ssh");
   if (!ssh) throw UserError("ssh is not installed: sudo apt-get install openssh-client");
   std::array<int, 2> to{};
@@ -105,7 +105,7 @@ void RemoteHost::call() {
   if (errors_ < 0 || pipe2(to.data(), O_CLOEXEC) != 0 || pipe2(from.data(), O_CLOEXEC) != 0) {
     throw UserError("no more files can be opened: ulimit -n");
   }
-  // Silence is judged here, where the run knows how long to wait: ssh is not to hang up by itself.
+  // RemoteHosts decides when a silent connection is lost, so the timeouts of ssh are disabled.
   const std::vector<std::string> arguments{
       ssh->string(), "-T",
       "-o",          "BatchMode=yes",
@@ -117,7 +117,7 @@ void RemoteHost::call() {
       "-o",          "ControlPath=none",
       "-o",          "ClearAllForwardings=yes",
       "-o",          "RemoteCommand=none",
-      "-o",          "AddressFamily=inet",  // DDS and LCM take no other here
+      "-o",          "AddressFamily=inet",  // this lab uses DDS and LCM over IPv4 only
       spec_.ssh,     agentCommand(spec_)};
   ssh_ =
       std::make_unique<ChildProcess>("ssh", arguments, "/proc/self/fd/" + std::to_string(errors_),
@@ -128,17 +128,17 @@ void RemoteHost::call() {
   output_ = from[0];
   lines_.emplace(output_, input_);
   clock_ = {};
-  told_.clear();
+  reports_.clear();
   trouble_.clear();
-  heard_ = Steady::now();
-  spoke_ = heard_;
+  last_receive_ = Steady::now();
+  last_alive_ = last_receive_;
   state_ = State::kCalling;
 }
 
-void RemoteHost::hangUp() {
+void RemoteHost::closeConnection() {
   lines_.reset();
   outbox_.clear();
-  closeIfOpen(input_);  // the agent ends
+  closeIfOpen(input_);  // ends the agent
   if (ssh_) {
     ssh_->terminate();
     ssh_->waitOrKill(1000);
@@ -149,11 +149,11 @@ void RemoteHost::hangUp() {
 }
 
 double RemoteHost::silentFor() const {
-  return std::chrono::duration<double>(Steady::now() - heard_).count();
+  return std::chrono::duration<double>(Steady::now() - last_receive_).count();
 }
 
-std::string RemoteHost::complaint() const {
-  std::string text(kMostNoise, '\0');
+std::string RemoteHost::sshErrors() const {
+  std::string text(kMostErrorText, '\0');
   const ssize_t size = errors_ < 0 ? 0 : pread(errors_, text.data(), text.size(), 0);
   text.resize(size > 0 ? static_cast<std::size_t>(size) : 0);
   return text;
@@ -161,49 +161,49 @@ std::string RemoteHost::complaint() const {
 
 void RemoteHost::attend() {
   if (!lines_) return;
-  lines_->receive([this](const Json& said) { take(said); }, [](const std::string&) {});
+  lines_->receive([this](const Json& message) { handle(message); }, [](const std::string&) {});
   if (!lines_) return;
   const auto now = Steady::now();
-  if (now - spoke_ >= milliseconds(kHostHeartbeat_ms) && state_ != State::kRefused) {
-    spoke_ = now;
-    if (lines_->waiting() < kMostBytesWaiting) lines_->send({{"do", "alive"}});
+  if (now - last_alive_ >= milliseconds(kHostHeartbeat_ms) && state_ != State::kRefused) {
+    last_alive_ = now;
+    if (lines_->waiting() < kMostRequestBytes) lines_->send({{"do", "alive"}});
   }
-  feed();
+  sendQueued();
   lines_->flush();
   if (state_ == State::kRefused || ssh_->running()) return;
   state_ = State::kGone;
-  if (trouble_.empty()) trouble_ = sshTrouble(spec_, complaint(), ssh_->ending());
-  hangUp();
+  if (trouble_.empty()) trouble_ = sshTrouble(spec_, sshErrors(), ssh_->ending());
+  closeConnection();
 }
 
-void RemoteHost::take(const Json& said) {
-  heard_ = Steady::now();
-  const std::string what = said.value("say", "");
-  const std::string service = said.value("service", "");
-  // What a host says is not to name files or to fill memory here.
+void RemoteHost::handle(const Json& message) {
+  last_receive_ = Steady::now();
+  const std::string what = message.value("say", "");
+  const std::string service = message.value("service", "");
+  // The names become file names and map keys here, so only known services are accepted.
   if (!service.empty() && std::ranges::find(kServiceNames, service) == kServiceNames.end()) return;
   if (what == "hello" && state_ == State::kCalling) {
-    if (const auto hello = helloFrom(said)) meet(*hello);
+    if (const auto hello = helloFrom(message)) compare(*hello);
   } else if (what == "pong" && state_ == State::kCalling) {
-    measure(said);
+    measure(message);
   } else if (what == "begun" && state_ == State::kBeginning) {
-    warning_ = said.value("warning", "");
+    warning_ = message.value("warning", "");
     state_ = State::kBegun;
   } else if (what == "line") {
-    write(service, said.value("text", ""));
+    write(service, message.value("text", ""));
   } else if (what == "ready") {
-    told_[service].ready = true;
+    reports_[service].ready = true;
   } else if (what == "ended") {
-    told_[service].ended = true;
-    told_[service].how = said.value("how", "ended");
+    reports_[service].ended = true;
+    reports_[service].how = message.value("how", "ended");
   } else if (what == "trouble") {
-    trouble_ = "host " + spec_.name + ": " + said.value("text", "");
+    trouble_ = "host " + spec_.name + ": " + message.value("text", "");
     if (state_ < State::kBegun) state_ = State::kRefused;
-    write("host-agent", said.value("text", ""));
+    write("host-agent", message.value("text", ""));
   }
 }
 
-void RemoteHost::meet(const HostHello& hello) {
+void RemoteHost::compare(const HostHello& hello) {
   hello_ = hello;
   trouble_ = refusal(spec_, ownHello(), hello);
   if (!trouble_.empty()) {
@@ -222,46 +222,46 @@ void RemoteHost::measure(const Json& pong) {
   }
   trouble_ = clockRefusal(spec_, clock_.best(), max_clock_offset_);
   state_ = trouble_.empty() ? State::kMet : State::kRefused;
-  if (state_ == State::kMet) ++meeting_;
+  if (state_ == State::kMet) ++connection_;
 }
 
-void RemoteHost::begin(const RunSetup& beginning) {
+void RemoteHost::begin(const RunSetup& setup) {
   state_ = State::kBeginning;
-  logs_ = beginning.logs;
+  logs_ = setup.logs;
   if (!logs_.empty()) fs::create_directories(logs_);
-  say({{"do", "begin"},
-       {"name", beginning.name},
-       {"host", spec_.name},
-       {"port", beginning.port},
-       {"ttl", beginning.ttl},
-       {"patience_s", beginning.patience}});
-  for (const HostFile& file : beginning.files) send(file);
+  queue({{"do", "begin"},
+         {"name", setup.name},
+         {"host", spec_.name},
+         {"port", setup.port},
+         {"ttl", setup.ttl},
+         {"patience_s", setup.patience}});
+  for (const HostFile& file : setup.files) send(file);
 }
 
-void RemoteHost::say(Json message) {
+void RemoteHost::queue(Json message) {
   outbox_.emplace_back([this, message = std::move(message)] {
     lines_->send(message);
     return true;
   });
-  if (lines_) feed();
+  if (lines_) sendQueued();
 }
 
-/// A recording is larger than what may wait in memory: the rest goes with the next attend().
-void RemoteHost::feed() {
-  while (!outbox_.empty() && lines_->waiting() < kMostBytesWaiting) {
+/// Keeps at most kMostRequestBytes in memory; attend() sends the rest of large files later.
+void RemoteHost::sendQueued() {
+  while (!outbox_.empty() && lines_->waiting() < kMostRequestBytes) {
     if (outbox_.front()()) outbox_.pop_front();
   }
 }
 
-void RemoteHost::lose(const std::string& why) {
-  hangUp();
+void RemoteHost::drop(const std::string& why) {
+  closeConnection();
   state_ = State::kGone;
   trouble_ = why;
 }
 
 void RemoteHost::send(const HostFile& file) {
   if (file.source.empty()) {
-    say({{"do", "file"}, {"path", file.path}, {"data", encodedBytes(file.text)}});
+    queue({{"do", "file"}, {"path", file.path}, {"data", encodedBytes(file.text)}});
     return;
   }
   const auto stream = std::make_shared<std::ifstream>(file.source, std::ios::binary);
@@ -275,20 +275,20 @@ void RemoteHost::send(const HostFile& file) {
   });
 }
 
-std::unique_ptr<ServiceProcess> RemoteHost::start(const Order& order) {
-  told_[order.service] = {};
+std::unique_ptr<ServiceProcess> RemoteHost::start(const StartRequest& request) {
+  reports_[request.service] = {};
   if (lines_) {
-    say({{"do", "start"},
-         {"service", order.service},
-         {"experiment", order.experiment},
-         {"uses_ports", order.uses_ports},
-         {"arguments", order.arguments}});
+    queue({{"do", "start"},
+           {"service", request.service},
+           {"experiment", request.experiment},
+           {"uses_ports", request.uses_ports},
+           {"arguments", request.arguments}});
   }
-  return std::make_unique<RemoteService>(*this, order.service);
+  return std::make_unique<RemoteService>(*this, request.service);
 }
 
-void RemoteHost::order(const char* what, const std::string& service) {
-  if (lines_) say({{"do", what}, {"service", service}});
+void RemoteHost::request(const char* what, const std::string& service) {
+  if (lines_) queue({{"do", what}, {"service", service}});
 }
 
 void RemoteHost::write(const std::string& service, const std::string& text) const {
@@ -296,16 +296,16 @@ void RemoteHost::write(const std::string& service, const std::string& text) cons
   std::ofstream(logs_ / (service + ".txt"), std::ios::app) << text << '\n';
 }
 
-void RemoteHost::leave() {
-  if (lines_ && state_ != State::kCalling && silentFor() < kDeaf) {
+void RemoteHost::disconnect() {
+  if (lines_ && state_ != State::kCalling && silentFor() < kUnresponsive) {
     lines_->send({{"do", "stop"}});
-    for (int waited = 0; lines_ && ssh_->running() && waited < kLeavePatience_ms;
+    for (int waited = 0; lines_ && ssh_->running() && waited < kDisconnectTimeout_ms;
          waited += kStep_ms) {
       std::this_thread::sleep_for(milliseconds(kStep_ms));
       attend();
     }
   }
-  hangUp();
+  closeConnection();
   state_ = State::kGone;
 }
 

@@ -1,4 +1,4 @@
-/// Another computer, as the runner sees it: an ssh to a host agent (host_agent.hpp).
+/// Connection of the runner to one remote host: ssh to a host agent (host_agent.hpp).
 #pragma once
 
 #include <chrono>
@@ -19,17 +19,17 @@
 
 namespace lab::runner {
 
-/// Nothing here waits but leave() and hanging up: attend() does what there is to do, and is called
-/// many times a second.
+/// Only disconnect() and closing a connection block. attend() does all other work and must be
+/// called many times per second.
 class RemoteHost {
  public:
   enum class State {
-    kCalling,    ///< ssh is on its way, versions and clocks are compared
-    kMet,        ///< the same lab, and clocks that agree
-    kBeginning,  ///< its files are on their way; the agent before it may still have to end
-    kBegun,      ///< it has its files
-    kGone,       ///< ssh has ended: trouble() says why
-    kRefused,    ///< it must not take part: trouble() says why
+    kCalling,    ///< ssh connects; versions and clocks are compared
+    kMet,        ///< same version, and clocks agree
+    kBeginning,  ///< files are being sent; a previous agent may still have to end
+    kBegun,      ///< it has received the files
+    kGone,       ///< ssh has ended; trouble() gives the reason
+    kRefused,    ///< the host cannot be used; trouble() gives the reason
   };
 
   /// @param max_clock_offset [s]
@@ -38,9 +38,10 @@ class RemoteHost {
   RemoteHost(const RemoteHost&) = delete;
   RemoteHost& operator=(const RemoteHost&) = delete;
 
-  /// Starts ssh, anew when it is gone. @throws UserError when there is no ssh.
-  void call();
+  /// Starts ssh, again if it has ended. @throws UserError if ssh is not installed
+  void connect();
 
+  /// Receives, sends what is queued, and checks whether ssh still runs.
   void attend();
 
   [[nodiscard]] State state() const { return state_; }
@@ -50,57 +51,58 @@ class RemoteHost {
   [[nodiscard]] const ClockOffset& clock() const { return clock_.best(); }
   [[nodiscard]] const std::string& warning() const { return warning_; }
 
-  /// Counts its meetings, from 1: what was started in an earlier one is gone.
-  [[nodiscard]] int meeting() const { return meeting_; }
+  /// Number of the connection, from 1. Services of an earlier connection have ended.
+  [[nodiscard]] int connection() const { return connection_; }
 
-  /// [s] since the last sign of life over ssh.
+  /// Time since the last message over ssh [s].
   [[nodiscard]] double silentFor() const;
 
   struct RunSetup {
-    std::string name;  ///< of the run
-    int port = 0;      ///< of the bus, 0: a free one
+    std::string name;  ///< name of the run
+    int port = 0;      ///< UDP port of the LCM bus; 0: any free port
     int ttl = 0;
-    double patience = 60;        ///< [s] it stays without us
-    std::filesystem::path logs;  ///< what its services print goes to NAME.txt there
+    double patience = 60;        ///< [s] the agent ends if it receives nothing for this long
+    std::filesystem::path logs;  ///< folder for the output of its services, as NAME.txt
     std::vector<HostFile> files;
   };
-  void begin(const RunSetup& beginning);
+  /// Sends the setup and the files of a run.
+  void begin(const RunSetup& setup);
 
-  /// One file more, in order with all that is sent. @throws UserError when it cannot be read.
+  /// Queues one more file. @throws UserError if it cannot be read
   void send(const HostFile& file);
 
-  /// Gives up a connection on which nothing has been heard for long.
-  void lose(const std::string& why);
+  /// Closes a connection that has been silent for too long.
+  void drop(const std::string& why);
 
-  struct Order {
+  struct StartRequest {
     std::string service;
-    std::string experiment;  ///< file there
+    std::string experiment;  ///< file on the host
     bool uses_ports = false;
     std::vector<std::string> arguments;
   };
-  /// Starts a service there.
-  [[nodiscard]] std::unique_ptr<ServiceProcess> start(const Order& order);
+  /// Starts a service on the host.
+  [[nodiscard]] std::unique_ptr<ServiceProcess> start(const StartRequest& request);
 
-  /// Ends everything there, and the connection.
-  void leave();
+  /// Ends all services on the host, then the connection. Blocks for at most about 7 s.
+  void disconnect();
 
  private:
   friend class RemoteService;
-  struct Told {
+  struct ServiceReport {
     bool ready = false;
     bool ended = false;
     std::string how;
   };
 
-  void take(const nlohmann::json& said);
-  void say(nlohmann::json message);
-  void feed();
-  void meet(const HostHello& hello);
+  void handle(const nlohmann::json& message);
+  void queue(nlohmann::json message);
+  void sendQueued();
+  void compare(const HostHello& hello);
   void measure(const nlohmann::json& pong);
-  void order(const char* what, const std::string& service);
+  void request(const char* what, const std::string& service);
   void write(const std::string& service, const std::string& text) const;
-  void hangUp();
-  [[nodiscard]] std::string complaint() const;
+  void closeConnection();
+  [[nodiscard]] std::string sshErrors() const;
 
   HostSpec spec_;
   double max_clock_offset_;
@@ -109,18 +111,18 @@ class RemoteHost {
   std::string warning_;
   HostHello hello_;
   ClockMeasurement clock_;
-  int meeting_ = 0;
+  int connection_ = 0;
   std::filesystem::path logs_;
-  int errors_ = -1;  ///< what ssh says on its standard error, in memory
-  int input_ = -1;   ///< to ssh
-  int output_ = -1;  ///< from ssh
+  int errors_ = -1;  ///< memory file with the standard error of ssh
+  int input_ = -1;   ///< standard input of ssh
+  int output_ = -1;  ///< standard output of ssh
   std::unique_ptr<ChildProcess> ssh_;
   std::optional<JsonLines> lines_;
-  /// What waits for room, in order. Each sends a part of itself and says whether that was the last.
+  /// Messages to send, in order. Each function sends one part and returns whether it was the last.
   std::deque<std::function<bool()>> outbox_;
-  std::map<std::string, Told> told_;  ///< of services, in this meeting
-  std::chrono::steady_clock::time_point heard_;
-  std::chrono::steady_clock::time_point spoke_;
+  std::map<std::string, ServiceReport> reports_;  ///< of the services, in this connection
+  std::chrono::steady_clock::time_point last_receive_;
+  std::chrono::steady_clock::time_point last_alive_;
 };
 
 }  // namespace lab::runner

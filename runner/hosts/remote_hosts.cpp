@@ -18,13 +18,14 @@ using Steady = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-constexpr auto kMeetPatience = seconds(20);
-constexpr auto kSilent = seconds(2);       // then it is said
-constexpr auto kSure = milliseconds(500);  // heard again for this long: back
-constexpr auto kCallEvery = seconds(3);
-constexpr auto kGiveUp = seconds(35);  // TCP tries again by then when a cable was out for 15 s
-constexpr auto kLinkStatusPatience = seconds(3);  // it comes once a second
-// Answers are stamped when they are seen: a longer pause would be taken for the way.
+constexpr auto kConnectTimeout = seconds(20);
+constexpr auto kSilent = seconds(2);       // after this a fault is reported
+constexpr auto kSure = milliseconds(500);  // a host that responds for this long is back
+constexpr auto kReconnectPeriod = seconds(3);
+constexpr auto kGiveUp =
+    seconds(35);  // TCP retransmits within this time if a cable was out for 15 s
+constexpr auto kLinkStatusTimeout = seconds(3);  // LINK_STATUS is sent once per second
+// Answers are time-stamped when they are read, so a longer pause would count as network delay.
 constexpr auto kStep = std::chrono::microseconds(200);
 
 double inSeconds(Steady::duration duration) {
@@ -47,33 +48,33 @@ RemoteHosts::RemoteHosts(const Experiment& experiment, const std::vector<std::st
   own_name_ = ownHello().host;
   if (own_name_.empty() || std::ranges::count(hosts, own_name_) != 0) own_name_ += "-runner";
   for (const std::string& host : hosts) {
-    Known& known = known_[host];
-    known.remote =
+    Host& entry = hosts_[host];
+    entry.remote =
         std::make_unique<RemoteHost>(hostSpec(experiment, host), experiment.link.max_clock_offset);
-    known.remote->call();
+    entry.remote->connect();
   }
   waitFor(RemoteHost::State::kMet, "does not answer");
   findAddresses();
 }
 
 void RemoteHosts::waitFor(RemoteHost::State state, const char* what) {
-  const auto deadline = Steady::now() + kMeetPatience;
+  const auto deadline = Steady::now() + kConnectTimeout;
   for (;;) {
     std::size_t done = 0;
     bool failed = false;
     attend();
-    for (const auto& [name, host] : known_) {
+    for (const auto& [name, host] : hosts_) {
       const auto now = host.remote->state();
       done += now == state ? 1 : 0;
       failed = failed || now == RemoteHost::State::kGone || now == RemoteHost::State::kRefused;
     }
-    if (done == known_.size()) return;
+    if (done == hosts_.size()) return;
     const bool late = Steady::now() > deadline;
     if (failed || late) break;
     std::this_thread::sleep_for(kStep);
   }
   std::string text;
-  for (const auto& [name, host] : known_) {
+  for (const auto& [name, host] : hosts_) {
     if (host.remote->state() == state) continue;
     std::string why = host.remote->trouble();
     if (why.empty() && Steady::now() > deadline) why = "host " + name + ": " + what;
@@ -85,7 +86,7 @@ void RemoteHosts::waitFor(RemoteHost::State state, const char* what) {
 
 void RemoteHosts::findAddresses() {
   if (!gateways_) {
-    for (const auto& [name, host] : known_) {
+    for (const auto& [name, host] : hosts_) {
       const bool here = ownHello().multicast == "lo";
       if (!here && host.remote->hello().multicast != "lo") continue;
       throw UserError(fmt::format(
@@ -97,7 +98,7 @@ void RemoteHosts::findAddresses() {
   }
   own_address_ = experiment_.link.address;
   if (!own_address_.empty()) return;
-  for (const auto& [name, host] : known_) {
+  for (const auto& [name, host] : hosts_) {
     const auto ends = endsOf(host.remote->hello().ssh_connection);
     const std::string address = ends ? ends->here : "";
     if (!address.empty() && (own_address_.empty() || own_address_ == address)) {
@@ -118,7 +119,7 @@ void RemoteHosts::findAddresses() {
 
 std::vector<std::string> RemoteHosts::names() const {
   std::vector<std::string> names;
-  for (const auto& [name, host] : known_) names.push_back(name);
+  for (const auto& [name, host] : hosts_) names.push_back(name);
   return names;
 }
 
@@ -129,27 +130,27 @@ std::vector<std::string> RemoteHosts::linkArguments(const std::string& host) con
     arguments.insert(arguments.end(), {name == host ? "--link-address" : "--link-peer", address});
   };
   add("", own_address_);
-  for (const auto& [name, known] : known_) {
-    const HostSpec& spec = known.remote->spec();
-    const auto ends = endsOf(known.remote->hello().ssh_connection);
+  for (const auto& [name, peer] : hosts_) {
+    const HostSpec& spec = peer.remote->spec();
+    const auto ends = endsOf(peer.remote->hello().ssh_connection);
     add(name, !spec.address.empty() ? spec.address : ends ? ends->there : "");
   }
   return arguments;
 }
 
 RemoteHost::RunSetup RemoteHosts::runSetupFor(const RemoteHost& host) const {
-  RemoteHost::RunSetup beginning;
+  RemoteHost::RunSetup setup;
   const std::string& name = host.spec().name;
-  beginning.name = lab_;
-  beginning.port = gateways_ ? 0 : port_;
-  beginning.ttl = gateways_ ? 0 : experiment_.network.ttl;
-  // A broken connection takes as long again until TCP tries once more.
-  beginning.patience = 2 * experiment_.link.patience + 5;
-  beginning.logs = logs_ / name;
-  beginning.files = filesFor(experiment_, directory_);
-  beginning.files.push_back(
+  setup.name = lab_;
+  setup.port = gateways_ ? 0 : port_;
+  setup.ttl = gateways_ ? 0 : experiment_.network.ttl;
+  // After an outage TCP waits up to as long again before it retransmits.
+  setup.patience = 2 * experiment_.link.patience + 5;
+  setup.logs = logs_ / name;
+  setup.files = filesFor(experiment_, directory_);
+  setup.files.push_back(
       {files::kExperiment, {}, writeExperiment(experimentElsewhere(experiment_))});
-  return beginning;
+  return setup;
 }
 
 void RemoteHosts::begin(const PreparedRun& run, const std::string& lab,
@@ -159,9 +160,9 @@ void RemoteHosts::begin(const PreparedRun& run, const std::string& lab,
   lab_ = lab;
   logs_ = logs;
   port_ = port;
-  for (auto& [name, host] : known_) host.remote->begin(runSetupFor(*host.remote));
+  for (auto& [name, host] : hosts_) host.remote->begin(runSetupFor(*host.remote));
   waitFor(RemoteHost::State::kBegun, "did not take the run's files");
-  for (auto& [name, host] : known_) {
+  for (auto& [name, host] : hosts_) {
     host.heard = Steady::now();
     const std::string& warning = host.remote->warning();
     if (!warning.empty()) fmt::print(stderr, "warn     host {}: {}\n", name, warning);
@@ -169,17 +170,17 @@ void RemoteHosts::begin(const PreparedRun& run, const std::string& lab,
 }
 
 void RemoteHosts::attend() {
-  for (auto& [name, host] : known_) host.remote->attend();
+  for (auto& [name, host] : hosts_) host.remote->attend();
 }
 
 void RemoteHosts::take(const link_status_t& status) {
-  if (status.host == own_name_) heard_link_ = Steady::now();
+  if (status.host == own_name_) last_link_status_ = Steady::now();
   auto& peers = peers_[status.host];
   peers.clear();
   for (const link_peer_t& peer : status.peers) peers[peer.host] = peer;
 }
 
-std::string RemoteHosts::notHeard() const {
+std::string RemoteHosts::noDdsTraffic() const {
   return experiment_.link.security.empty()
              ? "nothing is heard over DDS; does a firewall let UDP through (docs/hosts.md)?"
              : "nothing is heard over DDS; does a firewall let UDP through (docs/hosts.md), and "
@@ -192,47 +193,47 @@ std::string RemoteHosts::notJoined() const {
   std::vector<std::string> all = names();
   all.push_back(own_name_);
   for (const std::string& one : all) {
-    const auto says = peers_.find(one);
+    const auto report = peers_.find(one);
     for (const std::string& other : all) {
       if (one == other) continue;
-      if (says == peers_.end()) {
-        if (one == own_name_) return "dds_gateway says nothing";
-        continue;  // its word comes once we are joined, and then counts
+      if (report == peers_.end()) {
+        if (one == own_name_) return "dds_gateway sends no LINK_STATUS";
+        continue;  // its LINK_STATUS arrives only after the buses are joined
       }
-      const auto peer = says->second.find(other);
-      const bool known = peer != says->second.end();
+      const auto peer = report->second.find(other);
+      const bool known = peer != report->second.end();
       if (known && peer->second.state == link_peer_t::JOINED) continue;
       return fmt::format(
           "the buses of {} and {} are not joined: {}", one, other,
-          known && !peer->second.trouble.empty() ? peer->second.trouble : notHeard());
+          known && !peer->second.trouble.empty() ? peer->second.trouble : noDdsTraffic());
     }
   }
   for (const std::string& one : names()) {
-    if (!peers_.contains(one)) return "host " + one + " says nothing of its link yet";
+    if (!peers_.contains(one)) return "host " + one + " has not reported its link yet";
   }
   return {};
 }
 
 std::string RemoteHosts::trouble() const {
-  for (const auto& [name, host] : known_) {
+  for (const auto& [name, host] : hosts_) {
     if (!host.remote->trouble().empty()) return host.remote->trouble();
     if (host.remote->state() != RemoteHost::State::kBegun) return "host " + name + " is gone";
   }
   return {};
 }
 
-bool RemoteHosts::isWell(const Known& host) const {
+bool RemoteHosts::isWell(const Host& host) const {
   if (host.remote->state() != RemoteHost::State::kBegun) return false;
   if (!gateways_) return host.remote->silentFor() < inSeconds(kSilent);
-  if (Steady::now() - heard_link_ > kLinkStatusPatience) return false;
+  if (Steady::now() - last_link_status_ > kLinkStatusTimeout) return false;
   const auto own = peers_.find(own_name_);
   if (own == peers_.end()) return false;
   const auto peer = own->second.find(host.remote->spec().name);
   return peer != own->second.end() && peer->second.state == link_peer_t::JOINED;
 }
 
-/// What is wrong, since when, and what that means for the robots.
-std::string RemoteHosts::silence(const Known& host) const {
+/// The text of the fault: what failed, since when, and what the robots do.
+std::string RemoteHosts::describeSilence(const Host& host) const {
   const std::string& name = host.remote->spec().name;
   std::string services;
   for (const std::string_view service : kServiceNames) {
@@ -243,18 +244,18 @@ std::string RemoteHosts::silence(const Known& host) const {
   const bool robots =
       hostOf(experiment_, "sim_svc") == name || hostOf(experiment_, "robot_bridge") == name;
   const std::string since = " since " + utcOf(host.heard);
-  const double stands = std::max(experiment_.hardware.lease, experiment_.hardware.free_run);
-  const std::string meaning = !robots ? "nothing is heard of " + services
-                              : stands <= inSeconds(kSilent)
-                                  ? "its robots stand"
-                                  : fmt::format("its robots stand after {:g} s", stands);
+  const double stop_delay = std::max(experiment_.hardware.lease, experiment_.hardware.free_run);
+  const std::string consequence = !robots ? "nothing is heard of " + services
+                                  : stop_delay <= inSeconds(kSilent)
+                                      ? "its robots stand"
+                                      : fmt::format("its robots stand after {:g} s", stop_delay);
   if (host.remote->state() != RemoteHost::State::kBegun) {
     const std::string& why = host.remote->trouble();
     return fmt::format("host {} is gone{}{}: {}", name, since, why.empty() ? "" : " (" + why + ")",
-                       meaning);
+                       consequence);
   }
   if (!gateways_ || host.remote->silentFor() > inSeconds(kSilent) / 2) {
-    return fmt::format("host {} is silent{}: {}", name, since, meaning);
+    return fmt::format("host {} is silent{}: {}", name, since, consequence);
   }
   std::string why = "nothing is heard over DDS";
   if (const auto own = peers_.find(own_name_); own != peers_.end()) {
@@ -262,33 +263,33 @@ std::string RemoteHosts::silence(const Known& host) const {
     if (peer != own->second.end() && !peer->second.trouble.empty()) why = peer->second.trouble;
   }
   return fmt::format("the bus of host {} is cut off{} ({}; ssh still answers): {}", name, since,
-                     why, meaning);
+                     why, consequence);
 }
 
-void RemoteHosts::callAgain(Known& host) {
+void RemoteHosts::reconnect(Host& host) {
   RemoteHost& remote = *host.remote;
   const auto now = Steady::now();
   if (remote.state() == RemoteHost::State::kMet) {
     remote.begin(runSetupFor(remote));
     host.called = now;
   } else if (remote.state() == RemoteHost::State::kGone &&
-             (!host.called || now - *host.called > kCallEvery)) {
+             (!host.called || now - *host.called > kReconnectPeriod)) {
     host.called = now;
-    remote.call();
+    remote.connect();
   }
 }
 
 std::string RemoteHosts::watch(const Watcher& watcher) {
   attend();
   const auto now = Steady::now();
-  for (auto& [name, host] : known_) {
+  for (auto& [name, host] : hosts_) {
     RemoteHost& remote = *host.remote;
     const bool well = isWell(host);
     if (well && !host.silent) host.heard = now;
     if (!well) host.back.reset();
     if (!well && !host.silent && now - host.heard > kSilent) {
       host.silent = true;
-      watcher.fault(silence(host));
+      watcher.fault(describeSilence(host));
     }
     if (well && host.silent) {
       if (!host.back) host.back = now;
@@ -299,24 +300,24 @@ std::string RemoteHosts::watch(const Watcher& watcher) {
         host.heard = now;
       }
     }
-    // A machine that lost its power leaves a connection that never ends.
+    // A host that lost its power does not close its TCP connection.
     if (!well && remote.state() == RemoteHost::State::kBegun &&
         remote.silentFor() > inSeconds(kGiveUp)) {
-      remote.lose(fmt::format("nothing heard over ssh for {:.0f} s", remote.silentFor()));
+      remote.drop(fmt::format("nothing heard over ssh for {:.0f} s", remote.silentFor()));
     }
     if (remote.state() == RemoteHost::State::kRefused) return remote.trouble();
     if (host.silent && !well && inSeconds(now - host.heard) > experiment_.link.patience) {
       return fmt::format("host {} did not come back within {:g} s (link.patience_s)", name,
                          experiment_.link.patience);
     }
-    if (remote.state() != RemoteHost::State::kBegun) callAgain(host);
+    if (remote.state() != RemoteHost::State::kBegun) reconnect(host);
   }
   return {};
 }
 
 std::string RemoteHosts::describe() const {
   std::string text;
-  for (const auto& [name, host] : known_) {
+  for (const auto& [name, host] : hosts_) {
     const ClockOffset& clock = host.remote->clock();
     text += fmt::format("host     {}: {} ({}), clock {:+.2f} ms, known to {:.2f} ms\n", name,
                         host.remote->spec().ssh, host.remote->hello().host, clock.offset * 1e3,
@@ -326,7 +327,7 @@ std::string RemoteHosts::describe() const {
 }
 
 void RemoteHosts::leave() {
-  for (auto& [name, host] : known_) host.remote->leave();
+  for (auto& [name, host] : hosts_) host.remote->disconnect();
 }
 
 }  // namespace lab::runner

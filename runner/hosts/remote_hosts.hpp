@@ -1,4 +1,4 @@
-/// The other computers of one run.
+/// The remote hosts of one run.
 #pragma once
 
 #include <chrono>
@@ -15,62 +15,64 @@
 
 namespace lab::runner {
 
-/// Meets them, joins their buses with ours, and tells a host that is silent from a service that
-/// died. All of it happens in attend() and watch(), which do not wait.
+/// Connects to the hosts, joins their LCM buses with the local one, and distinguishes a silent host
+/// from a service that ended. attend() and watch() do the work and do not block.
 class RemoteHosts {
  public:
-  /// Calls every host and waits until each has the same lab and the same time.
-  /// @throws UserError with a line for each that has not, before anything is started.
+  /// Connects to every host and checks that version and clock agree. Blocks for at most 20 s.
+  /// @throws UserError with a line for each host that fails, before anything is started
   RemoteHosts(const Experiment& experiment, const std::vector<std::string>& hosts);
 
-  /// Sends each what it needs of the run, and waits until all have it. @throws UserError
+  /// Sends the files of the run to every host and waits until all have them. @throws UserError
   void begin(const PreparedRun& run, const std::string& lab, const std::filesystem::path& logs,
              int port);
 
   void attend();
 
-  [[nodiscard]] RemoteHost& at(const std::string& host) { return *known_.at(host).remote; }
+  [[nodiscard]] RemoteHost& at(const std::string& host) { return *hosts_.at(host).remote; }
   [[nodiscard]] std::vector<std::string> names() const;
 
-  /// What a host's gateway is told of the others. @param host "": this machine
+  /// Arguments for the dds_gateway of a host. @param host name, or "" for this machine
   [[nodiscard]] std::vector<std::string> linkArguments(const std::string& host) const;
 
+  /// Handles the LINK_STATUS of a gateway.
   void take(const link_status_t& status);
 
-  /// Hosts whose bus is not joined with everybody else's, and why; empty: all are.
+  /// @return which buses are not joined with each other, and why; empty if all are
   [[nodiscard]] std::string notJoined() const;
 
-  /// Why the start cannot succeed any more; empty: nothing is known.
+  /// @return why the start has failed; empty if it has not
   [[nodiscard]] std::string trouble() const;
 
   struct Watcher {
     std::function<void(const std::string&)> fault;
     std::function<void(const std::string&)> mark;
   };
-  /// Judges who is silent, who is back, and calls again who is gone.
-  /// @return why the run cannot go on; empty: it can.
+  /// Reports hosts that become silent and hosts that are back, and reconnects to lost hosts.
+  /// @return why the run must end; empty if it can go on
   [[nodiscard]] std::string watch(const Watcher& watcher);
 
-  /// One line for each: where, how fast, its clock.
+  /// One line per host: ssh name, host name and clock offset.
   [[nodiscard]] std::string describe() const;
 
+  /// Ends everything on all hosts.
   void leave();
 
  private:
   using Time = std::chrono::steady_clock::time_point;
-  struct Known {
+  struct Host {
     std::unique_ptr<RemoteHost> remote;
-    Time heard;                  ///< the last time that all was well
-    bool silent = false;         ///< and said so
-    std::optional<Time> back;    ///< since when a silent one is heard again
-    std::optional<Time> called;  ///< the last attempt to reach it anew
+    Time heard;                  ///< last time at which the host was well
+    bool silent = false;         ///< a fault was reported
+    std::optional<Time> back;    ///< since when a silent host responds again
+    std::optional<Time> called;  ///< last attempt to reconnect
   };
 
   void waitFor(RemoteHost::State state, const char* what);
-  [[nodiscard]] bool isWell(const Known& host) const;
-  [[nodiscard]] std::string silence(const Known& host) const;
-  [[nodiscard]] std::string notHeard() const;
-  void callAgain(Known& host);
+  [[nodiscard]] bool isWell(const Host& host) const;
+  [[nodiscard]] std::string describeSilence(const Host& host) const;
+  [[nodiscard]] std::string noDdsTraffic() const;
+  void reconnect(Host& host);
   void findAddresses();
   [[nodiscard]] RemoteHost::RunSetup runSetupFor(const RemoteHost& host) const;
 
@@ -83,9 +85,9 @@ class RemoteHosts {
   std::string lab_;
   std::filesystem::path logs_;
   int port_ = 0;
-  std::map<std::string, Known> known_;
-  std::map<std::string, std::map<std::string, link_peer_t>> peers_;  ///< by the host that says so
-  Time heard_link_;
+  std::map<std::string, Host> hosts_;
+  std::map<std::string, std::map<std::string, link_peer_t>> peers_;  ///< by the reporting host
+  Time last_link_status_;
 };
 
 }  // namespace lab::runner

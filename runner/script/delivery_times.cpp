@@ -7,14 +7,14 @@ namespace lab::runner {
 
 void DeliveryTimes::add(const experiment_event_t& step) {
   ++steps_;
-  const auto note = [&step](std::vector<double>& delays, std::int64_t utime) {
+  const auto record = [&step](std::vector<double>& delays, std::int64_t utime) {
     if (utime != 0) delays.push_back(units::seconds(utime - step.commanded_utime));
   };
-  note(presented_, step.presented_utime);
-  note(seen_, step.seen_utime);
-  note(first_acted_, step.first_acted_utime);
-  // Without those that never acted there is no last one.
-  if (step.robots_acted >= step.robots_expected) note(last_acted_, step.last_acted_utime);
+  record(presented_, step.presented_utime);
+  record(seen_, step.seen_utime);
+  record(first_acted_, step.first_acted_utime);
+  // The last one is known only if all robots acted.
+  if (step.robots_acted >= step.robots_expected) record(last_acted_, step.last_acted_utime);
 }
 
 light_delivery_t DeliveryTimes::message() const {

@@ -1,4 +1,4 @@
-/// How long the steps of a run took to arrive so far.
+/// Delays between light command and effect, over all steps of a run.
 #pragma once
 
 #include <lab/experiment_event_t.hpp>
@@ -9,10 +9,10 @@ namespace lab::runner {
 
 class DeliveryTimes {
  public:
-  /// @param step whose watch is over
+  /// @param step a step with its final times
   void add(const experiment_event_t& step);
 
-  /// For LIGHT_DELIVERY; its header is left empty. Delays that never happened are left out.
+  /// The LIGHT_DELIVERY message without its header. Delays without a sample are omitted.
   [[nodiscard]] light_delivery_t message() const;
 
  private:

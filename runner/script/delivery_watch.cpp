@@ -11,13 +11,13 @@ namespace lab::runner {
 void DeliveryWatch::take(const light_status_t& status) {
   if (status.command_instance == instance_ && status.command_seq == seq_) {
     if (presented_utime_ == 0) presented_utime_ = status.first_shown_utime;
-    // The patch turns again, sooner or later: only what the first frame showed counts.
+    // The patch changes periodically, so only its value in the first frame identifies the step.
     if (status.utime == presented_utime_) sync_ = status.sync;
   }
 }
 
 void DeliveryWatch::take(const light_seen_t& seen) {
-  // Until it turns again, of itself.
+  // Valid until the patch changes by itself.
   const std::int64_t end =
       presented_utime_ + units::microseconds(projector::ProjectorCore::kSyncPeriod);
   const bool shows_it =
@@ -28,13 +28,13 @@ void DeliveryWatch::take(const light_seen_t& seen) {
 void DeliveryWatch::take(const robot_status_t& status) {
   if (!expected_) return;
   for (const robot_state_t& robot : status.robots) {
-    if (robot.origin == robot_state_t::REPLAY) continue;  // it reads no light
+    if (robot.origin == robot_state_t::REPLAY) continue;  // it does not react to light
     const auto [entry, is_new] = robots_.try_emplace(robot.robot_id);
     const bool runs_it = sameProgram(robot.program, *expected_);
-    // What a robot ran before the light was shown decides whether it has to change.
+    // Its program before the presentation decides whether the robot has to change.
     const bool before = presented_utime_ == 0 || robot.utime < presented_utime_;
     if (is_new || before) entry->second.must_change = !runs_it;
-    if (!before) entry->second.heard_since = true;
+    if (!before) entry->second.reported_since = true;
     const bool acted = runs_it && presented_utime_ != 0 && !before &&
                        robot.program_start_utime >= presented_utime_;
     if (acted && entry->second.acted_utime == 0) {
@@ -46,13 +46,13 @@ void DeliveryWatch::take(const robot_status_t& status) {
 
 bool DeliveryWatch::complete() const {
   if (presented_utime_ == 0) return false;
-  // A first frame whose status was lost leaves nothing to recognise.
+  // If the status of the first frame was lost, the value of the patch is unknown.
   if (must_be_seen_ && sync_ >= 0 && seen_utime_ == 0) return false;
   if (!expected_) return true;
   return robots_.size() >= robots_expected_ &&
          std::all_of(robots_.begin(), robots_.end(), [](const auto& entry) {
            const RobotWatch& robot = entry.second;
-           return robot.heard_since && (!robot.must_change || robot.acted_utime != 0);
+           return robot.reported_since && (!robot.must_change || robot.acted_utime != 0);
          });
 }
 

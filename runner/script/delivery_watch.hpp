@@ -1,5 +1,5 @@
-/// Proof that a step of the light script arrived: shown by the projector, seen by the camera,
-/// obeyed by the robots.
+/// Confirms that a step of the light script took effect: shown by the projector, seen by the
+/// camera, executed by the robots.
 #pragma once
 
 #include <cstdint>
@@ -12,16 +12,15 @@
 
 namespace lab::runner {
 
-/// Collects the times of one step from what projector and robots report. It believes status, never
-/// commands.
+/// Collects the times of one step from the status messages of projector, tracker and robots.
 class DeliveryWatch {
  public:
-  /// @param step number, label and commanded_utime are filled in by the caller.
-  /// @param command_instance, command_seq of the LIGHT_COMMAND that asks for the step.
-  /// @param expected program of every robot under the new light, where the step is one and the
-  /// light
-  ///   is the same everywhere; otherwise nothing, and no robot is expected to act.
-  /// @param robots how many the experiment has: each must have been heard after the presentation.
+  /// @param step with number, label and commanded_utime
+  /// @param command_instance, command_seq identify the LIGHT_COMMAND of the step
+  /// @param expected program of every robot under the new light, if the light changes at once and
+  /// is
+  ///   uniform; otherwise nothing, and no robot is expected to act
+  /// @param robots number of robots; each must report after the presentation
   DeliveryWatch(const experiment_event_t& step, std::int64_t command_instance,
                 std::int64_t command_seq, const std::optional<program_t>& expected,
                 std::size_t robots)
@@ -35,10 +34,12 @@ class DeliveryWatch {
   void take(const light_seen_t& seen);
   void take(const robot_status_t& status);
 
-  /// A camera reads the sync patch: the step is not complete before it saw the light.
+  /// Called if a camera reads the sync patch: the step is then complete only after the camera saw
+  /// the light.
   void expectSeen() { must_be_seen_ = true; }
 
-  /// Shown, seen where a camera sees, and obeyed by every robot that had to change.
+  /// Whether the light was shown, seen (if expected), and executed by every robot that had to
+  /// change.
   [[nodiscard]] bool complete() const;
 
   /// The step with the times known so far.
@@ -47,7 +48,7 @@ class DeliveryWatch {
  private:
   struct RobotWatch {
     bool must_change = false;
-    bool heard_since = false;  ///< sampled after the presentation
+    bool reported_since = false;  ///< a status was sampled after the presentation
     std::int64_t acted_utime = 0;
   };
 
@@ -58,7 +59,7 @@ class DeliveryWatch {
   std::size_t robots_expected_;
   std::int64_t presented_utime_ = 0;
   bool must_be_seen_ = false;
-  std::int8_t sync_ = -1;  ///< what the patch shows since then
+  std::int8_t sync_ = -1;  ///< value of the sync patch in the first frame of the step
   std::int64_t seen_utime_ = 0;
   std::map<std::int32_t, RobotWatch> robots_;
 };

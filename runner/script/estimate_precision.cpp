@@ -17,11 +17,11 @@ EstimatePrecision::EstimatePrecision(const Experiment& experiment, const Until& 
 }
 
 bool EstimatePrecision::take(const analysis_t& analysis) {
-  const std::int32_t of = until_.robot == 0 ? analysis_t::POOL : until_.robot;
-  if (analysis.robot_id != of || !sameProgram(analysis.program, program_)) return false;
+  const std::int32_t robot = until_.robot == 0 ? analysis_t::POOL : until_.robot;
+  if (analysis.robot_id != robot || !sameProgram(analysis.program, program_)) return false;
   const auto estimate = std::ranges::find(analysis.estimates, until_.estimate, &estimate_t::name);
   if (estimate == analysis.estimates.end()) return false;
-  // What is not determined (nan, 0 / 0) is not known.
+  // NaN or a standard error of 0 means that the estimate is not determined.
   if (!std::isfinite(estimate->value) || !(estimate->sigma > 0)) {
     error_ = std::numeric_limits<double>::quiet_NaN();
     return false;

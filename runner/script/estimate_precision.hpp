@@ -1,4 +1,4 @@
-/// Whether the analyzer knows a number well enough.
+/// Checks whether an estimate of the analyzer has reached a relative error.
 #pragma once
 
 #include <lab/analysis_t.hpp>
@@ -10,21 +10,22 @@
 
 namespace lab::runner {
 
-/// One estimate of one program, as it was heard last.
+/// The latest value of one estimate of one program.
 class EstimatePrecision {
  public:
   /// @param until names the estimate
   EstimatePrecision(const Experiment& experiment, const Until& until);
 
-  /// @return whether the message says something about it
+  /// @return whether the message contains a value of the estimate
   bool take(const analysis_t& analysis);
 
   [[nodiscard]] bool holds() const { return error_ <= until_.relative_error; }
 
-  /// [1] standard error over value, nan: not determined.
+  /// Standard error divided by value; NaN if not determined.
   [[nodiscard]] double error() const { return error_; }
 
-  /// How many times the data so far are needed yet: errors fall as 1 / sqrt(time). nan: not known.
+  /// Amount of data still needed relative to the data so far, as errors fall with 1 / sqrt(time).
+  /// NaN if unknown.
   [[nodiscard]] double moreData() const;
 
   [[nodiscard]] const Until& until() const { return until_; }

@@ -13,8 +13,9 @@
 namespace lab::runner {
 namespace {
 
-constexpr std::int64_t kLightPeriod_us = 500'000;  // 2 Hz
-constexpr std::int64_t kDeliveryPatience_us = 2'000'000;
+constexpr std::int64_t kLightPeriod_us =
+    500'000;  // 2 Hz: commands are repeated because LCM may drop messages
+constexpr std::int64_t kDeliveryTimeout_us = 2'000'000;
 
 }  // namespace
 
@@ -67,10 +68,10 @@ void LightController::startScript() {
   setTimers();
 }
 
-/// Those set before a pause come too early, and find nothing to do.
+/// Timers that were set before a pause fire too early and then do nothing.
 void LightController::setTimers() {
-  loop_.at(player_.endUtime(), [this] { look(); });
-  lookWhenDue();
+  loop_.at(player_.endUtime(), [this] { update(); });
+  setStepTimer();
 }
 
 void LightController::pause() { player_.pause(loop_.now()); }
@@ -78,7 +79,7 @@ void LightController::pause() { player_.pause(loop_.now()); }
 void LightController::resume() {
   player_.resume(loop_.now());
   setTimers();
-  look();
+  update();
 }
 
 void LightController::close() {
@@ -86,46 +87,46 @@ void LightController::close() {
   closeWatch();
 }
 
-void LightController::look() {
+void LightController::update() {
   while (playing_) {
-    const auto turn = player_.turn(loop_.now());
-    if (!turn) return;
-    if (!turn->fault.empty()) hooks_.fault(turn->fault);
-    if (turn->kind == ScriptTransition::Kind::kStep) {
-      show(*turn);
-      lookWhenDue();
+    const auto transition = player_.nextTransition(loop_.now());
+    if (!transition) return;
+    if (!transition->fault.empty()) hooks_.fault(transition->fault);
+    if (transition->kind == ScriptTransition::Kind::kStep) {
+      show(*transition);
+      setStepTimer();
     } else {
-      hooks_.end(*turn);
+      hooks_.end(*transition);
     }
   }
 }
 
-void LightController::lookWhenDue() {
+void LightController::setStepTimer() {
   const auto due = player_.due();
-  // The end has its own timer.
-  if (due && *due < player_.endUtime()) loop_.at(*due, [this] { look(); });
+  // The end of the run has its own timer.
+  if (due && *due < player_.endUtime()) loop_.at(*due, [this] { update(); });
 }
 
-void LightController::show(const ScriptTransition& turn) {
+void LightController::show(const ScriptTransition& transition) {
   closeWatch();
-  const LightStep& wanted = experiment_.light.steps[turn.index];
+  const LightStep& step = experiment_.light.steps[transition.index];
   ++command_.seq;
   command_.from_utime = loop_.now();
-  command_.ramp = wanted.ramp;
-  command_.label = wanted.label;
-  setLayers(command_, toDrivenLayers(wanted.layers, images_));
+  command_.ramp = step.ramp;
+  command_.label = step.label;
+  setLayers(command_, toDrivenLayers(step.layers, images_));
   send();
 
   experiment_event_t event{};
   event.kind = experiment_event_t::STEP;
-  event.step = turn.number;
-  event.label = wanted.label;
-  event.ended_by = turn.ended_by;
+  event.step = transition.number;
+  event.label = step.label;
+  event.ended_by = transition.ended_by;
   event.commanded_utime = command_.from_utime;
   watch_.emplace(event, node_.identity().instance, command_.seq, expectedProgram(),
                  commandedRobots(experiment_).size());
   if (loop_.now() - seen_light_utime_ < units::kSecond_us) watch_->expectSeen();
-  loop_.at(loop_.now() + kDeliveryPatience_us, [this, seq = command_.seq] {
+  loop_.at(loop_.now() + kDeliveryTimeout_us, [this, seq = command_.seq] {
     if (command_.seq == seq) closeWatch();
   });
   hooks_.began();
@@ -139,7 +140,7 @@ std::optional<program_t> LightController::expectedProgram() const {
   const LightTable& table = experiment_.light_table;
   std::optional<program_t> expected = program_t{};
   for (const LightBand& band : table.bands) {
-    // Where the hysteresis reaches, a robot does right to keep what it runs.
+    // Within the hysteresis of a band edge a robot may keep its program, so none is expected.
     if (!contains(band, intensity, table.hysteresis)) continue;
     if (!contains(band, intensity) || expected->kind != program_t::NONE) return std::nullopt;
     expected = toMessage(experiment_.programs.at(band.program));
@@ -161,25 +162,25 @@ void LightController::closeWatch() {
 void LightController::take(const light_status_t& status) {
   if (watch_) watch_->take(status);
   finishWatch();
-  const bool ours = status.command_instance == node_.identity().instance;
-  if (ours && status.command_seq == command_.seq) hooks_.shown();
+  const bool own = status.command_instance == node_.identity().instance;
+  if (own && status.command_seq == command_.seq) hooks_.shown();
 }
 
 void LightController::take(const robot_status_t& status) {
   if (watch_) watch_->take(status);
   finishWatch();
   player_.take(status);
-  look();
+  update();
 }
 
 void LightController::take(const analysis_t& analysis) {
   player_.take(analysis);
-  look();
+  update();
 }
 
 void LightController::take(const tracked_frame_t& frame) {
   player_.take(frame);
-  look();
+  update();
 }
 
 }  // namespace lab::runner

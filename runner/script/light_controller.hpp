@@ -1,5 +1,4 @@
-/// The runner's part of the light: it commands the projector, plays the script and proves that the
-/// steps arrived.
+/// Commands the projector, plays the light script and confirms that its steps took effect.
 #pragma once
 
 #include <cstdint>
@@ -23,52 +22,52 @@ namespace lab::runner {
 
 class LightController {
  public:
-  /// What the light has to do with the rest of the run.
+  /// Callbacks to the rest of the run.
   struct Hooks {
     std::function<void(const experiment_event_t&)> record;
     std::function<void(const std::string&)> fault;
-    std::function<void()> shown;            ///< a frame of the light commanded last has been shown
+    std::function<void()> shown;            ///< the projector has shown the latest command
     std::function<void()> began;            ///< a step of the script was commanded
-    std::function<bool()> chosen_by_light;  ///< whether robots take their programs from the light
-    std::function<void(const ScriptTransition&)> end;  ///< of the script: no kStep
+    std::function<bool()> chosen_by_light;  ///< whether robots choose their programs by the light
+    std::function<void(const ScriptTransition&)> end;  ///< the script ended; never kStep
   };
 
-  /// @param directory of the images that the experiment names
+  /// @param directory folder of the images that the experiment names
   LightController(Node& node, Loop& loop, const Experiment& experiment,
                   const std::filesystem::path& directory, Hooks hooks);
 
-  /// From now on the light commanded last is repeated.
+  /// Starts to repeat the latest command at 2 Hz.
   void begin();
 
-  /// Shows the same everywhere, outside the script.
+  /// Shows uniform light that is not part of the script.
   void showEverywhere(double intensity, const std::string& label);
 
-  /// The script's clock starts now.
+  /// Starts the script now.
   void startScript();
 
-  /// The script's clock stands and goes on: script_player.hpp.
+  /// Stop and restart the clock of the script (script_player.hpp).
   void pause();
   void resume();
 
-  /// Where the script is.
+  /// State of the script.
   [[nodiscard]] const ScriptPlayer& script() const { return player_; }
 
-  /// The script goes no further; what is known of its last step is recorded.
+  /// Ends the script and records the times of its last step.
   void close();
 
   void take(const tracked_frame_t& frame);
   void take(const robot_status_t& status);
   void take(const analysis_t& analysis);
 
-  /// Of the step shown.
+  /// Label of the current light.
   [[nodiscard]] const std::string& label() const { return command_.label; }
 
  private:
   void take(const light_status_t& status);
-  void look();
-  void lookWhenDue();
+  void update();
+  void setStepTimer();
   void setTimers();
-  void show(const ScriptTransition& turn);
+  void show(const ScriptTransition& transition);
   void send();
   void finishWatch();
   void closeWatch();
@@ -84,7 +83,8 @@ class LightController {
   bool playing_ = false;
   std::optional<DeliveryWatch> watch_;
   DeliveryTimes deliveries_;
-  std::int64_t seen_light_utime_ = 0;  ///< of the last picture that showed the sync patch
+  std::int64_t seen_light_utime_ =
+      0;  ///< time of the last picture in which the sync patch was read
 };
 
 }  // namespace lab::runner

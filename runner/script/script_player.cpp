@@ -98,7 +98,7 @@ ScriptTransition ScriptPlayer::finish(ScriptTransition::Kind kind, std::string e
   return {kind, number_, order_.index(), std::move(ended_by), std::move(fault)};
 }
 
-std::optional<ScriptTransition> ScriptPlayer::turn(std::int64_t now) {
+std::optional<ScriptTransition> ScriptPlayer::nextTransition(std::int64_t now) {
   if (paused()) return std::nullopt;
   if (state_ == State::kStarting && now >= start_utime_) {
     state_ = State::kPlaying;

@@ -1,4 +1,4 @@
-/// Which step of the light script is shown when: no bus, no clock.
+/// Decides which step of the light script is shown when. Pure: no bus, no clock.
 #pragma once
 
 #include <cstddef>
@@ -16,25 +16,25 @@
 
 namespace lab::runner {
 
-/// What comes next in a script.
+/// A change in the script: the next step, or its end.
 struct ScriptTransition {
   enum class Kind {
     kStep,  ///< a step begins
-    kOver,  ///< the script is over, as it should be
+    kOver,  ///< the script has ended normally
     kEnd,   ///< the run ends: a condition was not met
-    kSafe,  ///< the same, under the safe light and with robots that stand
+    kSafe,  ///< as kEnd, with safe light and stopped robots
   };
   Kind kind = Kind::kStep;
-  int number = 0;         ///< of the step, counts from 0 over the whole run
+  int number = 0;         ///< number of the step in the run, from 0
   std::size_t index = 0;  ///< into LightScript::steps
-  std::string ended_by;   ///< what ended the step before, empty: its time was up
-  std::string fault;      ///< the condition that was not met in time, empty: none
+  std::string ended_by;   ///< what ended the previous step; empty if its time was over
+  std::string fault;      ///< condition that was not met in time; empty if none
 
   bool operator==(const ScriptTransition&) const = default;
 };
 
-/// Plays a script once: told the time and what the lab sees, it says what comes next. Times are us
-/// since 1970.
+/// Plays a script once. Gets the time and the messages of the lab and returns the transitions.
+/// Times are microseconds since 1970.
 class ScriptPlayer {
  public:
   /// @param experiment must outlive the player
@@ -43,11 +43,12 @@ class ScriptPlayer {
 
   void begin(std::int64_t utime);
 
-  /// The script's clock stands: no step ends, and what is left of it and of the run stays. What a
-  /// step waits for may come about meanwhile; the next one then begins with resume().
+  /// Stops the clock of the script: no step ends, and the remaining times of step and run do not
+  /// change. If the condition of the step is met during the pause, the next step begins at
+  /// resume().
   void pause(std::int64_t now);
 
-  /// Everything that is still to come is later by the pause.
+  /// Shifts all remaining times by the length of the pause.
   void resume(std::int64_t now);
 
   [[nodiscard]] bool paused() const { return paused_utime_.has_value(); }
@@ -56,30 +57,30 @@ class ScriptPlayer {
   void take(const robot_status_t& status);
   void take(const analysis_t& analysis);
 
-  /// What has become due, one turn a call; nothing: the step goes on.
-  /// A step that its condition ended makes the next one begin `now`; one whose time was up, when it
-  /// was up, so that late calls do not add up.
-  [[nodiscard]] std::optional<ScriptTransition> turn(std::int64_t now);
+  /// @return the next transition that is due; nothing if the step goes on. Call again until nothing
+  ///   is due. After a condition was met, the next step begins `now`; otherwise it begins when the
+  ///   time of the step was over, so that late calls do not accumulate.
+  [[nodiscard]] std::optional<ScriptTransition> nextTransition(std::int64_t now);
 
-  /// When turn() will have something to say at the latest.
-  /// Nothing before begin(), in a pause and behind the last turn.
+  /// Latest time of the next transition. Nothing before begin(), during a pause, and after the last
+  /// transition.
   [[nodiscard]] std::optional<std::int64_t> due() const;
 
-  /// When the run ends at the latest, if no pause follows.
+  /// Latest end of the run, if no further pause follows.
   [[nodiscard]] std::int64_t endUtime() const { return end_utime_; }
 
-  /// [s] of the script since begin(), without pauses.
+  /// Time since begin() without pauses [s].
   [[nodiscard]] double elapsed(std::int64_t now) const;
 
-  /// [s] until the next step at the latest, nan: none follows.
+  /// Longest time until the next step [s]; NaN if none follows.
   [[nodiscard]] double stepLeft(std::int64_t now) const;
 
-  /// Of the step shown, counts from 0 over the whole run; -1: none.
+  /// Number of the current step in the run, from 0; -1 if none.
   [[nodiscard]] int number() const { return state_ == State::kPlaying ? number_ : -1; }
 
  private:
   [[nodiscard]] const LightStep& step() const { return experiment_.light.steps[order_.index()]; }
-  /// When the step shown now is over; nothing for the last one of a planned script.
+  /// End of the current step; nothing for the last step of a planned script.
   [[nodiscard]] std::optional<std::int64_t> stepEnd() const;
   [[nodiscard]] std::string whyUnmet() const;
   ScriptTransition show(std::int64_t utime, std::string ended_by, std::string fault);
@@ -94,7 +95,7 @@ class ScriptPlayer {
   int number_ = 0;
   std::int64_t start_utime_ = 0;
   std::int64_t end_utime_ = 0;
-  std::int64_t step_utime_ = 0;  ///< when the step shown now began; later by the pauses since
+  std::int64_t step_utime_ = 0;  ///< begin of the current step, shifted by later pauses
   std::optional<std::int64_t> paused_utime_;
 };
 

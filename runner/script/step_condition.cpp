@@ -10,8 +10,8 @@
 namespace lab::runner {
 namespace {
 
-// A robot that the tracker misses for a frame has not left.
-constexpr std::int64_t kPoseLasts_us = 500'000;
+// A robot counts as inside for this long after its last pose, as the tracker may miss it in frames.
+constexpr std::int64_t kPoseLifetime_us = 500'000;
 
 }  // namespace
 
@@ -39,19 +39,20 @@ void StepCondition::take(const tracked_frame_t& frame) {
   if (until_.region == Region::kNone || met_ || frame.utime < begin_utime_) return;
   for (const tracked_pose_t& pose : frame.robots) {
     if (!concerns(pose.robot_id)) continue;
-    const double away = distance(pose);
-    if (away < nearest_) {
-      nearest_ = away;
+    const double outside = distance(pose);
+    if (outside < nearest_) {
+      nearest_ = outside;
       nearest_robot_ = pose.robot_id;
     }
-    if (away > 0) {
+    if (outside > 0) {
       inside_.erase(pose.robot_id);
     } else {
       inside_[pose.robot_id] = frame.utime;
     }
   }
-  std::erase_if(inside_,
-                [&frame](const auto& robot) { return frame.utime - robot.second > kPoseLasts_us; });
+  std::erase_if(inside_, [&frame](const auto& robot) {
+    return frame.utime - robot.second > kPoseLifetime_us;
+  });
   most_inside_ = std::max(most_inside_, inside_.size());
   const bool all = until_.robot == 0 && until_.who == Who::kAll;
   if (inside_.size() >= (all ? robots_.size() : 1)) met_ = frame.utime;

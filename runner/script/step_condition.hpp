@@ -1,4 +1,4 @@
-/// What a step of the light script waits for.
+/// Condition that ends a step of the light script.
 #pragma once
 
 #include <cstdint>
@@ -16,12 +16,12 @@
 
 namespace lab::runner {
 
-/// One condition during one showing of its step: told what the lab sees, it says whether that has
-/// come about, and by which sample.
+/// The condition of one step, from the beginning of the step. Gets the messages of the lab and
+/// decides whether the condition is met, and by which sample.
 class StepCondition {
  public:
-  /// @param tumbles counted so far in the run
-  /// @param utime when the step begins: what was sampled before is of another step
+  /// @param tumbles count at the beginning of the step
+  /// @param utime beginning of the step; earlier samples are ignored
   StepCondition(const Experiment& experiment, const Until& until, const TumbleCount& tumbles,
                 std::int64_t utime);
 
@@ -29,24 +29,25 @@ class StepCondition {
   void take(const analysis_t& analysis);
   void take(const TumbleCount& tumbles);
 
-  /// The utime of the sample that met it, nothing: it is not met.
+  /// utime of the sample that met the condition; nothing if it is not met.
   [[nodiscard]] std::optional<std::int64_t> met() const { return met_; }
 
-  /// How far it got: "relative error 0.12, wanted 0.05".
+  /// Progress as text: "relative error 0.12, wanted 0.05".
   [[nodiscard]] std::string progress() const;
 
  private:
-  /// [m] from the region, 0 inside.
+  /// Distance from the region [m]; 0 inside.
   [[nodiscard]] double distance(const tracked_pose_t& pose) const;
   [[nodiscard]] bool concerns(std::int32_t robot) const;
 
   Until until_;
   EstimatePrecision estimate_;
-  std::set<std::int32_t> robots_;  ///< all of the experiment
+  std::set<std::int32_t> robots_;  ///< all robots of the experiment
   std::int64_t begin_utime_;
   std::optional<std::int64_t> met_;
 
-  std::map<std::int32_t, std::int64_t> inside_;  ///< robots, with the utime of their last pose
+  std::map<std::int32_t, std::int64_t>
+      inside_;  ///< robots inside the region, with the utime of their last pose
   std::size_t most_inside_ = 0;
   double nearest_ = std::numeric_limits<double>::infinity();  ///< [m]
   std::int32_t nearest_robot_ = 0;

@@ -22,7 +22,7 @@ void StopRules::take(const analysis_t& analysis) {
   for (Rule& rule : rules_) {
     if (!rule.estimate.take(analysis)) continue;
     rule.utime = analysis.utime;
-    rule.heard = units::seconds(analysis.utime - *begin_utime_);
+    rule.elapsed = units::seconds(analysis.utime - *begin_utime_);
   }
 }
 
@@ -35,7 +35,7 @@ std::optional<std::string> StopRules::met() const {
     if (!rule.holds()) continue;
     why += fmt::format("{}{}: relative error {:.3g} after {:.0f} s, sample {}",
                        why.empty() ? "stop_when: " : "; ", untilText(rule.estimate.until()),
-                       rule.estimate.error(), rule.heard, rule.utime);
+                       rule.estimate.error(), rule.elapsed, rule.utime);
   }
   return why;
 }
@@ -58,8 +58,8 @@ std::string StopRules::progress(const Rule& rule) const {
   const double wanted = until.relative_error / units::kPercent;
   const double more = rule.estimate.moreData();
   if (std::isnan(more)) return fmt::format("{} not known yet, wanted to {:.3g} %", what, wanted);
-  // Data come at the rate at which they came so far.
-  const double left = std::max(more * rule.heard, rule.at_least - rule.heard);
+  // Assumes that data arrive at the same rate as so far.
+  const double left = std::max(more * rule.elapsed, rule.at_least - rule.elapsed);
   return fmt::format("{} {:.3g} %, wanted {:.3g} %{}", what,
                      rule.estimate.error() / units::kPercent, wanted,
                      left > 0 ? ": about " + remainingTimeText(left) : "");

@@ -1,4 +1,4 @@
-/// What ends a run before its time (stop_when): no bus, no clock.
+/// Rules that end a run early (`stop_when`). Pure: no bus, no clock.
 #pragma once
 
 #include <cstdint>
@@ -11,34 +11,36 @@
 
 namespace lab::runner {
 
-/// Told what the analyzer says, it says whether the run is to end. Times are us since 1970.
+/// Decides from the analyzer's estimates whether the run ends. Times are microseconds since 1970.
 class StopRules {
  public:
   explicit StopRules(const Experiment& experiment);
 
   [[nodiscard]] bool given() const { return !rules_.empty(); }
 
-  /// The script begins. What was heard before does not count.
+  /// Sets the beginning of the script; earlier estimates are ignored.
   void begin(std::int64_t utime) { begin_utime_ = utime; }
 
   void take(const analysis_t& analysis);
 
-  /// Why the run ends; nothing: it goes on.
+  /// @return why the run ends; nothing if it goes on
   [[nodiscard]] std::optional<std::string> met() const;
 
-  /// What is to be said when the run's time is up and the rules are not met.
+  /// Text for the report if the run ends without meeting the rules.
   [[nodiscard]] std::string unmet() const;
 
-  /// How far each rule is and how long it will take: "D_r of abp 7.3 %, wanted 5 %: about 12 min".
+  /// Progress and remaining time of each rule: "D_r of abp 7.3 %, wanted 5 %: about 12 min".
   [[nodiscard]] std::string progress() const;
 
  private:
   struct Rule {
     EstimatePrecision estimate;
     double at_least = 0;     ///< [s]
-    double heard = 0;        ///< [s] since begin, when it was heard of last
-    std::int64_t utime = 0;  ///< of that sample
-    [[nodiscard]] bool holds() const { return utime != 0 && heard >= at_least && estimate.holds(); }
+    double elapsed = 0;      ///< [s] from begin() to the latest estimate
+    std::int64_t utime = 0;  ///< of the latest estimate
+    [[nodiscard]] bool holds() const {
+      return utime != 0 && elapsed >= at_least && estimate.holds();
+    }
   };
   [[nodiscard]] std::string progress(const Rule& rule) const;
 

@@ -1,4 +1,4 @@
-/// Tumbles of all robots, from counters that wrap and that begin anew when a robot reboots.
+/// Counts the tumbles of all robots from their 32-bit counters, which wrap and restart at a reboot.
 #pragma once
 
 #include <cstdint>
@@ -13,8 +13,8 @@ class TumbleCount {
     for (const robot_state_t& robot : status.robots) take(robot);
   }
 
-  /// Since the first status of each robot.
-  /// @param robot 0: all together
+  /// Tumbles since the first status of each robot.
+  /// @param robot id, or 0 for the sum over all robots
   [[nodiscard]] std::int64_t total(std::int32_t robot) const {
     if (robot != 0) {
       const auto counter = robots_.find(robot);
@@ -25,7 +25,7 @@ class TumbleCount {
     return sum;
   }
 
-  /// When the last tumble was counted [us since 1970], 0: none was.
+  /// Time of the last tumble [us since 1970]; 0 if there was none.
   [[nodiscard]] std::int64_t lastUtime() const { return last_utime_; }
 
  private:
@@ -35,7 +35,7 @@ class TumbleCount {
     std::int64_t total = 0;
   };
 
-  /// No robot tumbles so often between two of its messages: a larger step is a reboot.
+  /// No robot tumbles this often between two messages; a larger step means a reboot.
   static constexpr std::uint32_t kMostAtOnce = 100'000;
 
   void take(const robot_state_t& robot) {
@@ -43,7 +43,7 @@ class TumbleCount {
     const auto [entry, is_new] = robots_.try_emplace(robot.robot_id, robot.utime, now);
     Counter& counter = entry->second;
     if (is_new || robot.utime <= counter.utime) return;
-    std::uint32_t more = now - counter.count;  // modulo 2^32, across a wrap too
+    std::uint32_t more = now - counter.count;  // modulo 2^32, so a wrap is handled
     if (more > kMostAtOnce) more = now > kMostAtOnce ? 0 : now;
     counter.utime = robot.utime;
     counter.count = now;

@@ -1,5 +1,6 @@
-// The cost of one frame: MSD and angular MSD at 57 lags beside the bare write of a ring buffer; an
-// hour beside the MSD at all lags by Fourier transforms; a second of 100 robots in the analyzer.
+// Cost of one frame: MSD and angular MSD at 57 lags, compared with a write to a ring buffer; of one
+// hour, compared with the MSD at all lags by Fourier transforms; of one second of 100 robots in the
+// analyzer.
 #include <benchmark/benchmark.h>
 
 #include <cmath>
@@ -16,8 +17,8 @@
 namespace lab::analysis {
 namespace {
 
-constexpr double kFramePeriod = 0.01;  // s
-constexpr double kMaxLag = 100;        // s
+constexpr double kFramePeriod = 0.01;  // [s]
+constexpr double kMaxLag = 100;        // [s]
 
 ProgramLaw program() {
   ProgramLaw law;
@@ -28,7 +29,7 @@ ProgramLaw program() {
   return law;
 }
 
-/// One film: an active Brownian robot, cut by a removed reversal every `piece` frames.
+/// A recording of an active Brownian robot with a removed reversal every `piece` frames.
 std::vector<Sample> film(int frames, int piece) {
   std::vector<Sample> samples;
   std::mt19937_64 random(1);
@@ -81,7 +82,7 @@ BENCHMARK(BM_MsdAndAngularMsd)->Arg(1 << 30)->Arg(7000)->Arg(2000)->Unit(benchma
 
 using Complex = std::complex<double>;
 
-/// In place, radix 2; the size is a power of two.
+/// In-place radix-2 FFT; the size must be a power of two.
 void fourier(std::vector<Complex>& data) {
   const std::size_t n = data.size();
   for (std::size_t i = 1, j = 0; i < n; ++i) {
@@ -111,7 +112,7 @@ void fourier(std::vector<Complex>& data) {
   }
 }
 
-/// The MSD at all lags: squares by running sums, products by the autocorrelation of x + iy.
+/// The MSD at all lags: squares by cumulative sums, products by the autocorrelation of x + iy.
 std::vector<double> allLagsMsd(const std::vector<Sample>& samples) {
   const std::size_t n = samples.size();
   std::vector<Complex> data(std::size_t{1} << 20U);
@@ -122,7 +123,7 @@ std::vector<double> allLagsMsd(const std::vector<Sample>& samples) {
   }
   fourier(data);
   for (Complex& value : data) value = std::norm(value);
-  fourier(data);  // of something real and even: its own inverse but for the scale
+  fourier(data);  // the spectrum is real and even, so this is the inverse up to a factor
   std::vector<double> msd(n);
   for (std::size_t lag = 0; lag < n; ++lag) {
     if (lag > 0) {
@@ -144,7 +145,7 @@ void BM_AllLagsMsdByFourier(benchmark::State& state) {
 }
 BENCHMARK(BM_AllLagsMsdByFourier)->Unit(benchmark::kMillisecond);
 
-/// Robots that run one ABP, as messages.
+/// Messages of robots that run ABP.
 class Crowd {
  public:
   explicit Crowd(int robots) : headings_(static_cast<std::size_t>(robots)) {
@@ -165,7 +166,7 @@ class Crowd {
     }
   }
 
-  /// One frame at 100/s, telemetry at 50/s.
+  /// Advances by one frame (100 per second); telemetry is sent at 50 per second.
   void feed(AnalysisFeed& feed) {
     frame_.utime = status_.utime = kStart + 10'000 * ++frame_.frame;
     for (std::size_t i = 0; i < headings_.size(); ++i) {
@@ -191,8 +192,8 @@ class Crowd {
   std::uniform_real_distribution<double> turning_{-3, 3};
 };
 
-/// One second of 100 robots at 100 frames/s after ten minutes: frames and telemetry, and the
-/// results that the analyzer publishes once a second. Robots that drive are in the time, too.
+/// One second of 100 robots at 100 frames/s after ten minutes: frames, telemetry and the results
+/// that the analyzer publishes once per second. The time includes the simulated robots.
 void BM_SecondOfHundredRobots(benchmark::State& state) {
   AnalysisFeed feed{Experiment{}};
   Crowd crowd(100);

@@ -1,6 +1,6 @@
-// How fast the simulated camera paints. Arguments: rows of the picture, robots. "Still": the light
-// stands and only robots move; "ramp": a cross-fade, another mix in every frame; "spots": a new
-// list of layers in every frame, a spot on each robot. Counter: frames a second on one core.
+// Speed of the simulated camera. Arguments: rows of the picture, robots. "still": constant light,
+// moving robots; "ramp": a cross-fade with another mix in every frame; "spots": new layers in every
+// frame, a spot on each robot. Counter: frames per second on one core.
 #include <benchmark/benchmark.h>
 
 #include <cstdint>
@@ -34,7 +34,7 @@ lab::light::Layer uniform(double intensity) {
   return layer;
 }
 
-/// Half of the arena bright.
+/// Light on one half of the arena.
 lab::light::Field half() {
   lab::light::Layer edge = uniform(1);
   edge.kind = lab::light::LayerKind::kHalfPlane;

@@ -1,6 +1,6 @@
-// What identity costs per picture: 20 and 50 robots in a crowd, all bound (the usual case) and all
-// unbound (a start), and a picture after two dark seconds, where everybody could be anywhere. The
-// baseline of the same run is the nearest neighbour of every cap, by trying all.
+// Cost of identities per picture: 20 and 50 robots, all bound (the usual case), all unbound (a
+// start), and after two dark seconds, when every robot may be anywhere. Baseline of the same run:
+// the nearest neighbour of every cap by brute force.
 #include <benchmark/benchmark.h>
 
 #include <cmath>
@@ -19,7 +19,7 @@ using lab::tracker::WheelReport;
 
 constexpr double kFps = 30;
 
-/// Robots on a grid that turn and drive in place, with new speeds every half second.
+/// Robots on a grid that turn and drive near their places, with new speeds every 0.5 s.
 class Scene {
  public:
   explicit Scene(int robots) : random_(1) {
@@ -110,11 +110,11 @@ void run(benchmark::State& state, bool bound) {
   state.counters["unbound"] = static_cast<double>(tracker.counts().unbound);
 }
 
-// Reports come with every picture; expect() is part of it.
+// With a report for every picture; includes expect().
 void allBound(benchmark::State& state) { run(state, true); }
 BENCHMARK(allBound)->Arg(20)->Arg(50)->Unit(benchmark::kMicrosecond);
 
-// As for films: no reports.
+// Without reports, as for `lab track`.
 void withoutRobots(benchmark::State& state) { run(state, false); }
 BENCHMARK(withoutRobots)->Arg(20)->Arg(50)->Unit(benchmark::kMicrosecond);
 

@@ -1,5 +1,5 @@
-// The sub-pixel fit: the 100 circles of 50 robots, in even light and with a light edge across each,
-// beside reading the pixels of the same circles once.
+// The sub-pixel fit of the 100 circles of 50 robots, in uniform light and with a light edge across
+// each, compared with reading the pixels of the same circles once.
 #include <benchmark/benchmark.h>
 
 #include <cmath>
@@ -22,7 +22,7 @@ struct Shot {
   detector::DiscShape shape;
 };
 
-// Big and small circles in turn, each with the start error of a search.
+// Big and small circles alternately, each with the start error of the detector's search.
 std::vector<Shot> shots(double scale, double shade) {
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> even(-1, 1);
@@ -69,7 +69,7 @@ void evenLight(benchmark::State& state) { fitAll(state, 1.0, 1.0); }
 void evenLight1080(benchmark::State& state) { fitAll(state, 1.49, 1.0); }
 void halfPlanes(benchmark::State& state) { fitAll(state, 1.0, 0.3); }
 
-// The floor: every pixel of the same windows, once.
+// Baseline: reads every pixel of the same windows once.
 void readOnly(benchmark::State& state) {
   const std::vector<Shot> all = shots(1.0, 1.0);
   for (auto _ : state) {

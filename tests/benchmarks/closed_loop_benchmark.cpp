@@ -1,5 +1,5 @@
-// What a frame of the projector costs where layers follow robots, beside one of layers that stand
-// still or move by themselves. Bus, messages and display are not in it.
+// Cost of a projector frame with layers that follow robots, compared with constant and moving
+// layers. Without bus, messages and display.
 #include <benchmark/benchmark.h>
 
 #include <cmath>

@@ -1,5 +1,5 @@
-// What the page costs the machine: one second of a lab of 100 robots (status and frames at 20 Hz,
-// the light at 10 Hz), from packets to topics, beside the bare decoding of the same packets.
+// Cost of the dashboard's views: one second of a lab of 100 robots (status and frames at 20 Hz,
+// light at 10 Hz), from packets to topics, compared with decoding the same packets.
 #include <benchmark/benchmark.h>
 
 #include <cmath>
@@ -18,7 +18,7 @@ namespace {
 constexpr int kRobots = 100;
 constexpr std::int64_t kStart = 1'700'000'000'000'000;
 constexpr std::int64_t kTick_us = 50'000;
-constexpr int kTicks = 20;  // of one second
+constexpr int kTicks = 20;  // in one second
 
 struct Sent {
   std::string_view channel;
@@ -53,7 +53,7 @@ Experiment crowd() {
   return experiment;
 }
 
-/// A second of the lab, tick by tick: robots that swim in circles.
+/// The packets of one second, tick by tick, of robots on circles.
 std::vector<std::vector<Sent>> second(std::int64_t number) {
   static const program_t kSwim = toMessage(crowd().programs.at("swim"));
   std::vector<std::vector<Sent>> ticks(kTicks);
@@ -114,7 +114,7 @@ void bareDecoding(benchmark::State& state) {
 }
 BENCHMARK(bareDecoding)->Unit(benchmark::kMicrosecond);
 
-/// Without an experiment nothing is stitched; with it C(l) is measured too.
+/// Without an experiment no tracks are stitched; with one, C(l) is computed too.
 void packetsToTopics(benchmark::State& state) {
   Hub hub;
   LabView view(hub, "dashboard", 9, [](const auto&, const auto&) { return light::ImageStore{}; });

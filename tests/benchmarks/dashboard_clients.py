@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""What the page costs the server beside a real lab of 100 robots: processor time of `dashboard` with
-no client, one and ten, each over the same time of the same run.
+"""CPU time of `dashboard` in a lab of 100 robots with no, one and ten clients, each for the same time in
+the same run.
 
   tests/in_private_network.sh tests/benchmarks/dashboard_clients.py build/dev/bin [SECONDS]
 """
@@ -34,7 +34,7 @@ def start(programs, folder):
             return lab
         time.sleep(0.1)
     lab.terminate()
-    raise SystemExit("no page: " + (folder / "output").read_text(encoding="utf-8"))
+    raise SystemExit("no dashboard address: " + (folder / "output").read_text(encoding="utf-8"))
 
 
 def pid_of_dashboard(lab):
@@ -45,7 +45,7 @@ def pid_of_dashboard(lab):
                 return int(entry.name)
         except OSError:
             continue
-    raise SystemExit("no dashboard runs")
+    raise SystemExit("no dashboard process")
 
 
 def spent_s(pid):
@@ -59,7 +59,7 @@ def memory_MB(pid):
 
 
 class Client(threading.Thread):
-    """Reads the stream and throws it away."""
+    """Reads the stream and discards it."""
 
     def __init__(self):
         super().__init__(daemon=True)
@@ -85,7 +85,7 @@ def main():
         lab = start(programs, pathlib.Path(name))
         try:
             pid = pid_of_dashboard(lab)
-            time.sleep(15)  # the script runs, curves come
+            time.sleep(15)  # until the script runs and curves arrive
             costs = {}
             for count in (0, 1, 10):
                 clients = [Client() for _ in range(count)]

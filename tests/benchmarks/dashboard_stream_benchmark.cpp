@@ -1,5 +1,5 @@
-// What the page's live stream costs its server: processor time and bytes for none, one and ten who
-// look, at 20 frames a second of 100 robots. The clients are another process.
+// Cost of the dashboard's event stream: CPU time and bytes for no, one and ten clients, at 20
+// frames per second of 100 robots. The clients are another process.
 #include <arpa/inet.h>
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
@@ -56,7 +56,7 @@ int connectTo(int port) {
   return client;
 }
 
-/// In a process of its own: reads everything until the server ends, then tells how much it was.
+/// Runs in its own process: reads until the server ends, then reports the number of bytes.
 [[noreturn]] void look(int viewers, int from_server, int to_server) {
   int port = 0;
   if (read(from_server, &port, sizeof port) != sizeof port) _exit(1);
@@ -81,7 +81,7 @@ int connectTo(int port) {
   _exit(write(to_server, &bytes, sizeof bytes) == sizeof bytes ? 0 : 1);
 }
 
-/// [s] of processor time of this process so far.
+/// CPU time of this process so far [s].
 double processorTime() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);

@@ -1,5 +1,6 @@
-// Full pictures and followed caps, beside reading the same pictures once from memory. The pictures
-// lie in a ring of 64, so that each is out of the processor's caches when its turn comes.
+// Detection in full pictures and of followed caps, compared with reading the same pictures once
+// from memory. The pictures are in a ring of 64, so that none is in the processor's caches when it
+// is used.
 #include <benchmark/benchmark.h>
 
 #include <cmath>
@@ -85,7 +86,7 @@ const Film& film(int height, int robots) {
   return *kept;
 }
 
-// As fast as memory gives them.
+// Vectorised, so that memory bandwidth is the limit.
 __attribute__((target_clones("avx2", "default"))) std::uint64_t sumOf(const std::uint8_t* bytes,
                                                                       std::size_t count) {
   using Four = std::uint64_t __attribute__((vector_size(32)));
@@ -127,7 +128,7 @@ void follow(benchmark::State& state) {
   Detector detector = pictures.detector();
   std::vector<std::vector<Expected>> expected(kScenes);
   for (std::size_t scene = 0; scene < kScenes; ++scene) {
-    for (const auto& robot : pictures.robots[scene]) {  // as after a thirtieth of a second
+    for (const auto& robot : pictures.robots[scene]) {  // moved as in 1/30 s
       expected[scene].push_back({robot.x + 0.003, robot.y - 0.002, robot.theta + 0.05, 0.01, 0.5});
     }
   }

@@ -1,5 +1,6 @@
-// Prints the table of docs/estimators.md: bias and scatter of every estimator over simulated
-// one-hour films, as Markdown. Arguments: films (default 1000), seed (default 1).
+// Prints the table of docs/estimators.md: bias and standard deviation of every estimator over
+// simulated one-hour recordings, as Markdown. Arguments: number of recordings (default 1000), seed
+// (default 1).
 
 #include <algorithm>
 #include <array>
@@ -51,8 +52,8 @@ double slopeThroughOrigin(const std::vector<double>& x, const std::vector<double
   return sxy / sxx;
 }
 
-/// A set of films and what is measured in it: the slope 2 D_r of the angular MSD (ABP), or 4 D_t of
-/// the MSD (BP); both are 2 D_r (or 4 D_t) times tau - epsilon/3 from epsilon on.
+/// A set of recordings and its slope: 2 D_r of the angular MSD (ABP), or 4 D_t of the MSD (BP). For
+/// tau >= epsilon the curve is the slope times (tau - epsilon/3).
 struct Set {
   const char* title;
   ProgramLaw law;
@@ -70,7 +71,7 @@ struct Film {
   [[nodiscard]] const std::vector<double>& values() const {
     return angular ? curves.angular_msd : curves.msd;
   }
-  /// The lags within a range, and the curve there.
+  /// The lags within a range, and the values of the curve.
   void range(double from, double to, std::vector<double>& x, std::vector<double>& y) const {
     x.clear();
     y.clear();
@@ -94,7 +95,7 @@ double shape(double tau, double epsilon) {
   return tau < epsilon ? tau * tau / epsilon * (1 - tau / (3 * epsilon)) : tau - epsilon / 3;
 }
 
-/// From two lags, as the analyzer does live: without memory of more, and without the offsets.
+/// From two lags, as the analyzer does live: independent of constant offsets.
 double covarianceBased(const Film& film) {
   const std::size_t one = film.nearest(film.epsilon);
   const std::size_t two = film.nearest(2 * film.epsilon);

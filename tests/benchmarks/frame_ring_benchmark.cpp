@@ -1,5 +1,5 @@
-// The simulated camera's ring: from show() in one process to the handler in another. Beside it what
-// a copy of the frame would cost, and a frame of one pixel, which is the system's own wake-up.
+// Latency of the simulated camera's shared memory: from show() in one process to the handler in
+// another. For comparison a copy of the frame, and a frame of one pixel, which is only the wake-up.
 #include <benchmark/benchmark.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -37,7 +37,7 @@ std::filesystem::path labFolder() {
          ("lab_ring_benchmark_" + std::to_string(getpid()));
 }
 
-/// A process that shows a painted frame each period, stamped with the steady clock [ns].
+/// A process that shows a painted frame per period, time-stamped with the steady clock [ns].
 pid_t startPainter(const lab::CameraFormat& format, const std::filesystem::path& folder) {
   const pid_t pid = fork();
   if (pid != 0) return pid;
@@ -86,7 +86,7 @@ void ringLatency(benchmark::State& state) {
   state.counters["dropped"] = static_cast<double>(dropped);
 }
 
-/// What the ring saves: one copy of a frame that is not in the cache.
+/// The copy that shared memory saves, of a frame that is not in the cache.
 void frameCopy(benchmark::State& state) {
   const auto bytes = static_cast<std::size_t>(state.range(0) * state.range(1));
   std::vector<std::uint8_t> from(64 * bytes, 1);

@@ -1,6 +1,6 @@
-// What dds_gateway costs, beside a bare LCM subscriber and a bare DDS writer in the same run:
-// latency of small messages at 1 kHz, CPU, and what a frozen subscriber does to the others.
-//   gateway_benchmark FOLDER_OF_PROGRAMS RESULT.csv     (within tests/in_private_network.sh)
+// Cost of dds_gateway, compared with a bare LCM subscriber and a bare DDS writer in the same run:
+// latency of small messages at 1 kHz, CPU, and the effect of a frozen subscriber on the others.
+//   gateway_benchmark FOLDER_OF_PROGRAMS RESULT.csv     (in tests/in_private_network.sh)
 #include <fmt/format.h>
 #include <poll.h>
 #include <signal.h>
@@ -24,6 +24,7 @@
 #include "dds_gateway/dds/domain.hpp"
 #include "dds_gateway/dds/endpoint.hpp"
 #include "dds_gateway/ros/ros_type.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace {
 
@@ -35,7 +36,7 @@ constexpr int kDomain = 43;
 constexpr auto kPeriod = std::chrono::milliseconds(1);
 constexpr double kSettle = 4;    // [s]
 constexpr double kMeasure = 20;  // [s]
-constexpr double kFrozen = 14;   // [s] beyond Cyclone's lease of 10 s
+constexpr double kFrozen = 14;   // [s] longer than Cyclone's lease of 10 s
 const std::string kUrl = lcmUrl(7903);
 constexpr const char* kThrough = "/lab/robot1/light";
 constexpr const char* kPlain = "/plain/light";
@@ -56,7 +57,7 @@ pid_t child(const std::function<void()>& work) {
   return pid;
 }
 
-/// Calls `act` at 1 kHz for ever.
+/// Calls `act` at 1 kHz until it returns false.
 void everyMillisecond(const std::function<bool()>& act) {
   auto next = Clock::now();
   while (act()) {
@@ -93,23 +94,23 @@ void bareWriter() {
   });
 }
 
-/// Reads a topic until somebody freezes it; says on a pipe when a hundred messages have come.
+/// Reads a topic for ever; writes a byte to a pipe after 100 messages.
 void bareReader(int pipe) {
   const dds::Domain domain(kDomain, dds::localConfiguration(), "reader");
   const auto& type = ros::rosType<ros::Illuminance>();
   dds::Waker waker;
   dds::Reader reader(domain, *type.descriptor, ros::topicName(kThrough), ros::defaultQos(type),
                      waker);
-  for (bool said = false;;) {
+  for (bool reported = false;;) {
     pollfd waiting{waker.fileDescriptor(), POLLIN, 0};
     poll(&waiting, 1, 1000);
     waker.quiet();
     reader.take(1000, [](const void*, dds::WriterId) {});
-    if (!said && reader.received() > 100) said = write(pipe, "r", 1) == 1;
+    if (!reported && reader.received() > 100) reported = write(pipe, "r", 1) == 1;
   }
 }
 
-/// bareReader() as a program of its own, as this one is in the domain already.
+/// bareReader() in its own process, because this process has already joined the domain.
 class FrozenReader {
  public:
   explicit FrozenReader(char* program) {
@@ -131,14 +132,14 @@ class FrozenReader {
   FrozenReader(const FrozenReader&) = delete;
   FrozenReader& operator=(const FrozenReader&) = delete;
 
-  /// Whether messages come, now or within 10 s.
+  /// Whether messages arrive within 10 s.
   [[nodiscard]] bool reads() const {
     pollfd waiting{heard_, POLLIN, 0};
     char byte = 0;
     return poll(&waiting, 1, 10'000) == 1 && read(heard_, &byte, 1) == 1;
   }
   void freeze() const { kill(pid_, SIGSTOP); }
-  /// Whether it is still there, and stopped.
+  /// Whether the process exists and is stopped.
   [[nodiscard]] bool isFrozen() const {
     std::ifstream stream("/proc/" + std::to_string(pid_) + "/stat");
     std::string text;
@@ -152,7 +153,7 @@ class FrozenReader {
   int heard_ = -1;
 };
 
-/// Delays of what arrives [us].
+/// Delays of received messages [us].
 class Delays {
  public:
   void add(std::int64_t utime) {
@@ -169,7 +170,7 @@ class Delays {
         values_[static_cast<std::size_t>(share * static_cast<double>(values_.size() - 1))]);
   }
   [[nodiscard]] std::size_t count() const { return values_.size(); }
-  /// Between two that arrived [us].
+  /// Longest time between two received messages [us].
   [[nodiscard]] double longestGap() const { return static_cast<double>(gap_); }
   void clear() {
     values_.clear();
@@ -179,7 +180,7 @@ class Delays {
 
  private:
   std::vector<std::int64_t> values_;
-  std::int64_t last_ = 0;  ///< when one arrived
+  std::int64_t last_ = 0;  ///< time of the last message
   std::int64_t gap_ = 0;
 };
 
@@ -208,7 +209,7 @@ class DdsEnd {
   std::thread thread_;
 };
 
-/// CPU of all threads so far [s].
+/// CPU time of all threads so far [s].
 double cpuOf(pid_t pid) {
   double nanoseconds = 0;
   for (const auto& task : fs::directory_iterator("/proc/" + std::to_string(pid) + "/task")) {
@@ -229,7 +230,7 @@ pid_t gateway(const fs::path& programs, const fs::path& folder) {
                                    << kDomain
                                    << "\nmapping = \"m.toml\"\n[[robots]]\nid = 1\n"
                                       "[programs.stand]\nmodel = \"stand\"\n";
-  // One message in, one message out.
+  // Rules that pass only this topic.
   std::ofstream(folder / "m.toml") << "fileversion = 1\n[[rules]]\ntopic = \"" << kThrough
                                    << "\"\n[[rules]]\ntopic = \".*\"\nallow = false\n";
   return child([&] {
@@ -247,13 +248,12 @@ int main(int argc, char** argv) {
     fmt::print(stderr, "usage: {} FOLDER_OF_PROGRAMS RESULT.csv\n", argv[0]);
     return 2;
   }
-  const fs::path folder = fs::temp_directory_path() / fmt::format("gateway_{}", getpid());
-  fs::create_directories(folder);
-  const pid_t through = gateway(argv[1], folder);
+  const TemporaryFolder folder;
+  const pid_t through = gateway(argv[1], folder.path());
   const pid_t subscriber = child(bareSubscriber);
   const pid_t writer = child(bareWriter);
   std::string csv = "what,value,unit\n";
-  bool is_void = false;
+  bool is_invalid = false;
   {
     std::atomic<bool> over = false;
     const dds::Domain domain(kDomain, dds::localConfiguration(), "benchmark");
@@ -312,11 +312,11 @@ int main(int argc, char** argv) {
     row("bare LCM subscriber + bare DDS writer", 100 * bare_cpu / kMeasure, "% of one core");
     row("ratio of CPU", gateway_cpu / bare_cpu, "1");
 
-    // Another reader of the topic: awake, then frozen for longer than its lease, so that the
-    // gateway first waits for it and then drops it. What that costs, a message through the gateway
-    // shows: a loop that was away handles it late.
+    // Another reader of the topic: running, then frozen for longer than its lease, so that the
+    // gateway first waits for it and then drops it. The delays of messages through the gateway show
+    // whether that blocks its loop.
     FrozenReader reader(argv[0]);
-    is_void = !reader.reads();
+    is_invalid = !reader.reads();
     const auto watched = [&](const std::string& when) {
       both.delays.clear();
       plain_dds.delays.clear();
@@ -338,9 +338,9 @@ int main(int argc, char** argv) {
     watched("readers awake");
     reader.freeze();
     sleepFor(0.2);
-    is_void = is_void || !reader.isFrozen();
+    is_invalid = is_invalid || !reader.isFrozen();
     watched(fmt::format("one reader frozen {:.0f} s", kFrozen));
-    is_void = is_void || !reader.isFrozen();
+    is_invalid = is_invalid || !reader.isFrozen();
     over = true;
     publishing.join();
     listening.join();
@@ -349,9 +349,8 @@ int main(int argc, char** argv) {
     kill(pid, SIGTERM);
     waitpid(pid, nullptr, 0);
   }
-  fs::remove_all(folder);
-  if (is_void) {
-    fmt::print(stderr, "{}void: the reader that was to be frozen read nothing or ended\n", csv);
+  if (is_invalid) {
+    fmt::print(stderr, "{}invalid: the reader to be frozen received nothing or ended\n", csv);
     return 1;
   }
   fmt::print("{}", csv);

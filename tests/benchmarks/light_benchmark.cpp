@@ -1,4 +1,5 @@
-// What the light field costs: a simulator evaluates it at every sensor, a projector at every pixel.
+// Cost of the light field: the simulator evaluates it at every sensor, the projector at every
+// pixel.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -18,7 +19,7 @@ constexpr double kWidth = 1.2;
 constexpr double kHeight = 0.9;
 constexpr double kSensorRadius = 0.002;
 
-/// 0: uniform; otherwise that many layers of all geometric kinds, the first a half plane.
+/// Uniform light for 0 layers; otherwise layers of all geometric kinds, the first a half plane.
 Field fieldOf(std::int64_t layers) {
   Field field;
   if (layers == 0) field.layers.push_back({.intensity = 0.5});
@@ -62,7 +63,7 @@ void rasteriseFullHd(benchmark::State& state) {
 }
 BENCHMARK(rasteriseFullHd)->Arg(0)->Arg(1)->Arg(12)->Unit(benchmark::kMillisecond);
 
-/// One layer of this kind (LayerKind): stripes, noise with patches of 5 cm, waves.
+/// One layer of the given LayerKind: stripes, noise with patches of 5 cm, waves.
 void rasteriseKindFullHd(benchmark::State& state) {
   Field field = fieldOf(1);
   Layer& layer = field.layers.front();
@@ -87,7 +88,7 @@ void rampFrameFullHd(benchmark::State& state) {
 }
 BENCHMARK(rampFrameFullHd)->Unit(benchmark::kMillisecond);
 
-/// The least any full-HD raster can cost on this machine.
+/// Baseline: fills a full-HD raster.
 void plainFillFullHd(benchmark::State& state) {
   for (auto _ : state) {
     std::vector<float> values(1920UL * 1080UL);

@@ -1,5 +1,5 @@
-/// What the link between hosts adds to a message's way and takes of a processor, beside plain LCM
-/// in the same run. Within tests/two_hosts.sh --hosts 3:  link_benchmark RESULTS.csv
+/// Latency and CPU of the link between hosts, compared with plain LCM in the same run.
+///   tests/two_hosts.sh --hosts 3 link_benchmark RESULTS.csv
 #include <unistd.h>
 
 #include <atomic>
@@ -31,11 +31,11 @@ constexpr const char* kSender = "load";
 
 std::vector<std::uint8_t> small(std::int64_t seq) {
   light_command_t command{};
-  command.label.assign(95, 'x');  // 200 B in all
+  command.label.assign(95, 'x');  // 200 B in total
   return message(kSender, seq, command);
 }
 
-/// 50 frames of 20 robots and 200 smaller ones a second.
+/// A frame with 20 robots.
 std::vector<std::uint8_t> lab(std::int64_t seq) {
   tracked_frame_t frame{};
   frame.num_robots = seq % 5 == 0 ? 20 : 3;
@@ -43,7 +43,7 @@ std::vector<std::uint8_t> lab(std::int64_t seq) {
   return message(kSender, seq, frame);
 }
 
-/// @return [s] of a processor that a process has had
+/// @return CPU time of a process [s]
 double processorSeconds(pid_t process) {
   std::ifstream file("/proc/" + std::to_string(process) + "/stat");
   std::string text;
@@ -57,7 +57,7 @@ double processorSeconds(pid_t process) {
   return (user + system) / static_cast<double>(sysconf(_SC_CLK_TCK));
 }
 
-/// Publishes on a host's bus from a thread of its own, as another process would.
+/// Publishes on a host's bus from its own thread, as another process would.
 std::vector<double> publish(const Host& host, const Load& load) {
   const Within there(host.process);
   LcmBus bus(kUrl);
@@ -125,10 +125,10 @@ int run(const char* file) {
   const auto b = hosts.gateway(1);
   const auto c = hosts.gateway(2);
   if (!hosts.untilState(link_peer_t::JOINED, 2, 20)) {
-    std::fprintf(stderr, "link_benchmark: the hosts do not join\n");
+    std::fprintf(stderr, "link_benchmark: the buses of the hosts are not joined\n");
     return 1;
   }
-  measure(hosts, *a, *b, {"nothing to do", 1, channels::kLightCommand, small}, results);
+  measure(hosts, *a, *b, {"idle", 1, channels::kLightCommand, small}, results);
   measure(hosts, *a, *b, {"small, 1 kHz", 1000, channels::kLightCommand, small}, results);
   measure(hosts, *a, *b, {"20 robots, 250 Hz", 250, channels::kTrackedFrame, lab}, results);
   c->signal(SIGSTOP);

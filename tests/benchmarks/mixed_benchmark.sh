@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Ten minutes of 24 robots of three bodies live: 2 chips, 6 on the wire, 16 on the bus. Counts every
-# message that was lost and the CPU of every process.
+# Ten minutes of 24 robots of three kinds in real time: 2 on chips, 6 on serial lines, 16 on the bus.
+# Counts lost messages and the CPU of every process.
 #   mixed_benchmark.sh FOLDER_OF_PROGRAMS EXPERIMENTS RESULT.csv [SECONDS]
 set -euo pipefail
 programs=$1 experiments=$2 result=$3 seconds=${4:-600}
@@ -15,7 +15,7 @@ note() { echo "$1,$2,$3" | tee -a "$result"; }
 
 "$programs/lab" run "$experiments/mixed_bodies.toml" --set duration_s="$seconds" \
   --set 'robots[0].count=2' --set 'robots[1].id=3' --set 'robots[1].count=6' \
-  --set 'robots[2].id=9' --set 'robots[2].count=16' --out "$work/runs" >"$work/said" &
+  --set 'robots[2].id=9' --set 'robots[2].count=16' --out "$work/runs" >"$work/output" &
 lab=$!
 family() { echo "$1"; for child in $(pgrep -P "$1"); do family "$child"; done; }
 sample() {
@@ -37,7 +37,7 @@ while read -r pid used; do
 done <"$work/before"
 note "24 robots live: all processes" "$total" "% of one core"
 wait $lab
-cat "$work/said" >&2
+cat "$work/output" >&2
 lost=$(grep -o '"lost": *[0-9]*' "$work"/runs/*/summary.json | awk '{n += $NF} END {print n}')
 note "24 robots live: messages lost in $seconds s" "$lost" 1
 [ "$lost" -eq 0 ]

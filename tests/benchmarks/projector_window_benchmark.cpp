@@ -1,8 +1,7 @@
-// What the projector's window costs, 1920 x 1080 in an X server that nobody sees. Every line stands
-// beside a plain fill of the same window in the same run: "fill_ratio" is the processor time of a
-// frame over that of a frame that is filled with one grey and shown. "live" runs the frame loop at
-// 60 Hz as projector_ctl does: intervals between swaps, and the share of one core that the process
-// takes (the X server is a process of its own).
+// Cost of the projector's window of 1920 x 1080 in a virtual X server. "fill_ratio" is the CPU time
+// of a frame divided by that of a frame filled with one grey, in the same run. "live" runs the
+// frame loop at 60 Hz as projector_ctl does: intervals between swaps, and the share of one core of
+// this process (the X server is another process).
 #include <benchmark/benchmark.h>
 #include <time.h>
 
@@ -29,8 +28,7 @@ using lab::light::LayerKind;
 constexpr int kColumns = 1920;
 constexpr int kRows = 1080;
 
-/// Twelve layers of a rich experiment, of which `moving` change with time, and spots on robots that
-/// drive at 10 cm/s.
+/// Twelve layers, of which `moving` change with time, and spots on robots that drive at 10 cm/s.
 Field fieldAt(double time, bool moving, int spots) {
   const double t = moving ? time : 0;
   Field field;
@@ -122,14 +120,14 @@ OpenDisplay opener() {
   return [] { return openSdlDisplay("0"); };
 }
 
-/// [s] of this process.
+/// CPU time of this process [s].
 double cpu() {
   timespec now{};
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-/// [s] of processor time that a frame of one grey takes, the least of several.
+/// CPU time of a frame of one grey, the least of several [s].
 double fillCost(Display& display) {
   lab::optics::GreyImage picture(kColumns, kRows);
   const Box whole{0, 0, kColumns, kRows};
@@ -219,7 +217,7 @@ BENCHMARK_CAPTURE(live, layers12_spots20, 20)->Iterations(1)->Unit(benchmark::kM
 int main(int argc, char** argv) {
   const lab::projector::VirtualX server(1920, 1080);
   if (!server.runs()) {
-    std::fputs("projector_window_benchmark: no Xvfb here (package xvfb)\n", stderr);
+    std::fputs("projector_window_benchmark: Xvfb is not installed (package xvfb)\n", stderr);
     return 0;
   }
   benchmark::Initialize(&argc, argv);

@@ -1,6 +1,5 @@
 #!/usr/bin/env bash
-# CPU of robot_bridge alone with 40 robots on pseudo terminals that send telemetry at 20 Hz and run a
-# program whose draws are logged.
+# CPU of robot_bridge with 40 robots on pseudo terminals, which send telemetry at 20 Hz and their step log.
 #   robot_bridge_benchmark.sh FOLDER_OF_PROGRAMS RESULT.csv
 set -euo pipefail
 programs=$1 result=$2
@@ -35,7 +34,7 @@ farm=$!
 "$programs/robot_bridge" --experiment "$work/farm.toml" --lcm-url "$url" --ports "$work/ports" &
 bridge=$!
 cpu() { awk '{sub(/.*\) /, ""); print $12 + $13}' "/proc/$bridge/stat"; }
-sleep 6 # until all are found and configured
+sleep 6 # until all robots are found and configured
 before=$(cpu)
 sleep $seconds
 after=$(cpu)

@@ -1,5 +1,5 @@
-// Robots on pseudo terminals, each running its own program in real time, and a lab that commands
-// them: the other side of robot_bridge_benchmark.sh.
+// Robots on pseudo terminals that run the firmware in real time, and a lab that commands them, for
+// robot_bridge_benchmark.sh.
 //   robot_bridge_farm ROBOTS FOLDER EXPERIMENT LCM_URL SECONDS
 #include <algorithm>
 #include <cstdio>

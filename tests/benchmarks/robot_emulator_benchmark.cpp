@@ -1,5 +1,5 @@
-// The shipped binary on a simulated chip: round trips in simulated time against what the line alone
-// takes, and how many robots one core runs in real time.
+// The firmware binary on a simulated chip: round trips in simulated time, compared with the time on
+// the line alone, and the number of robots that one core runs in real time.
 //
 // Linked with libsimavr: GPL-3.0-or-later as a whole, see sim_svc/emulator/LICENSE.md.
 #include <benchmark/benchmark.h>
@@ -28,7 +28,7 @@ std::shared_ptr<const emulator::FirmwareImage> program() {
   return shipped;
 }
 
-/// A host that loses no time.
+/// A host that answers at once.
 class Host {
  public:
   explicit Host(Chip& chip) : chip_(chip) {
@@ -57,7 +57,7 @@ class Host {
     }
   }
 
-  /// @return how long the answer took [ms]
+  /// @return time until the answer [ms]
   template <class Message>
   double ask(const Message& message) {
     wire::Frame frame;
@@ -124,7 +124,7 @@ void orderRoundTrip(benchmark::State& state) {
 }
 BENCHMARK(orderRoundTrip)->Unit(benchmark::kMillisecond)->Iterations(1);
 
-/// So many robots in 2 ms slices, each with 20 Hz telemetry, a program and its log of draws.
+/// Robots in slices of 2 ms, each with telemetry at 20 Hz, a program and its step log.
 void robotsPerCore(benchmark::State& state) {
   constexpr double kSliceMs = 2;
   const auto robots = static_cast<std::size_t>(state.range(0));

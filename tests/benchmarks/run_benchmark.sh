@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Whole runs: how much faster than real time one hour of one robot is in virtual time, with and
-# without the report, and what the live lab costs with 20 robots.
+# Whole runs: the speed of one hour of one robot in virtual time relative to real time, with and without
+# the report, and the CPU of a live lab with 20 robots.
 #   run_benchmark.sh FOLDER_OF_PROGRAMS EXPERIMENTS RESULT.csv
 set -euo pipefail
 programs=$1 experiments=$2 result=$3

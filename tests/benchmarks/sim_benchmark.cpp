@@ -1,6 +1,6 @@
-// How fast the simulated world runs. Counters: robot-seconds simulated per second, how many times
-// faster than real time, and nanoseconds per robot and tick. Everything a run needs is on: walls,
-// infrared (robots seen), light, collisions, clock errors, PWM.
+// Speed of the simulated world, with walls, infrared sensors, light, collisions, clock errors and
+// PWM. Counters: simulated robot-seconds per second, speed relative to real time, and time per
+// robot and tick.
 #include <benchmark/benchmark.h>
 
 #include <cmath>
@@ -13,7 +13,7 @@ namespace {
 using lab::dynamics::CoreSettings;
 using lab::sim::World;
 
-/// Two halves of light, so that robots switch programs as they cross.
+/// Two halves with different light, so that robots change programs when they cross.
 class TwoHalves : public lab::sim::LightSampler {
  public:
   explicit TwoHalves(double edge) : edge_(edge) {}

@@ -1,8 +1,8 @@
-// What robots on the wire cost the simulator: as many as fit a core in virtual time, native
-// (firmware::Device on the host) and on simulated chips (robot_emulator). Everything a run needs is
-// on: lines at 38400 baud with a host that renews the lease, telemetry, the log of draws, sensors,
-// collisions. Counters: robot-seconds per second of this program, and what a slice of 2 ms takes
-// (with chips most of the work is done by the other process meanwhile).
+// Cost of robots on serial lines in the simulator, in virtual time: native ones (firmware::Device
+// on the host) and ones on simulated chips (robot_emulator). With lines at 38400 baud, a host that
+// renews the lease, telemetry, step log, sensors and collisions. Counters: robot-seconds per
+// second, and the time of a slice of 2 ms (with chips, most of the work is done by the other
+// process meanwhile).
 #include <benchmark/benchmark.h>
 
 #include <cmath>
@@ -22,7 +22,7 @@ using namespace lab;
 using namespace lab::sim;
 namespace fs = std::filesystem;
 
-/// Robots at the density of twenty in the real arena, and their hosts.
+/// Robots with the density of 20 in the real arena, and their hosts.
 class Bench {
  public:
   explicit Bench(std::size_t robots) : world_(settings(robots), setups(robots)) {

@@ -1,8 +1,8 @@
 // tracker_cases CASES_DIR [--out DIR] [--only TEXT] [--encode GAMMA]
-// Runs the detector, and the plain OpenCV trackers where OpenCV is at hand, over every folder of
-// pictures with truth, and prints how they do. With --out, <case>.csv of our poses is left there.
-// With
-// --encode, light is encoded as by a camera with that gamma, which the detector is not told.
+// Runs the detector, and two simple OpenCV trackers if OpenCV is installed, on every folder of
+// pictures with ground truth, and prints the results. With --out, writes the detector's poses to
+// <case>.csv. With
+// --encode, encodes the pictures with that gamma, which the detector does not know.
 #include <stb/stb_image.h>
 
 #include <algorithm>
@@ -35,7 +35,7 @@ using lab::detector::Detection;
 using lab::optics::GreyImage;
 using lab::optics::GreyView;
 
-constexpr int kRounds = 5;  // the fastest counts
+constexpr int kRounds = 5;  // the fastest is used
 
 using Finder = std::function<std::vector<Detection>(const GreyView&)>;
 struct Method {

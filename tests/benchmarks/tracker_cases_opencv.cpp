@@ -9,8 +9,8 @@
 namespace lab::cases {
 namespace {
 
-constexpr double kBlock = 0.026;       // [m] of the mean that is the threshold
-constexpr double kBelow = 8;           // [DN]
+constexpr double kBlock = 0.026;       // [m] window of the adaptive threshold
+constexpr double kBelow = 8;           // [DN] below the mean
 constexpr double kTolerance = 0.0025;  // [m] of the spacing
 constexpr double kLeastShare = 0.6;    // [1] of the small circle's radius
 constexpr double kMostShare = 1.5;     // [1] of the big circle's radius
@@ -50,7 +50,7 @@ std::vector<Disc> byContours(const cv::Mat& grey, const optics::CameraModel& cam
   std::vector<Disc> discs;
   for (const auto& contour : contours) {
     const cv::Moments moments = cv::moments(contour);
-    // The contour runs through the outermost pixels' centres: half a pixel is missing all around.
+    // The contour passes through the centres of the outermost pixels, so half a pixel is added.
     const double radius = std::sqrt(moments.m00 / std::numbers::pi) + 0.5;
     if (!(moments.m00 > 0) || radius < least || radius > most) continue;
     const double length = cv::arcLength(contour, true);

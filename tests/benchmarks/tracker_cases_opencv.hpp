@@ -1,4 +1,4 @@
-// The tracker that is easily written with OpenCV, to compare with.
+// Simple trackers with OpenCV, for comparison.
 #pragma once
 
 #include <vector>
@@ -12,7 +12,7 @@ enum class Plain {
   kBlobs,     // SimpleBlobDetector
 };
 
-// Poses without covariance.
+// Returns poses without covariance.
 std::vector<detector::Detection> findPlainly(Plain kind, const optics::GreyView& picture,
                                              const optics::CameraModel& camera,
                                              const optics::CapGeometry& cap);

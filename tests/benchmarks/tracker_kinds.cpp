@@ -1,8 +1,8 @@
 // tracker_kinds [--only TEXT] [--seeds N] [--first SEED] [--missed] [--out DIR] [--results FILE]
-// Paints pictures of many kinds, runs the detector over them, and prints how it does, a line a
-// kind; it fails where a kind is short of its bars. With --missed, what was missed or wrong is said
-// one by one, and what was refused nearby. With --out, the pictures are left there as
-// DIR/<kind>_<seed>.pgm; with --results, the lines.
+// Paints pictures of many kinds, runs the detector on them, and prints one line per kind. Fails if
+// a kind does not meet its limits. With --missed, lists every missed robot and wrong pose with the
+// rejected candidates nearby. With --out, writes the pictures to DIR/<kind>_<seed>.pgm; with
+// --results, writes the lines to FILE.
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -75,7 +75,7 @@ void leave(const lab::optics::GreyImage& image, const fs::path& file) {
             static_cast<std::streamsize>(image.pixels.size()));
 }
 
-/// @return whether all bars were reached, but for those that are known not to be
+/// @return whether all limits were met, except known shortfalls
 bool runKind(const SceneKind& kind, const Options& options, std::ofstream& results) {
   lab::cases::Score score;
   for (std::uint64_t seed = options.first; seed < options.first + options.seeds; ++seed) {
@@ -88,10 +88,10 @@ bool runKind(const SceneKind& kind, const Options& options, std::ofstream& resul
   }
   std::string text(kind.name);
   text.resize(23, ' ');
-  text += score.text() + (score.isSurprising() ? "  surprise off" : "") + '\n';
+  text += score.text() + (score.isInconsistent() ? "  NEES off" : "") + '\n';
   bool all = true;
-  for (const lab::cases::Shortfall& one : lab::cases::shortOf(kind.bars, score.tally())) {
-    text += (one.known ? "  open: " : "  SHORT OF ITS BAR: ") + one.what + '\n';
+  for (const lab::cases::Shortfall& one : lab::cases::shortOf(kind.limits, score.tally())) {
+    text += (one.known ? "  known: " : "  LIMIT NOT MET: ") + one.what + '\n';
     all = all && one.known;
   }
   std::fputs(text.c_str(), stdout);
@@ -148,6 +148,6 @@ int main(int argc, char** argv) {
     any = true;
     all = runKind(kind, *options, results) && all;
   }
-  if (!any) std::fprintf(stderr, "tracker_kinds: no kind is like %s\n", options->only.c_str());
+  if (!any) std::fprintf(stderr, "tracker_kinds: no kind contains %s\n", options->only.c_str());
   return any && all ? 0 : 1;
 }

@@ -1,4 +1,4 @@
-// What a frame costs on the host: a bridge with 40 robots decodes about 1000 a second.
+// Cost of a frame on the host: a bridge with 40 robots decodes about 1000 per second.
 #include <benchmark/benchmark.h>
 
 #include <array>
@@ -66,7 +66,7 @@ void decodeFrame(benchmark::State& state) {
 }
 BENCHMARK(decodeFrame)->Arg(0)->Arg(16)->Arg(32)->Arg(40);
 
-/// The least that any reader of a frame costs on this machine.
+/// Baseline: copies a frame.
 void copyFrame(benchmark::State& state) {
   std::array<std::uint8_t, lab::wire::kMaxFrame> from{};
   std::array<std::uint8_t, lab::wire::kMaxFrame> to{};

@@ -16,6 +16,7 @@
 #include "common/loop/virtual_loop.hpp"
 #include "dashboard/web/address_file.hpp"
 #include "tests/dashboard/message_samples.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace lab::dashboard::dashboard_bus_test {
 namespace {
@@ -226,21 +227,21 @@ TEST(RequestQueue, RefusesAtOnceWhenClosed) {
 
 TEST(AddressFile, IsReadAgainAfterARestart) {
   const std::string token = "0123456789abcdef0123456789abcdef";
-  const auto file = std::filesystem::path(testing::TempDir()) / "address_of_the_page";
+  const TemporaryFolder folder;
+  const auto file = folder / "address";
   writeAddressFile(file, "http://127.0.0.1:8481/#token=" + token);
   const auto read = readAddressFile(file);
-  std::filesystem::remove(file);
   ASSERT_TRUE(read);
   EXPECT_EQ(read->port, 8481);
   EXPECT_EQ(read->token, token);
 }
 
 TEST(AddressFile, IsReadableByItsOwnerOnly) {
-  const auto file = std::filesystem::path(testing::TempDir()) / "address_for_me";
+  const TemporaryFolder folder;
+  const auto file = folder / "address";
   writeAddressFile(file, "http://127.0.0.1:8481/#token=x");
   struct stat facts {};
   ASSERT_EQ(stat(file.c_str(), &facts), 0);
-  std::filesystem::remove(file);
   EXPECT_EQ(facts.st_mode & 0777, 0600U);
   EXPECT_THROW(writeAddressFile("/nowhere/address", "x"), std::runtime_error);
 }

@@ -4,6 +4,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <array>
 #include <cstdint>
@@ -22,6 +23,7 @@
 #include "common/bus/fingerprints.hpp"
 #include "common/bus/message_header.hpp"
 #include "common/process/version.hpp"
+#include "tests/support/text_file.hpp"
 
 namespace lab {
 namespace {
@@ -30,11 +32,6 @@ namespace fs = std::filesystem;
 
 const fs::path kTypes = LAB_LCMTYPES_FOLDER;
 const fs::path kPinned = LAB_PINNED_CONTRACT;
-
-std::string contentsOf(const fs::path& file) {
-  std::ifstream stream(file);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
 
 template <class Visit>
 void forEveryType(Visit visit) {
@@ -55,7 +52,7 @@ std::string contractInWords() {
   std::string words = "contract version " + std::to_string(kContractVersion) + "\n";
   for (const auto& [type, hash] : hashes) {
     words += type + " " + hash + "\n";
-    const std::string text = contentsOf(kTypes / (type + ".lcm"));
+    const std::string text = support::readFile(kTypes / (type + ".lcm"));
     for (std::sregex_iterator match(text.begin(), text.end(), constant), end; match != end;
          ++match) {
       words += type + "." + (*match)[1].str() + " = " + (*match)[2].str() + "\n";
@@ -76,8 +73,9 @@ TEST(Contract, CoversEveryTypeOfItsFolder) {
 
 TEST(Contract, ChangesOnlyWithItsVersion) {
   const std::string now = contractInWords();
-  const fs::path proposal = fs::temp_directory_path() / "lab_contract.txt";
-  const bool same = now == contentsOf(kPinned);
+  const fs::path proposal =
+      fs::temp_directory_path() / ("lab_contract_" + std::to_string(getpid()) + ".txt");
+  const bool same = now == support::readFile(kPinned);
   if (!same) std::ofstream(proposal) << now;
   EXPECT_TRUE(same) << "the contract is no longer the one in " << kPinned
                     << ". lcmtypes/README.md, \"Versions\", says what a change needs; the new text "

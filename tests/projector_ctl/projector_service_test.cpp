@@ -18,6 +18,7 @@
 #include "common/loop/virtual_loop.hpp"
 #include "common/math/units.hpp"
 #include "light/field/raster.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace lab::projector {
 namespace {
@@ -44,7 +45,7 @@ class ProjectorServiceTest : public testing::Test {
 
   void start(const std::filesystem::path& pictures = {}) {
     dut = std::make_unique<ProjectorService>(
-        ServiceContext{node, loop, experiment, testing::TempDir()}, pictures);
+        ServiceContext{node, loop, experiment, folder.path()}, pictures);
     node.start();
   }
 
@@ -194,7 +195,7 @@ TEST_F(ProjectorServiceTest, FramesStayOnTheClockForAnHour) {
 
 TEST_F(ProjectorServiceTest, ShowsTheImagesOfTheExperiment) {
   const std::string name = "projector_service_test.png";
-  const std::filesystem::path path = testing::TempDir() + name;
+  const std::filesystem::path path = folder / name;
   const std::vector<std::uint8_t> png = light::encodePng(2, 1, std::vector<std::uint8_t>{0, 255});
   ASSERT_EQ(light::writeFile(path, png), std::nullopt);
   LightStep step;
@@ -203,7 +204,6 @@ TEST_F(ProjectorServiceTest, ShowsTheImagesOfTheExperiment) {
   picture.image = name;
   experiment.light.steps.push_back(step);
   start();
-  std::filesystem::remove(path);
 
   light::Layer layer{.kind = light::LayerKind::kImage, .x = 0.6, .y = 0.45, .size = 1.2};
   layer.inner = 0.9;
@@ -251,7 +251,7 @@ TEST_F(ProjectorServiceTest, NamesAMissingImageAtStart) {
 }
 
 TEST_F(ProjectorServiceTest, SavesAPictureOfEachNewFieldAfterItsCrossFade) {
-  const std::filesystem::path directory = testing::TempDir() + "projector_service_pictures";
+  const std::filesystem::path directory = folder / "pictures";
   std::filesystem::create_directory(directory);
   start(directory);
   runTo(0.5);
@@ -266,7 +266,6 @@ TEST_F(ProjectorServiceTest, SavesAPictureOfEachNewFieldAfterItsCrossFade) {
   const light::DecodedImage bright =
       light::loadImage(directory / ("light_" + std::to_string(kEpoch + 1'000'000) + ".png"));
   const auto files = std::distance(std::filesystem::directory_iterator(directory), {});
-  std::filesystem::remove_all(directory);
   ASSERT_TRUE(safe.image) << safe.error;
   ASSERT_TRUE(bright.image) << bright.error;
   EXPECT_EQ(files, 2);

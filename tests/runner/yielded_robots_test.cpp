@@ -43,11 +43,11 @@ TEST(YieldedRobots, StandAndDriveDoNotYield) {
   }
 }
 
-TEST(YieldedRobots, TheLastCommandsLeaseCounts) {
+TEST(YieldedRobots, TheLatestLeaseApplies) {
   YieldedRobots dut;
   dut.take(commandOf(robot_order_t::TABLE, {1}, 2000), 0);
   dut.take(commandOf(robot_order_t::STAND, {1}, 1), 100'000);
-  EXPECT_FALSE(dut.contains(1, 101'000)) << "given back";
+  EXPECT_FALSE(dut.contains(1, 101'000)) << "the shorter lease is over";
   dut.take(commandOf(robot_order_t::STAND, {1}, -5), 200'000);
   EXPECT_FALSE(dut.contains(1, 200'000));
   EXPECT_THAT(dut.without(commandOf(robot_order_t::TABLE, {}, 1), 0).orders[0].robot_ids,

@@ -6,15 +6,15 @@
 namespace lab::detector::testing {
 namespace {
 
-constexpr int kFine = 4;  // points across a pixel
+constexpr int kFine = 4;  // points per pixel and axis
 
 double paintAt(const CirclePicture& p, double x, double y) {
   const double dx = x - p.x;
   const double dy = y - p.y;
   const double u = static_cast<double>(p.shape.m[0]) * dx + static_cast<double>(p.shape.m[1]) * dy;
   const double v = static_cast<double>(p.shape.m[2]) * dx + static_cast<double>(p.shape.m[3]) * dy;
-  // Distance from the outline over the length of its gradient; the border is as wide as the grid,
-  // so that the grid does not show.
+  // Distance from the outline, to first order: value over gradient. The border is one grid point
+  // wide to avoid aliasing.
   const double q = std::sqrt(u * u + v * v);
   const double gx = (static_cast<double>(p.shape.m[0]) * u + static_cast<double>(p.shape.m[2]) * v);
   const double gy = (static_cast<double>(p.shape.m[1]) * u + static_cast<double>(p.shape.m[3]) * v);
@@ -41,7 +41,7 @@ std::vector<double> gaussian(double sigma) {
   return kernel;
 }
 
-// Blurs along rows and turns rows into columns; twice is the whole blur.
+// Blurs along the rows and transposes; applied twice it is the two-dimensional blur.
 std::vector<double> blurTurned(const std::vector<double>& in, int size,
                                const std::vector<double>& kernel) {
   const int reach = static_cast<int>(kernel.size() / 2);
@@ -105,7 +105,7 @@ optics::GreyImage shoot(const CirclePicture& p, const std::vector<double>& exact
 }
 
 DiscShape roundShape(double radius, double stretch, double turn) {
-  // Turn the long axis onto x, shrink by the half axes, turn back.
+  // Rotate the long axis onto x, divide by the half axes, rotate back.
   const double c = std::cos(turn);
   const double s = std::sin(turn);
   const double a = 1 / (radius * std::sqrt(stretch));

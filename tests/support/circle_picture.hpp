@@ -1,6 +1,6 @@
-/// Pictures of one circle, painted exactly: for the tests and the benchmark of the circle fit.
-/// Shares nothing with the model that is fitted: light and paint are multiplied on a grid of 4 x 4
-/// points a pixel, then blurred, then averaged over each pixel.
+/// Exact pictures of one circle, for the tests and the benchmark of the circle fit. Independent of
+/// the fitted model: light and paint are multiplied on a grid of 4 x 4 points per pixel, blurred,
+/// and averaged over each pixel.
 #pragma once
 
 #include <functional>
@@ -20,30 +20,31 @@ struct CirclePicture {
   double ratio = 0.0814;     ///< black paint / white paint
   double white = 190;        ///< [DN] of the cap in full light, above black
   double sensor_hole = 0;    ///< [rad] direction of the hole in the cap
-  double hole_distance = 0;  ///< [px] of the hole from the centre; 0: no hole
+  double hole_distance = 0;  ///< [px] from the centre to the hole; 0 for no hole
   double hole_radius = 0;    ///< [px]
   optics::Imaging imaging;
   double grain = 0.006;  ///< [1] standard deviation of each pixel's sensitivity
-  /// Light at a place relative to full light; empty: 1 everywhere.
+  /// Light at a place relative to full light; 1 everywhere if empty.
   std::function<double(double x, double y)> light;
-  /// Paint at a place where there is no circle; empty: white.
+  /// Paint outside the circle; white if empty.
   std::function<double(double x, double y)> around;
 };
 
-/// The picture without noise, [DN] row by row, not clipped.
+/// The picture without noise, row by row [DN], not clipped.
 std::vector<double> paintExact(const CirclePicture& picture);
 
-/// One shot of it: grain, shot noise, read noise, rounding, clipping at 0 and 255.
+/// One exposure with grain, shot noise, read noise, rounding, and clipping at 0 and 255.
 optics::GreyImage shoot(const CirclePicture& picture, std::mt19937_64& random);
 
-/// Another shot of what paintExact() gave.
+/// One exposure of the result of paintExact().
 optics::GreyImage shoot(const CirclePicture& picture, const std::vector<double>& exact,
                         std::mt19937_64& random);
 
-/// An outline of this radius [px], its axis in direction `turn` longer by `stretch`.
+/// An ellipse of mean radius `radius` [px]; the axis in direction `turn` [rad] is longer by the
+/// factor `stretch`.
 DiscShape roundShape(double radius, double stretch = 1, double turn = 0);
 
-/// 0 left of an edge, 1 right of it, soft over about `width` [px] on each side.
+/// A smooth step from 0 to 1 at an edge, over about `width` [px] on each side.
 double softStep(double distance, double width);
 
 }  // namespace lab::detector::testing

@@ -1,10 +1,8 @@
-/// Experiment files to test with.
+/// Experiment files for tests.
 #pragma once
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -13,7 +11,7 @@
 
 namespace lab {
 
-/// The least that is an experiment, and light and robots of its own.
+/// A minimal valid experiment.
 inline constexpr std::string_view kSmall = R"(fileversion = 1
 name = "small"
 duration_s = 60
@@ -27,12 +25,13 @@ epsilon_s = 0.5
 eta_rad_s = 3
 )";
 
+/// kSmall with `more` appended and with overrides.
 inline Experiment small(std::string_view more = {},
                         const std::vector<std::string>& overrides = {}) {
   return parseExperiment(std::string(kSmall) + std::string(more), "small.toml", overrides);
 }
 
-/// The problems of kSmall and `more`, none: it is fine.
+/// The problems of kSmall with `more`; empty if it is valid.
 inline std::vector<std::string> problemsOf(std::string_view more,
                                            const std::vector<std::string>& overrides = {}) {
   try {
@@ -43,12 +42,7 @@ inline std::vector<std::string> problemsOf(std::string_view more,
   return {};
 }
 
-inline std::string readText(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
-
-/// The *.toml files of a folder below the project's root, in order.
+/// The *.toml files of a folder below the project's root, sorted.
 inline std::vector<std::filesystem::path> tomlFiles(const std::string& folder) {
   std::vector<std::filesystem::path> files;
   for (const auto& entry :

@@ -1,10 +1,11 @@
-/// Pictures and movies that tests make for themselves.
+/// Synthetic pictures and movies for tests.
 #pragma once
 
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <stdexcept>
 #include <string>
 
 #include "light/field/image.hpp"
@@ -12,7 +13,7 @@
 
 namespace lab {
 
-/// A picture that differs from that of every other number in every pixel.
+/// A picture that depends on `number` in every pixel.
 inline optics::GreyImage pictureOf(int number, int width = 32, int height = 24) {
   optics::GreyImage image(width, height);
   for (int y = 0; y < height; ++y) {
@@ -23,6 +24,7 @@ inline optics::GreyImage pictureOf(int number, int width = 32, int height = 24) 
   return image;
 }
 
+/// Whether every pixel is within `slack` of pictureOf(number).
 inline bool isPictureOf(const optics::GreyView& grey, int number, int slack = 0) {
   const optics::GreyImage wanted = pictureOf(number, grey.width, grey.height);
   const optics::GreyView view = wanted.view();
@@ -40,13 +42,13 @@ inline void writePng(const std::filesystem::path& path, const optics::GreyImage&
   if (problem) throw std::runtime_error(*problem);
 }
 
-/// Whether the program that reads movies is installed.
+/// Whether ffmpeg and ffprobe are installed.
 inline bool hasFfmpeg() {
   return std::system("ffmpeg -version >/dev/null 2>&1 && ffprobe -version >/dev/null 2>&1") == 0;
 }
 
 /// A movie of pictureOf(0), pictureOf(1), ... at 10 frames a second.
-/// @param options of ffmpeg for its output: codec and pixels
+/// @param options output options of ffmpeg: codec and pixel format
 inline void writeMovie(const std::filesystem::path& path, int frames, const std::string& options,
                        int width = 32, int height = 24) {
   const std::filesystem::path raw = path.string() + ".raw";

@@ -9,21 +9,9 @@
 #include <fstream>
 #include <iterator>
 #include <stdexcept>
-#include <thread>
 
 namespace lab::system_test {
 namespace fs = std::filesystem;
-
-TemporaryFolder::TemporaryFolder() {
-  std::string pattern = (fs::temp_directory_path() / "lab-test-XXXXXX").string();
-  if (mkdtemp(pattern.data()) == nullptr) throw std::runtime_error("cannot make " + pattern);
-  path_ = pattern;
-}
-
-TemporaryFolder::~TemporaryFolder() {
-  std::error_code ignored;
-  fs::remove_all(path_, ignored);
-}
 
 Background::Background(const std::string& command) {
   const std::string output = (folder_.path() / "output").string();
@@ -41,7 +29,7 @@ Background::Background(const std::string& command) {
 Background::~Background() {
   if (running()) {
     kill(-pid_, SIGTERM);
-    if (!waitFor([this] { return !running(); }, std::chrono::seconds(5))) kill(-pid_, SIGKILL);
+    if (!waitUntil([this] { return !running(); }, std::chrono::seconds(5))) kill(-pid_, SIGKILL);
   }
   if (!ended_) waitpid(pid_, &status_, 0);
 }
@@ -58,8 +46,8 @@ std::string Background::output() const {
   return fs::exists(file) ? readFile(file) : "";
 }
 
-Finished Background::wait(std::chrono::seconds patience) {
-  if (!waitFor([this] { return !running(); }, patience)) {
+Finished Background::wait(std::chrono::seconds timeout) {
+  if (!waitUntil([this] { return !running(); }, timeout)) {
     kill(-pid_, SIGKILL);
     waitpid(pid_, &status_, 0);
     ended_ = true;
@@ -68,17 +56,8 @@ Finished Background::wait(std::chrono::seconds patience) {
   return {WIFEXITED(status_) ? WEXITSTATUS(status_) : -WTERMSIG(status_), output()};
 }
 
-Finished run(const std::string& command, std::chrono::seconds patience) {
-  return Background(command).wait(patience);
-}
-
-bool waitFor(const std::function<bool()>& condition, std::chrono::milliseconds patience) {
-  const auto deadline = std::chrono::steady_clock::now() + patience;
-  while (!condition()) {
-    if (std::chrono::steady_clock::now() > deadline) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
-  }
-  return true;
+Finished run(const std::string& command, std::chrono::seconds timeout) {
+  return Background(command).wait(timeout);
 }
 
 fs::path onlyRun(const fs::path& parent) {
@@ -91,12 +70,6 @@ fs::path onlyRun(const fs::path& parent) {
 }
 
 nlohmann::json readJson(const fs::path& file) { return nlohmann::json::parse(readFile(file)); }
-
-std::string readFile(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw std::runtime_error("no file " + file.string());
-  return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-}
 
 std::vector<pid_t> processesWith(const std::string& text) {
   std::vector<pid_t> found;
@@ -121,7 +94,7 @@ std::vector<pid_t> childrenWith(pid_t parent, const std::string& text) {
     std::getline(stream, line);
     const auto after_name = line.rfind(')');
     if (after_name == std::string::npos) return true;
-    // ") S 123 ...": the state, then the parent.
+    // The text after the name is ") S 123 ...": state and parent.
     return std::stoi(line.substr(after_name + 4)) != parent;
   });
   return children;

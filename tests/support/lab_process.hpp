@@ -1,39 +1,31 @@
-/// The built `lab`, driven as a user would.
+/// Runs the built program `lab` as a user would.
 #pragma once
 
 #include <sys/types.h>
 
 #include <chrono>
 #include <filesystem>
-#include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
+#include "tests/support/temporary_folder.hpp"
+#include "tests/support/text_file.hpp"
+#include "tests/support/wait_until.hpp"
+
 namespace lab::system_test {
 
-/// A folder that goes away with the object.
-class TemporaryFolder {
- public:
-  TemporaryFolder();
-  ~TemporaryFolder();
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
+using support::readFile;
 
 struct Finished {
-  int exit_code = -1;  ///< -signal when it was killed
+  int exit_code = -1;  ///< negative signal number if it was killed
   std::string output;  ///< stdout and stderr
 };
 
-/// A command in the background, in a process group of its own; it is killed with the object.
+/// A command in the background, in its own process group. The destructor kills it.
 class Background {
  public:
-  /// @param command for the shell; `lab` and the services are found in the build's folder.
+  /// @param command shell command; `lab` and the services are taken from the build folder
   explicit Background(const std::string& command);
   ~Background();
   Background(const Background&) = delete;
@@ -42,10 +34,10 @@ class Background {
   void signal(int number) const;
   [[nodiscard]] pid_t pid() const { return pid_; }
   [[nodiscard]] bool running();
-  /// What it has printed so far.
+  /// The output so far.
   [[nodiscard]] std::string output() const;
-  /// Waits for its end.
-  Finished wait(std::chrono::seconds patience);
+  /// Waits for its end; kills it after the timeout.
+  Finished wait(std::chrono::seconds timeout);
 
  private:
   TemporaryFolder folder_;
@@ -55,24 +47,20 @@ class Background {
 };
 
 /// Runs a command to its end.
-Finished run(const std::string& command, std::chrono::seconds patience = std::chrono::seconds(60));
+Finished run(const std::string& command, std::chrono::seconds timeout = std::chrono::seconds(60));
 
-/// Waits until `condition`, at most this long. @return whether it came about.
-bool waitFor(const std::function<bool()>& condition, std::chrono::milliseconds patience);
-
-/// The only run folder in `parent`.
+/// The only run folder in `parent`. @throws std::runtime_error if there is not exactly one
 std::filesystem::path onlyRun(const std::filesystem::path& parent);
 
 nlohmann::json readJson(const std::filesystem::path& file);
-std::string readFile(const std::filesystem::path& file);
 
-/// Processes whose command line contains `text`, this one's excepted.
+/// Processes whose command line contains `text`, without this process.
 std::vector<pid_t> processesWith(const std::string& text);
 
 /// The children of a process whose command line contains `text`.
 std::vector<pid_t> childrenWith(pid_t parent, const std::string& text);
 
-/// Where the repository's experiments lie.
+/// The path of a shipped experiment.
 std::filesystem::path experiment(const std::string& name);
 
 }  // namespace lab::system_test

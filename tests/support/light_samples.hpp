@@ -1,4 +1,4 @@
-/// Layers that several tests of the light field use.
+/// Sample layers for tests of the light field.
 #pragma once
 
 #include <memory>
@@ -9,7 +9,7 @@
 
 namespace lab::light {
 
-/// A grey image of its own kind of name, so that tests need no file.
+/// A grey image named by the hash of its pixels; needs no file.
 inline std::shared_ptr<const Image> makeImage(int columns, int rows,
                                               std::vector<std::uint8_t> grey) {
   auto image = std::make_shared<Image>();
@@ -20,7 +20,7 @@ inline std::shared_ptr<const Image> makeImage(int columns, int rows,
   return image;
 }
 
-/// One valid layer of every kind that paints, turned and softened, none of them centred.
+/// One valid layer of every kind that draws, rotated, softened and off centre.
 inline std::vector<Layer> oneOfEachKind() {
   const auto image = makeImage(2, 2, {0, 255, 128, 64});
   Layer base{.x = 0.5, .y = 0.4, .angle = 0.7, .size = 0.3, .inner = 0.2, .softness = 0.02};

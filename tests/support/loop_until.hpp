@@ -1,4 +1,4 @@
-/// Running a live loop in a test until something has happened.
+/// Runs a live loop in a test until a condition is true.
 #pragma once
 
 #include <functional>
@@ -7,19 +7,20 @@
 
 namespace lab {
 
-/// @return whether it happened within 20 s: it does, or the test fails.
-inline bool loopUntil(AsioLoop& loop, const std::function<bool()>& happened) {
-  const std::int64_t patience = loop.now() + 20'000'000;
-  std::function<void()> look = [&] {
-    if (happened() || loop.now() > patience) {
+/// Runs `loop` and checks `condition` every millisecond, at most for 20 s.
+/// @return the last value of `condition`
+inline bool loopUntil(AsioLoop& loop, const std::function<bool()>& condition) {
+  const std::int64_t deadline = loop.now() + 20'000'000;
+  std::function<void()> check = [&] {
+    if (condition() || loop.now() > deadline) {
       loop.stop();
     } else {
-      loop.at(loop.now() + 1000, look);
+      loop.at(loop.now() + 1000, check);
     }
   };
-  look();
-  if (!happened()) loop.run();
-  return happened();
+  check();
+  if (!condition()) loop.run();
+  return condition();
 }
 
 }  // namespace lab

@@ -1,4 +1,4 @@
-/// Hosts of tests/two_hosts.sh, as a test sees them: their buses and their gateways.
+/// Access to the hosts of tests/two_hosts.sh: their LCM buses and gateways.
 #pragma once
 
 #include <fcntl.h>
@@ -38,7 +38,7 @@ inline std::string required(const std::string& variable) {
   return value;
 }
 
-/// Seconds of a clock that does not jump.
+/// Steady clock [s].
 inline double steadySeconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
@@ -49,15 +49,15 @@ inline std::int64_t wallUtime() {
       .count();
 }
 
-/// In another network as long as it lives: what is opened meanwhile stays there.
+/// Moves the thread into the network namespace of a process. Sockets opened meanwhile stay there.
 class NetworkNamespaceScope {
  public:
   explicit NetworkNamespaceScope(const std::string& process)
       : home_(open("/proc/self/ns/net", O_RDONLY | O_CLOEXEC)) {
-    const int there = open(("/proc/" + process + "/ns/net").c_str(), O_RDONLY | O_CLOEXEC);
-    const bool in = there >= 0 && setns(there, CLONE_NEWNET) == 0;
-    close(there);
-    if (!in) throw std::runtime_error("no way into the network of process " + process);
+    const int target = open(("/proc/" + process + "/ns/net").c_str(), O_RDONLY | O_CLOEXEC);
+    const bool in = target >= 0 && setns(target, CLONE_NEWNET) == 0;
+    close(target);
+    if (!in) throw std::runtime_error("cannot enter the network namespace of process " + process);
   }
   ~NetworkNamespaceScope() {
     static_cast<void>(setns(home_, CLONE_NEWNET));
@@ -70,7 +70,7 @@ class NetworkNamespaceScope {
   int home_;
 };
 
-/// A program on one of the hosts, ended with the object.
+/// A program on one of the hosts; the destructor ends it.
 class Program {
  public:
   Program(const std::string& process, std::vector<std::string> command) : id_(fork()) {
@@ -96,7 +96,7 @@ class Program {
   void signal(int number) const { kill(id_, number); }
   [[nodiscard]] pid_t id() const { return id_; }
 
-  /// Resident.
+  /// Resident memory [MB].
   [[nodiscard]] double megabytes() const {
     std::ifstream file("/proc/" + std::to_string(id_) + "/statm");
     double all = 0;
@@ -109,14 +109,16 @@ class Program {
   pid_t id_;
 };
 
+/// A message received on a bus.
 struct Message {
   std::string channel;
   std::vector<std::uint8_t> data;
-  double came = 0;  ///< [s] steadySeconds()
+  double came = 0;  ///< [s] time of arrival, as steadySeconds()
   std::string sender;
   std::int64_t seq = 0;
 };
 
+/// One host with its bus.
 class Host {
  public:
   explicit Host(const std::string& letter)
@@ -128,7 +130,7 @@ class Host {
     bus->subscribeAll([this](const Packet& packet) { hear(packet); });
   }
 
-  /// What passed on this bus by senders other than the gateways themselves.
+  /// Messages of a sender on a channel, without those of the gateways themselves.
   [[nodiscard]] std::vector<Message> of(std::string_view sender, std::string_view channel) const {
     std::vector<Message> found;
     for (const Message& message : heard) {
@@ -137,7 +139,7 @@ class Host {
     return found;
   }
 
-  /// What its own gateway says of a peer. state 0: nothing.
+  /// The report of its own gateway about a peer; state 0 if there is none.
   [[nodiscard]] link_peer_t peer(const std::string& host) const {
     for (const link_peer_t& row : status.peers) {
       if (row.host == host) return row;
@@ -151,17 +153,17 @@ class Host {
   std::unique_ptr<LcmBus> bus;
   std::vector<Message> heard;
   link_status_t status{};
-  std::vector<std::pair<std::string, int>> states;  ///< of peers, as they changed
+  std::vector<std::pair<std::string, int>> states;  ///< state changes of peers
 
  private:
   void hear(const Packet& packet) {
     if (packet.channel == channels::kLinkStatus) {
-      link_status_t said{};
-      if (decode(packet.data, said) && said.host == name) {
-        for (const link_peer_t& row : said.peers) {
+      link_status_t received{};
+      if (decode(packet.data, received) && received.host == name) {
+        for (const link_peer_t& row : received.peers) {
           if (peer(row.host).state != row.state) states.emplace_back(row.host, row.state);
         }
-        status = said;
+        status = received;
       }
       return;
     }
@@ -175,7 +177,7 @@ class Host {
   }
 };
 
-/// The hosts at work together.
+/// All hosts of a test.
 class Hosts {
  public:
   explicit Hosts(const std::vector<std::string>& letters) {
@@ -184,7 +186,7 @@ class Hosts {
 
   Host& operator[](std::size_t index) { return *all_[index]; }
 
-  /// Starts the gateway of a host, joined with all others.
+  /// Starts the gateway of a host, with all other hosts as peers.
   std::unique_ptr<Program> gateway(std::size_t index, std::int64_t clock_shift_us = 0,
                                    double most_offset = 0.005, const std::string& key = "run") {
     Host& host = *all_[index];
@@ -201,17 +203,18 @@ class Hosts {
     return std::make_unique<Program>(host.process, std::move(command));
   }
 
-  /// Hears all buses for so long.
+  /// Receives on all buses for `seconds`.
   void run(double seconds) {
     until([] { return false; }, seconds);
   }
 
-  /// Hears all buses until that is so. @return whether it came true in time.
-  bool until(const std::function<bool()>& so, double seconds) {
+  /// Receives on all buses until `condition` is true, at most for `seconds`.
+  /// @return the last value of `condition`
+  bool until(const std::function<bool()>& condition, double seconds) {
     const double end = steadySeconds() + seconds;
     std::vector<pollfd> waits;
     for (const auto& host : all_) waits.push_back({host->bus->fileDescriptor(), POLLIN, 0});
-    while (!so()) {
+    while (!condition()) {
       const double left = end - steadySeconds();
       if (left <= 0) return false;
       poll(waits.data(), waits.size(), static_cast<int>(std::min(left * 1e3 + 1, 20.0)));
@@ -220,7 +223,7 @@ class Hosts {
     return true;
   }
 
-  /// Whether each of these knows that many peers in this state.
+  /// Waits until every host reports at least `peers` peers in this state.
   bool untilState(std::int8_t state, std::size_t peers, double seconds) {
     return until(
         [&] {
@@ -234,8 +237,8 @@ class Hosts {
         seconds);
   }
 
-  /// Calls `publish` so often a second for so long, and hears meanwhile.
-  /// @return how often it was called
+  /// Calls `publish` at `rate` [1/s] for `seconds` and receives meanwhile.
+  /// @return number of calls
   int publishing(double rate, double seconds, const std::function<void(int)>& publish) {
     const double start = steadySeconds();
     const int count = static_cast<int>(rate * seconds);
@@ -251,7 +254,7 @@ class Hosts {
   std::vector<std::unique_ptr<Host>> all_;
 };
 
-/// Tells the router.
+/// Sends a command to the router of two_hosts.sh, as "cut B".
 inline void wire(const std::string& what) {
   const std::string command = required("TWO_HOSTS") + " " + what;
   if (std::system(command.c_str()) != 0) throw std::runtime_error("failed: " + command);

@@ -1,4 +1,4 @@
-/// A TCP client that sends any text, for tests of HTTP servers.
+/// An HTTP client that sends arbitrary bytes, including invalid requests.
 #pragma once
 
 #include <arpa/inet.h>
@@ -17,7 +17,7 @@ namespace lab::dashboard {
 
 class RawClient {
  public:
-  /// @param receive_buffer [byte], 0: the system's default
+  /// @param receive_buffer size [byte]; 0 for the default of the system
   /// @param address in network byte order
   explicit RawClient(int port, int receive_buffer = 0, in_addr_t address = htonl(INADDR_LOOPBACK))
       : socket_(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
@@ -51,8 +51,8 @@ class RawClient {
   /// Closes the sending direction.
   void endSending() { shutdown(socket_, SHUT_WR); }
 
-  /// Everything received so far, after waiting until `text` is part of it, the server closes or the
-  /// timeout.
+  /// Receives until the received bytes contain `text`, the server closes, or the timeout is over.
+  /// @return all bytes received so far
   const std::string& receive(std::string_view text,
                              std::chrono::milliseconds timeout = std::chrono::seconds(30)) {
     const auto deadline = std::chrono::steady_clock::now() + timeout;
@@ -69,7 +69,7 @@ class RawClient {
     return received_;
   }
 
-  /// Everything until the server closes.
+  /// Receives until the server closes the connection.
   const std::string& receiveAll() { return receive({}); }
 
  private:
@@ -78,14 +78,14 @@ class RawClient {
   std::string received_;
 };
 
-/// Sends a request. @return the response
+/// Sends a request. @return the complete response
 inline std::string exchange(int port, std::string_view request) {
   RawClient client(port);
   client.send(request);
   return client.receiveAll();
 }
 
-/// Returns "403" for "HTTP/1.1 403 Forbidden ...".
+/// The status of a response: "403" for "HTTP/1.1 403 Forbidden ...".
 inline std::string statusOf(const std::string& answer) {
   return answer.starts_with("HTTP/1.1 ") ? answer.substr(9, 3) : "none";
 }

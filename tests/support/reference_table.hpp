@@ -1,3 +1,4 @@
+/// Reads tables of tests/reference.
 #pragma once
 
 #include <fstream>
@@ -8,7 +9,7 @@
 
 namespace lab::analysis {
 
-/// The rows of a reference table without comments and column names, split at the commas.
+/// The rows of a reference table, without comments and column names, split at commas.
 inline std::vector<std::vector<std::string>> readTable(const std::string& name) {
   const std::string path = LAB_REFERENCE_DIRECTORY "/" + name;
   std::ifstream file(path);

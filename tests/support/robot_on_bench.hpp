@@ -1,3 +1,4 @@
+/// The firmware of a robot with simulated electronics, without a loop or a serial port.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -14,8 +15,8 @@
 
 namespace lab::firmware {
 
-/// Electronics in memory. The line takes its bytes off a queue of the chip's size at the speed of
-/// 38400 baud; the EEPROM can fail.
+/// Simulated electronics. The UART takes bytes from a queue of the chip's size at 38400 baud; the
+/// EEPROM can fail.
 class BenchBoard final : public Board {
  public:
   static constexpr std::size_t kQueue = 127;
@@ -39,7 +40,7 @@ class BenchBoard final : public Board {
   }
   uint16_t stackLeft() const override { return 320; }
 
-  /// What leaves the line within a millisecond.
+  /// Advances by 1 ms. @return the bytes that the UART sent
   std::vector<uint8_t> passMs() {
     credit_ += kBytesPerMs;
     std::vector<uint8_t> bytes;
@@ -70,18 +71,18 @@ class BenchBoard final : public Board {
   double credit_ = 0;
 };
 
-/// A frame that the robot sent and the time when it was complete.
+/// A frame from the robot and the time at which it was complete.
 struct Heard {
   uint32_t t_ms = 0;
   wire::Frame frame;
 };
 
-/// One robot, its program driven every millisecond, with a host that counts its own seq.
+/// One robot whose firmware runs every millisecond, and a host that numbers its frames.
 class RobotOnBench {
  public:
   explicit RobotOnBench(uint32_t t0 = 0) : now_(t0) {}
 
-  /// A robot with settings in its EEPROM.
+  /// A robot with these settings in its EEPROM.
   explicit RobotOnBench(const Settings& settings) { encodeStore(settings, board_.store_.data()); }
 
   void boot(uint8_t reset_cause = wire::kResetPower) {
@@ -94,7 +95,7 @@ class RobotOnBench {
     device_->boot(now_);
   }
 
-  /// Lets ms pass.
+  /// Runs for `ms` milliseconds.
   void run(uint32_t ms) {
     for (uint32_t i = 0; i < ms; ++i) {
       ++now_;
@@ -104,7 +105,7 @@ class RobotOnBench {
     }
   }
 
-  /// Sends a message with the next seq, all its bytes now; returns that seq.
+  /// Sends a message with the next seq, all bytes at once. @return the seq
   template <class Message>
   uint8_t send(const Message& message) {
     sendAgain(message, ++seq_);
@@ -124,7 +125,7 @@ class RobotOnBench {
     for (uint8_t i = 0; i < size; ++i) device_->receive(now_, 250, bytes[i]);
   }
 
-  /// Sends a command and lets 60 ms pass; its answer. No answer is a failure.
+  /// Sends a command and runs for 60 ms. @return the answer; a missing answer is a test failure
   template <class Message>
   wire::Ack command(const Message& message) {
     const std::size_t before = heard_.size();
@@ -138,7 +139,7 @@ class RobotOnBench {
     return {};
   }
 
-  /// All messages of a type heard so far, oldest first.
+  /// All messages of a type received so far, oldest first.
   template <class Message>
   std::vector<Message> all() const {
     std::vector<Message> messages;
@@ -149,7 +150,7 @@ class RobotOnBench {
     return messages;
   }
 
-  /// The latest message of a type; there must be one.
+  /// The latest message of a type; a missing one is a test failure.
   template <class Message>
   Message last() const {
     const std::vector<Message> messages = all<Message>();
@@ -166,7 +167,7 @@ class RobotOnBench {
     return codes;
   }
 
-  /// Stages the settings and applies them; the answer to APPLY.
+  /// Sends the settings and applies them. @return the answer to APPLY
   wire::Ack configure(const dynamics::CoreSettings& settings) {
     for (uint8_t slot = 0; slot < dynamics::kSlots; ++slot) {
       EXPECT_EQ(command(wire::programMessage(settings, slot)).status, wire::kOk);
@@ -214,7 +215,7 @@ class RobotOnBench {
   uint16_t config_ = 0;
 };
 
-/// ABP in slot 0 on light 0..512, RTP in slot 1 above.
+/// ABP in slot 0 for light 0..512, RTP in slot 1 for light above.
 inline dynamics::CoreSettings twoPrograms() {
   dynamics::CoreSettings s;
   s.light.count = 2;
@@ -232,7 +233,7 @@ inline dynamics::CoreSettings twoPrograms() {
   return s;
 }
 
-/// A robot that has settings and runs the ABP of twoPrograms under a lease.
+/// Boots and configures a robot with twoPrograms(); it runs ABP under a lease.
 inline void startPrograms(RobotOnBench& robot, uint32_t lease_ms) {
   robot.boot();
   EXPECT_EQ(robot.configure(twoPrograms()).status, wire::kOk);

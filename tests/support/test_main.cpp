@@ -1,4 +1,4 @@
-// The main program of tests that share one: runs the tests of the sources named, all if none is.
+// The main program of a test group: runs the tests of the source files named as arguments, or all.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -8,7 +8,7 @@
 
 namespace {
 
-// What --gtest_filter calls the tests of each source.
+// The --gtest_filter of the tests in each source file.
 std::map<std::string, std::string> filtersBySource() {
   std::map<std::string, std::string> filters;
   const auto& all = *testing::UnitTest::GetInstance();
@@ -28,17 +28,17 @@ std::map<std::string, std::string> filtersBySource() {
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);
   const auto filters = filtersBySource();
-  std::string wanted;
+  std::string selected;
   for (int i = 1; i < argc; ++i) {
-    const auto found = filters.find(argv[i]);
+    const auto found = filters.find(std::filesystem::path(argv[i]).filename());
     if (found == filters.end()) {
-      std::cerr << argv[0] << ": no test of " << argv[i] << " here; there are those of";
+      std::cerr << argv[0] << ": no tests of " << argv[i] << "; this program has the tests of";
       for (const auto& [source, filter] : filters) std::cerr << ' ' << source;
       std::cerr << '\n';
       return 2;
     }
-    wanted += found->second;
+    selected += found->second;
   }
-  if (!wanted.empty()) GTEST_FLAG_SET(filter, wanted);
+  if (!selected.empty()) GTEST_FLAG_SET(filter, selected);
   return RUN_ALL_TESTS();
 }

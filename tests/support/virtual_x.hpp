@@ -1,4 +1,4 @@
-/// An X server of a test's own, which nobody sees, and what is on its screen.
+/// A virtual X server for tests, and the contents of its screen.
 #pragma once
 
 #include <X11/Xlib.h>
@@ -16,7 +16,7 @@
 
 namespace lab::projector {
 
-/// Xvfb on a free display number, named by DISPLAY, until destruction.
+/// Runs Xvfb on a free display number and sets DISPLAY. The destructor ends it.
 class VirtualX {
  public:
   VirtualX(int width, int height) {
@@ -24,11 +24,11 @@ class VirtualX {
     if (pipe(ends) != 0) return;
     process_ = fork();
     if (process_ == 0) {
-      prctl(PR_SET_PDEATHSIG, SIGTERM);  // however this process ends
+      prctl(PR_SET_PDEATHSIG, SIGTERM);  // even if this process is killed
       const std::string size = std::to_string(width) + "x" + std::to_string(height) + "x24";
       const std::string number = std::to_string(ends[1]);
       dup2(open("/dev/null", O_WRONLY), STDERR_FILENO);
-      // -noreset: else the server begins anew when its last client leaves, and turns away the
+      // -noreset: otherwise the server resets when its last client leaves, and may refuse the
       // window that the next test opens at that moment.
       execlp("Xvfb", "Xvfb", "-displayfd", number.c_str(), "-screen", "0", size.c_str(), "-noreset",
              "-nolisten", "tcp", static_cast<char*>(nullptr));
@@ -38,7 +38,7 @@ class VirtualX {
     std::string number;
     char digit = 0;
     pollfd ready{ends[0], POLLIN, 0};
-    while (poll(&ready, 1, kPatience) == 1 && read(ends[0], &digit, 1) == 1 && digit != '\n') {
+    while (poll(&ready, 1, kTimeout) == 1 && read(ends[0], &digit, 1) == 1 && digit != '\n') {
       number += digit;
     }
     close(ends[0]);
@@ -55,10 +55,10 @@ class VirtualX {
     waitpid(process_, nullptr, 0);
   }
 
-  /// False: there is no Xvfb here.
+  /// False if Xvfb is not installed or did not start.
   [[nodiscard]] bool runs() const { return !name_.empty(); }
 
-  /// Red, green and blue of the whole screen, row by row: 0xRRGGBB.
+  /// The pixels of the whole screen, row by row, as 0xRRGGBB.
   [[nodiscard]] std::vector<unsigned> screen() const {
     ::Display* const display = XOpenDisplay(name_.c_str());
     if (display == nullptr) return {};
@@ -79,7 +79,7 @@ class VirtualX {
   }
 
  private:
-  static constexpr int kPatience = 20'000;  // [ms]
+  static constexpr int kTimeout = 20'000;  // [ms]
 
   pid_t process_ = -1;
   std::string name_;

@@ -1,3 +1,4 @@
+/// The host side of a robot's serial line, for tests.
 #pragma once
 
 #include <array>
@@ -12,7 +13,7 @@
 
 namespace lab::sim {
 
-/// A host at the other end of a robot's line, as small as can be.
+/// A minimal host at the other end of a robot's line.
 class WireHost {
  public:
   WireHost(SerialPorts& ports, const std::string& name) : port_(ports.open(name, 38400)) {
@@ -29,7 +30,7 @@ class WireHost {
     if (taken != size) throw SerialError("the line is full");
   }
 
-  /// Puts settings in force and logs every draw.
+  /// Applies settings and seed, and switches on the step log.
   void configure(const dynamics::CoreSettings& settings, std::uint64_t seed) {
     for (std::uint8_t slot = 0; slot < dynamics::kSlots; ++slot) {
       send(wire::programMessage(settings, slot));
@@ -50,14 +51,14 @@ class WireHost {
     order.config = apply.config;
   }
 
-  /// Lets the light select the program from now on.
+  /// Lets the light select the program, under a lease.
   void run(std::uint32_t lease_ms) {
     order.mode = wire::Order::kTable;
     order.lease_ms = lease_ms;
     send(order);
   }
 
-  /// All messages of a kind so far.
+  /// All messages of a type received so far.
   template <class Message>
   [[nodiscard]] std::vector<Message> all() const {
     std::vector<Message> messages;

@@ -1,5 +1,4 @@
-/// A robot's own program on a line, for tests: its electronics, its UART and everything that can go
-/// wrong between it and the host.
+/// The firmware of a robot on a serial line, for tests: electronics, UART, and errors on the line.
 #pragma once
 
 #include <algorithm>
@@ -21,18 +20,18 @@
 
 namespace lab::bridge {
 
-/// What a test may do to a robot and its line.
+/// Options of the robot and its line.
 struct WireRobotOptions {
   int baud = 38400;
   std::uint32_t uid = 0;
-  double clock_rate = 1;             ///< of the robot's clock against the host's
+  double clock_rate = 1;             ///< rate of the robot's clock relative to the host's
   std::uint32_t clock_start_ms = 0;  ///< its reading at boot
-  std::int64_t delay_us = 0;         ///< before the robot hears what it was sent
-  double bit_error_rate = 0;         ///< each bit, both ways
+  std::int64_t delay_us = 0;         ///< delay of bytes to the robot
+  double bit_error_rate = 0;         ///< per bit, in both directions
   std::uint64_t error_seed = 1;
 };
 
-/// Runs every millisecond of the loop. Bytes pass the line one after the other at its speed.
+/// Runs once per millisecond of the loop. Bytes pass the line at its baud rate.
 class WireRobot {
  public:
   WireRobot(Loop& loop, SerialPorts& ports, const WireRobotOptions& options)
@@ -44,7 +43,7 @@ class WireRobot {
   void plug(const std::string& name) { port_ = ports_.offer(name); }
   void unplug() { port_.reset(); }
 
-  /// Boots for the first time ever, with the store as it was made.
+  /// Boots for the first time, with a new EEPROM.
   void begin() {
     firmware::Settings settings;
     settings.uid = options_.uid;
@@ -53,7 +52,7 @@ class WireRobot {
     boot(wire::kResetPower);
   }
 
-  /// Restarts the program, as after a reset.
+  /// Restarts the firmware, as after a reset.
   void boot(std::uint8_t cause) {
     firmware::BootFacts facts;
     facts.reset_cause = cause;
@@ -66,10 +65,10 @@ class WireRobot {
     device_->boot(nowMs());
   }
   void switchOff() { device_.reset(); }
-  /// Loses what it wanted to say and has not yet said.
+  /// Drops the bytes that are not sent yet.
   void loseOutput() { to_line_.clear(); }
 
-  /// Says this instead of what the program says, before its next frame.
+  /// Sends these bytes before the next frame of the firmware.
   void babble(const std::vector<std::uint8_t>& bytes) {
     to_line_.insert(to_line_.end(), bytes.begin(), bytes.end());
   }
@@ -178,7 +177,8 @@ class WireRobot {
   std::array<std::uint8_t, 1024> store_{};
   std::unique_ptr<SerialPort> port_;
   std::optional<firmware::Device> device_;
-  std::deque<std::pair<std::uint8_t, std::int64_t>> to_robot_;  ///< and when it was sent
+  std::deque<std::pair<std::uint8_t, std::int64_t>>
+      to_robot_;  ///< with the time at which they were sent
   std::deque<std::uint8_t> to_line_;
   double receive_credit_ = 0;
   double transmit_credit_ = 0;

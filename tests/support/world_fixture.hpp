@@ -1,3 +1,4 @@
+/// Programs, hardware and light for tests of the simulated world.
 #pragma once
 
 #include <cmath>
@@ -8,7 +9,7 @@
 
 namespace lab::sim {
 
-inline constexpr std::int64_t kSecond = 1000000;  // microseconds
+inline constexpr std::int64_t kSecond = 1000000;  // [us]
 
 inline dynamics::ProgramParams abpProgram(double v = 0.03, double epsilon = 0.5, double eta = 3) {
   dynamics::RobotProgram p;
@@ -45,7 +46,7 @@ inline dynamics::ProgramParams wheelsProgram(double left, double right) {
   return dynamics::toProgramParams(p).params;
 }
 
-/// One program whatever the light.
+/// Settings that run one program for any light.
 inline dynamics::CoreSettings always(const dynamics::ProgramParams& program) {
   dynamics::CoreSettings settings;
   settings.light.count = 1;
@@ -54,7 +55,7 @@ inline dynamics::CoreSettings always(const dynamics::ProgramParams& program) {
   return settings;
 }
 
-/// Hardware without errors: ideal wheels, right clocks, boot at once.
+/// Hardware without errors: ideal wheels, exact clocks, immediate boot.
 inline WorldSettings idealHardware() {
   WorldSettings settings;
   settings.pwm_steps = false;
@@ -86,7 +87,7 @@ inline bool has(const RobotState& state, dynamics::CoreFlag flag) {
   return (state.core.flags & flag) != 0;
 }
 
-/// Light that steps from one value to another at a line x = edge.
+/// Light with a step at the line x = edge.
 class StepLight : public LightSampler {
  public:
   StepLight(double edge, double left, double right) : edge_(edge), left_(left), right_(right) {}

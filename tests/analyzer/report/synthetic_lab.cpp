@@ -1,8 +1,6 @@
 #include "tests/analyzer/report/synthetic_lab.hpp"
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 #include <lab/clock_t.hpp>
 #include <lab/experiment_command_t.hpp>
 #include <lab/experiment_event_t.hpp>
@@ -226,17 +224,5 @@ void SyntheticLab::markByHand(const std::string& text) {
 }
 
 void SyntheticLab::mark(const std::string& text) { publishEvent(experiment_event_t::MARK, text); }
-
-TemporaryFolder::TemporaryFolder() {
-  std::string name = (std::filesystem::temp_directory_path() / "lab_report_XXXXXX").string();
-  path_ = mkdtemp(name.data());
-}
-
-TemporaryFolder::~TemporaryFolder() { std::filesystem::remove_all(path_); }
-
-std::string readFile(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-}
 
 }  // namespace lab::report

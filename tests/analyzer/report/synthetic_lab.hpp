@@ -14,8 +14,12 @@
 #include "common/experiment/experiment.hpp"
 #include "common/loop/virtual_loop.hpp"
 #include "common/service/node.hpp"
+#include "tests/support/temporary_folder.hpp"
+#include "tests/support/text_file.hpp"
 
 namespace lab::report {
+
+using support::readFile;
 
 /// A program with its key in the experiment file.
 struct NamedProgram {
@@ -82,18 +86,5 @@ class SyntheticLab {
   std::int64_t step_utime_ = 0;
   bool lit_ = false;
 };
-
-/// A temporary folder for a test, removed by the destructor.
-class TemporaryFolder {
- public:
-  TemporaryFolder();
-  ~TemporaryFolder();
-  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
-
-[[nodiscard]] std::string readFile(const std::filesystem::path& path);
 
 }  // namespace lab::report

@@ -13,6 +13,7 @@
 #include "common/bus/channels.hpp"
 #include "common/bus/codec.hpp"
 #include "common/bus/log_file.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace lab {
 namespace {
@@ -111,8 +112,8 @@ TEST(ContractUpgrade, IgnoresPresentMessagesAndArbitraryBytes) {
 }
 
 TEST(ContractUpgrade, ConvertsMessagesOfOldLogs) {
-  const std::filesystem::path path = std::filesystem::path(testing::TempDir()) / "old.lcmlog";
-  std::filesystem::remove(path);
+  const TemporaryFolder folder;
+  const std::filesystem::path path = folder / "old.lcmlog";
   {
     LogWriter writer(path);
     lab_v3::light_status_t old{};

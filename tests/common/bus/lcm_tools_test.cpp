@@ -22,6 +22,7 @@
 #include "common/files/file_text.hpp"
 #include "common/loop/asio_loop.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "tests/support/text_file.hpp"
 
 namespace lab::stock_tools_test {
 namespace {

@@ -14,6 +14,7 @@
 #include "common/bus/channels.hpp"
 #include "common/files/file_text.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "tests/support/text_file.hpp"
 
 namespace lab::log_file_test {
 namespace {

@@ -9,6 +9,7 @@
 #include "common/math/random.hpp"
 #include "tests/support/experiment_samples.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "tests/support/text_file.hpp"
 
 namespace lab {
 namespace {
@@ -26,10 +27,6 @@ std::string problemsOfFile(const std::filesystem::path& file) {
     return error.what();
   }
   return "none";
-}
-
-void writeText(const std::filesystem::path& file, const std::string& text) {
-  std::ofstream(file, std::ios::binary) << text;
 }
 
 TEST(ExperimentFile, IsReadInSiUnits) {
@@ -224,15 +221,15 @@ TEST(ExperimentFile, ThatIsMissingOrADirectoryOrEmptyOrHugeOrNoTextIsRefused) {
   EXPECT_THAT(problemsOfFile(folder / "none.toml"), HasSubstr("none.toml: found no such file"));
   EXPECT_THAT(problemsOfFile(folder / "."), HasSubstr("found a directory"));
   EXPECT_THAT(problemsOfFile("/dev/null"), HasSubstr("/dev/null: found something that is no file"));
-  writeText(folder / "empty.toml", " \n\t\n");
+  support::writeFile(folder / "empty.toml", " \n\t\n");
   EXPECT_THAT(problemsOfFile(folder / "empty.toml"), HasSubstr("empty.toml: found an empty file"));
-  writeText(folder / "huge.toml", std::string(1'000'001, '#'));
+  support::writeFile(folder / "huge.toml", std::string(1'000'001, '#'));
   EXPECT_THAT(problemsOfFile(folder / "huge.toml"),
               HasSubstr("huge.toml: found 1000001 bytes, allowed at most 1000000"));
-  writeText(folder / "binary.toml", std::string("\x7f\x45LF\x02\x00\xff\xfe", 8));
+  support::writeFile(folder / "binary.toml", std::string("\x7f\x45LF\x02\x00\xff\xfe", 8));
   EXPECT_THAT(problemsOfFile(folder / "binary.toml"),
               HasSubstr("binary.toml:1:6: found no valid TOML"));
-  writeText(folder / "deep.toml", "a = " + std::string(100'000, '['));
+  support::writeFile(folder / "deep.toml", "a = " + std::string(100'000, '['));
   EXPECT_THAT(problemsOfFile(folder / "deep.toml"), HasSubstr("deep.toml:1:"));
 }
 
@@ -241,13 +238,13 @@ TEST(ExperimentFile, FindsImagesInItsFolder) {
   const std::string light =
       "[[light.steps]]\nat_s = 0\nlayers = [{kind = \"image\", file = \"dot.pgm\", width_cm = 30, "
       "height_cm = 30, intensity = 1}]\n";
-  writeText(folder / "x.toml", std::string(kSmall) + light);
+  support::writeFile(folder / "x.toml", std::string(kSmall) + light);
 
   EXPECT_THAT(problemsOfFile(folder / "x.toml"),
               HasSubstr("light.steps[0].layers[0].file: found \"dot.pgm\" (no such file)"));
-  writeText(folder / "dot.pgm", "P5 1 1 255\nx");
+  support::writeFile(folder / "dot.pgm", "P5 1 1 255\nx");
   EXPECT_EQ(problemsOfFile(folder / "x.toml"), "none");
-  writeText(folder / "dot.pgm", "no image");
+  support::writeFile(folder / "dot.pgm", "no image");
   EXPECT_THAT(problemsOfFile(folder / "x.toml"), HasSubstr("found \"dot.pgm\" (is not an image"));
 }
 

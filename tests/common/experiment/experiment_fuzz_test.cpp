@@ -5,6 +5,7 @@
 #include <string>
 
 #include "tests/support/experiment_samples.hpp"
+#include "tests/support/text_file.hpp"
 
 namespace lab {
 namespace {
@@ -25,7 +26,7 @@ int outcome(const std::string& text) {
 class DamagedExperiment : public ::testing::TestWithParam<std::filesystem::path> {};
 
 TEST_P(DamagedExperiment, TruncatedIsRefusedOrValid) {
-  const std::string text = readText(GetParam());
+  const std::string text = support::readFile(GetParam());
   int accepted = 0;
   for (std::size_t length = 0; length < text.size(); ++length) {
     accepted += outcome(text.substr(0, length));
@@ -36,7 +37,7 @@ TEST_P(DamagedExperiment, TruncatedIsRefusedOrValid) {
 
 TEST_P(DamagedExperiment, WithAReplacedByteIsRefusedOrValid) {
   constexpr std::array<char, 6> kBytes = {'\0', '"', '[', '9', '\xff', '\n'};
-  const std::string text = readText(GetParam());
+  const std::string text = support::readFile(GetParam());
   int accepted = 0;
   for (std::size_t i = 0; i < text.size(); ++i) {
     std::string damaged = text;
@@ -49,7 +50,7 @@ TEST_P(DamagedExperiment, WithAReplacedByteIsRefusedOrValid) {
 }
 
 TEST_P(DamagedExperiment, WithAMissingLineIsRefusedOrValid) {
-  const std::string text = readText(GetParam());
+  const std::string text = support::readFile(GetParam());
   int accepted = 0;
   for (std::size_t begin = 0; begin < text.size();) {
     const std::size_t end = text.find('\n', begin) + 1;

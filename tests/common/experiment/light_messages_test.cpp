@@ -8,6 +8,7 @@
 
 #include "common/bus/bus.hpp"
 #include "tests/support/light_samples.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace lab {
 namespace {
@@ -69,7 +70,7 @@ TEST(LightMessages, WithAnUnknownKindAreRefusedByValidate) {
 }
 
 TEST(ExperimentImages, AreLoadedOnceAndFoundByPathAndDigest) {
-  const std::filesystem::path directory = testing::TempDir();
+  const TemporaryFolder directory;
   const std::string name = "light_messages_test.png";
   const std::vector<std::uint8_t> png = light::encodePng(1, 1, std::vector<std::uint8_t>{9});
   ASSERT_EQ(light::writeFile(directory / name, png), std::nullopt);
@@ -80,8 +81,7 @@ TEST(ExperimentImages, AreLoadedOnceAndFoundByPathAndDigest) {
   experiment.light.steps[0].layers = {LayerSpec{}, layer};
   experiment.light.steps[1].layers = {layer};
 
-  const ExperimentImages dut = loadImages(experiment, directory);
-  std::filesystem::remove(directory / name);
+  const ExperimentImages dut = loadImages(experiment, directory.path());
 
   ASSERT_EQ(dut.store.size(), 1U);
   EXPECT_EQ(dut.digests.at(name), light::sha256(png));

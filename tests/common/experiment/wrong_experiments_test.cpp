@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "tests/support/experiment_samples.hpp"
+#include "tests/support/text_file.hpp"
 
 namespace lab {
 namespace {
@@ -17,7 +18,7 @@ constexpr std::string_view kExpect = "# expect ";
 
 std::vector<std::string> expectedProblems(const std::filesystem::path& file) {
   std::vector<std::string> problems;
-  std::istringstream lines(readText(file));
+  std::istringstream lines(support::readFile(file));
   for (std::string line; std::getline(lines, line);) {
     if (line.starts_with(kExpect)) {
       problems.push_back(file.string() + ":" + line.substr(kExpect.size()));
@@ -43,10 +44,6 @@ INSTANTIATE_TEST_SUITE_P(
     Files, WrongExperiment,
     ::testing::ValuesIn(tomlFiles("tests/common/experiment/wrong_experiments")),
     [](const auto& parameter) { return parameter.param.stem().string(); });
-
-TEST(WrongExperiments, AreFound) {
-  EXPECT_GT(tomlFiles("tests/common/experiment/wrong_experiments").size(), 80U);
-}
 
 }  // namespace
 }  // namespace lab

@@ -12,6 +12,7 @@
 #include "common/loop/virtual_loop.hpp"
 #include "common/serial/memory_serial.hpp"
 #include "common/serial/serial_devices.hpp"
+#include "tests/support/loop_until.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace lab::serial_ports_test {
@@ -48,20 +49,9 @@ class LinesInMemory final : public Lines {
 class LiveLines final : public Lines {
  public:
   SerialPorts& ports() override { return ports_; }
-  bool until(const std::function<bool()>& done) override {
-    done_ = done;
-    deadline_ = loop_.now() + 5'000'000;
-    loop_.soon([this] { look(); });
-    loop_.run();
-    return done();
-  }
+  bool until(const std::function<bool()>& done) override { return loopUntil(loop_, done); }
 
  private:
-  void look() {
-    if (done_() || loop_.now() > deadline_) return loop_.stop();
-    loop_.at(loop_.now() + 1'000, [this] { look(); });
-  }
-
   TemporaryFolder folder_;
   AsioLoop loop_;
   SerialDevices ports_{loop_, folder_ / "ports"};

@@ -3,6 +3,7 @@
 #include <fstream>
 
 #include "tests/dashboard/web/web_fixture.hpp"
+#include "tests/support/text_file.hpp"
 
 namespace lab::dashboard {
 namespace {
@@ -30,19 +31,14 @@ constexpr const char* kSummary = R"({"format": 1, "experiment": "abp", "duration
    "each_robot": [{"robot": 1, "verdict": "disagrees", "max_z": 9}]}],
   "losses": {"log": [{"channel": "A", "lost": 3}, {"channel": "B", "lost": 4}]}})";
 
-void write(const fs::path& path, const std::string& text) {
-  fs::create_directories(path.parent_path());
-  std::ofstream(path, std::ios::binary) << text;
-}
-
 void makeRun(const fs::path& folder) {
-  write(folder / "experiment.toml", "name = \"abp\"\n");
-  write(folder / "summary.json", kSummary);
-  write(folder / "provenance.json", R"({"started": "2026-01-31T12:00:00Z", "faults": []})");
-  write(folder / "report.html", "<html>report</html>");
-  write(folder / "trajectory_program.svg", "<svg/>");
-  write(folder / "figures" / "msd_abp.csv", "lag_s\n");
-  write(folder / "log.lcmlog", "secret");
+  support::writeFile(folder / "experiment.toml", "name = \"abp\"\n");
+  support::writeFile(folder / "summary.json", kSummary);
+  support::writeFile(folder / "provenance.json", R"({"started": "2026-01-31T12:00:00Z", "faults": []})");
+  support::writeFile(folder / "report.html", "<html>report</html>");
+  support::writeFile(folder / "trajectory_program.svg", "<svg/>");
+  support::writeFile(folder / "figures" / "msd_abp.csv", "lag_s\n");
+  support::writeFile(folder / "log.lcmlog", "secret");
 }
 
 TEST(RunList, ListsRunsWithTheirFacts) {
@@ -68,15 +64,15 @@ TEST(RunList, ListsRunsWithTheirFacts) {
 
 TEST(RunList, ListsDamagedAndIncompleteRunsWithAProblem) {
   const TemporaryFolder folder;
-  write(folder / "running-20260301T000000Z/experiment.toml", "");
+  support::writeFile(folder / "running-20260301T000000Z/experiment.toml", "");
   const std::string whole = kSummary;
-  write(folder / "broken-20260201T000000Z/summary.json", whole.substr(0, whole.size() / 2));
-  write(folder / "other-20260101T000000Z/summary.json", R"({"some": "thing"})");
-  write(folder / "odd-20251201T000000Z/summary.json",
+  support::writeFile(folder / "broken-20260201T000000Z/summary.json", whole.substr(0, whole.size() / 2));
+  support::writeFile(folder / "other-20260101T000000Z/summary.json", R"({"some": "thing"})");
+  support::writeFile(folder / "odd-20251201T000000Z/summary.json",
         R"({"format": 1, "programs": 3, "losses": [1]})");
-  write(folder / "odd-20251201T000000Z/provenance.json", R"({"started": 5, "faults": "x"})");
-  write(folder / "nothing/readme.txt", "");
-  write(folder / "file", "");
+  support::writeFile(folder / "odd-20251201T000000Z/provenance.json", R"({"started": 5, "faults": "x"})");
+  support::writeFile(folder / "nothing/readme.txt", "");
+  support::writeFile(folder / "file", "");
   RunList list(folder / "");
   std::vector<std::string> names;
   for (const PastRun& run : list.runs()) {
@@ -90,10 +86,10 @@ TEST(RunList, ListsDamagedAndIncompleteRunsWithAProblem) {
 
 TEST(RunList, NoticesChangedAndRemovedRuns) {
   const TemporaryFolder folder;
-  write(folder / "a/experiment.toml", "");
+  support::writeFile(folder / "a/experiment.toml", "");
   RunList list(folder / "");
   EXPECT_FALSE(list.runs().front().problem.empty());
-  write(folder / "a/summary.json", kSummary);
+  support::writeFile(folder / "a/summary.json", kSummary);
   EXPECT_TRUE(list.runs().front().problem.empty());
   fs::remove_all(folder / "a");
   EXPECT_THAT(list.runs(), IsEmpty());
@@ -102,7 +98,7 @@ TEST(RunList, NoticesChangedAndRemovedRuns) {
 TEST(RunList, ServesOnlyFilesOfTheReport) {
   const TemporaryFolder folder;
   makeRun(folder / "runs/a");
-  write(folder / "secret.json", "{}");
+  support::writeFile(folder / "secret.json", "{}");
   fs::create_symlink(folder / "secret.json", folder / "runs/a/link.json");
   fs::create_symlink(folder / "runs/a/summary.json", folder / "runs/a/inner.json");
   const RunList list(folder / "runs");
@@ -146,7 +142,7 @@ TEST_F(LibraryTest, RestrictsFilesOfRunsInTheBrowser) {
 TEST_F(LibraryTest, SendsLargeFilesCompletely) {
   std::string text;
   for (int i = 0; i < 400'000; ++i) text += std::to_string(i) + "\n";
-  write(folder_ / "runs/abp-20260131T120000Z/trajectories.csv", text);
+  support::writeFile(folder_ / "runs/abp-20260131T120000Z/trajectories.csv", text);
   EXPECT_THAT(send("GET", kRun + "trajectories.csv"), EndsWith("\r\n\r\n" + text));
 }
 
@@ -163,9 +159,9 @@ TEST_F(LibraryTest, ComparesRuns) {
   EXPECT_EQ(statusOf(send("GET", "/api/compare?runs=abp-20260131T120000Z,none")), "404");
   EXPECT_EQ(statusOf(send("GET", "/api/compare?runs=..%2f..")), "404");
   EXPECT_EQ(statusOf(send("GET", "/api/compare?runs=a,b,c,d,e,f,g,h,i")), "404");
-  write(folder_ / "runs/half/experiment.toml", "");
+  support::writeFile(folder_ / "runs/half/experiment.toml", "");
   EXPECT_EQ(statusOf(send("GET", "/api/compare?runs=half")), "409");
-  write(folder_ / "runs/half/summary.json", "{");
+  support::writeFile(folder_ / "runs/half/summary.json", "{");
   EXPECT_EQ(statusOf(send("GET", "/api/compare?runs=half")), "409");
 }
 

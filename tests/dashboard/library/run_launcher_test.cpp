@@ -6,6 +6,7 @@
 
 #include "dashboard/control/json_object_reader.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "tests/support/text_file.hpp"
 
 namespace lab::dashboard::run_launcher_test {
 namespace {
@@ -16,25 +17,20 @@ using nlohmann::json;
 using testing::HasSubstr;
 using testing::Not;
 
-void write(const fs::path& path, const std::string& text) {
-  fs::create_directories(path.parent_path());
-  std::ofstream(path, std::ios::binary) << text;
-}
-
 const std::atomic<bool> kNoStop = false;
 
 /// Uses a shell script in place of `lab`.
 class RunLauncherTest : public testing::Test {
  protected:
   RunLauncherTest() {
-    write(folder_ / "shipped/abp.toml", "name = \"abp\"\ndescription = \"ABP\"\n[programs.abp]\n");
-    write(folder_ / "own/mine.toml", "name = \"mine\"\n[[robots]]\nid = 1\n");
-    write(folder_ / "own/camera.toml", "width_px = 3\n");
-    write(folder_ / "own/broken.toml", "name = \n");
-    write(folder_ / "own/experiments/deep.toml", "[[robots]]\n");
+    support::writeFile(folder_ / "shipped/abp.toml", "name = \"abp\"\ndescription = \"ABP\"\n[programs.abp]\n");
+    support::writeFile(folder_ / "own/mine.toml", "name = \"mine\"\n[[robots]]\nid = 1\n");
+    support::writeFile(folder_ / "own/camera.toml", "width_px = 3\n");
+    support::writeFile(folder_ / "own/broken.toml", "name = \n");
+    support::writeFile(folder_ / "own/experiments/deep.toml", "[[robots]]\n");
   }
   void lab(const std::string& script) {
-    write(folder_ / "bin/lab", "#!/bin/sh\n" + script);
+    support::writeFile(folder_ / "bin/lab", "#!/bin/sh\n" + script);
     fs::permissions(folder_ / "bin/lab", fs::perms::owner_all);
   }
   json whenEnded() {
@@ -107,7 +103,7 @@ TEST_F(RunLauncherTest, StartsOneRunAndReportsItsProgress) {
   EXPECT_THAT(launcher_.started(false), Not(HasSubstr("secret")));
   EXPECT_THAT(launcher_.started(false), HasSubstr("#token=... now"));
   EXPECT_EQ(launcher_.start(order).status, 409);
-  write(folder_ / "go", "");
+  support::writeFile(folder_ / "go", "");
   EXPECT_EQ(whenEnded()["code"], 3);
   lab("echo \"$@\"\n");
   EXPECT_EQ(launcher_.start(R"({"file":"mine.toml","set":[],"virtual_time":true})").status, 202);

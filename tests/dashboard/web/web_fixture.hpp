@@ -12,6 +12,7 @@
 #include "dashboard/web/web_server.hpp"
 #include "tests/support/raw_http_client.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "tests/support/wait_until.hpp"
 
 namespace lab::dashboard {
 
@@ -80,7 +81,8 @@ class WebTest : public testing::Test {
     return send("POST", "/api/wish", token(), body);
   }
   void waitForViewers(int count) const {
-    while (server_->viewers() != count) std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    ASSERT_TRUE(waitUntil([&] { return server_->viewers() == count; }, std::chrono::seconds(30)))
+        << server_->viewers() << " viewers instead of " << count;
   }
 
   TemporaryFolder folder_;

@@ -2,13 +2,13 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
-#include <thread>
 
 #include "dds_gateway/dds/configuration.hpp"
 #include "dds_gateway/dds/domain.hpp"
 #include "dds_gateway/dds/endpoint.hpp"
 #include "dds_gateway/ros/ros_type.hpp"
 #include "tests/dds_gateway/peers/peer.hpp"
+#include "tests/support/wait_until.hpp"
 
 namespace lab::dds {
 namespace {
@@ -43,12 +43,8 @@ bool met(const std::string& configuration, std::chrono::milliseconds patience) {
   const std::string type = kType.descriptor->m_typename;
   elsewhere.say("reader rt/a " + type);
   elsewhere.say("writer rt/b " + type);
-  const auto end = std::chrono::steady_clock::now() + patience;
-  while (std::chrono::steady_clock::now() < end) {
-    if (writer.matching().peers + reader.matching().peers > 0) return true;
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  }
-  return false;
+  return waitUntil([&] { return writer.matching().peers + reader.matching().peers > 0; },
+                   patience);
 }
 
 TEST(NetworkCard, WhoIsElsewhereIsNotHeard) {

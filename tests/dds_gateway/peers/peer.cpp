@@ -10,17 +10,13 @@
 #include <array>
 #include <csignal>
 #include <stdexcept>
-#include <thread>
+
+#include "tests/support/wait_until.hpp"
 
 namespace lab::dds {
 
 bool eventually(const std::function<bool()>& done) {
-  const auto end = std::chrono::steady_clock::now() + kPatience;
-  while (!done()) {
-    if (std::chrono::steady_clock::now() > end) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
-  }
-  return true;
+  return waitUntil(done, kPatience);
 }
 
 Peer::Peer(const std::vector<std::string>& command) {

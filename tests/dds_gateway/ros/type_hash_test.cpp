@@ -1,25 +1,19 @@
 #include <gtest/gtest.h>
 
-#include <fstream>
-#include <sstream>
+#include <filesystem>
 
 #include "dds_gateway/ros/ros_type.hpp"
 #include "tests/dds_gateway/ros/type_description.hpp"
+#include "tests/support/text_file.hpp"
 
 namespace lab::ros {
 namespace {
 
 namespace fs = std::filesystem;
 
-std::string textOf(const fs::path& path) {
-  std::ostringstream text;
-  text << std::ifstream(path).rdbuf();
-  return text.str();
-}
-
 const Definitions& idl() {
   static const Definitions all =
-      fromIdl(textOf(fs::path(LAB_ROOT) / "dds_gateway/ros/messages.idl"));
+      fromIdl(support::readFile(fs::path(LAB_ROOT) / "dds_gateway/ros/messages.idl"));
   return all;
 }
 
@@ -81,7 +75,7 @@ TEST(TypeHashes, MsgFilesDefineOurMessages) {
   for (const auto& entry :
        fs::directory_iterator(fs::path(LAB_ROOT) / "docs/examples/ros2/active_lab_msgs/msg")) {
     const std::string name = package + "/msg/" + entry.path().stem().string();
-    EXPECT_EQ(fromMsg(textOf(entry.path()), package), idl().at(name)) << name;
+    EXPECT_EQ(fromMsg(support::readFile(entry.path()), package), idl().at(name)) << name;
     ++files;
   }
   int structs = 0;

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "tests/support/light_samples.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace lab::light {
 namespace {
@@ -23,11 +24,11 @@ TEST(LightImage, DigestEqualsTheExampleOfTheStandard) {
 TEST(LightImage, ReadsBackWhatWasWritten) {
   const std::vector<std::uint8_t> grey = {0, 50, 100, 150, 200, 255};
   const std::vector<std::uint8_t> png = encodePng(3, 2, grey);
-  const std::filesystem::path path = testing::TempDir() + "light_image_test.png";
+  const TemporaryFolder folder;
+  const std::filesystem::path path = folder / "grey.png";
   ASSERT_EQ(writeFile(path, png), std::nullopt);
 
   const DecodedImage dut = loadImage(path);
-  std::filesystem::remove(path);
 
   ASSERT_TRUE(dut.image) << dut.error;
   EXPECT_EQ(dut.image->columns, 3);

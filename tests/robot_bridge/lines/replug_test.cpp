@@ -9,6 +9,7 @@
 #include "common/loop/asio_loop.hpp"
 #include "common/serial/serial_devices.hpp"
 #include "robot_bridge/lines/port_manager.hpp"
+#include "tests/support/loop_until.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/support/wire_robot.hpp"
 
@@ -47,18 +48,6 @@ class ReplugTest : public testing::Test {
     dut->flush();
   }
 
-  /// Runs the loop until `done` or a timeout. @return whether it was done
-  bool until(const std::function<bool()>& done) {
-    const std::int64_t deadline = loop.now() + 15'000'000;
-    std::function<void()> look = [&] {
-      if (done() || loop.now() > deadline) return loop.stop();
-      loop.at(loop.now() + 5'000, look);
-    };
-    loop.soon(look);
-    loop.run();
-    return done();
-  }
-
   static std::ptrdiff_t openDescriptors() {
     return std::distance(std::filesystem::directory_iterator("/proc/self/fd"), {});
   }
@@ -79,7 +68,7 @@ TEST_F(ReplugTest, TwoHundredReplugsLeakNothing) {
     for (std::int32_t i = 0; i < kRobots; ++i) {
       robots[static_cast<std::size_t>(i)].plug(nameOf((i + round) % kRobots));
     }
-    EXPECT_TRUE(until([&] {
+    EXPECT_TRUE(loopUntil(loop, [&] {
       for (std::int32_t i = 0; i < kRobots; ++i) {
         const auto n = static_cast<std::size_t>(i);
         if (!dut->lineOf(links[n]).ends_with("/" + nameOf((i + round) % kRobots))) return false;
@@ -92,13 +81,13 @@ TEST_F(ReplugTest, TwoHundredReplugsLeakNothing) {
       EXPECT_EQ(links[i].hello()->uid, uidOf(links[i].settings().id));
     }
     for (WireRobot& robot : robots) robot.unplug();
-    EXPECT_TRUE(until([&] {
+    EXPECT_TRUE(loopUntil(loop, [&] {
       return std::none_of(links.begin(), links.end(),
                           [](const RobotLink& link) { return link.isPlugged(); });
     })) << "round "
         << round << ": a line is blocked";
     // Wait for the lease to end, because otherwise a turning wheel does not prove a new order.
-    EXPECT_TRUE(until([&] {
+    EXPECT_TRUE(loopUntil(loop, [&] {
       return std::all_of(robots.begin(), robots.end(),
                          [](const WireRobot& robot) { return robot.left() == 0; });
     }));

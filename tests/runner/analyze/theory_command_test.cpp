@@ -13,11 +13,11 @@
 namespace {
 
 struct Output {
-  std::string text;  ///< Both streams.
+  std::string text;  ///< stdout and stderr
   int code = -1;
 };
 
-/// The program as people call it.
+/// Runs the program in a shell.
 Output lab(const std::string& arguments) {
   Output output;
   FILE* pipe = popen((LAB_PROGRAM " " + arguments + " 2>&1").c_str(), "r");
@@ -48,7 +48,7 @@ std::vector<double> numbers(const std::string& line) {
 double tolerance(double expected) { return std::max(1e-10 * std::abs(expected), 1e-12); }
 
 TEST(LabTheory, PrintsTheHighPrecisionTable) {
-  // One call for each set of parameters, and one for each of its phases.
+  // One call for each set of parameters and each phase.
   std::map<std::string, std::vector<std::vector<std::string>>> sets;
   for (const auto& row : lab::analysis::readTable("unit_tests.csv")) {
     const std::string keys = row[0] == "ABP" ? "abp v_cm_s=" + row[1] + " eta_rad_s=" + row[3]
@@ -87,7 +87,7 @@ TEST(LabTheory, PrintsTheHighPrecisionTable) {
   }
 }
 
-TEST(LabTheory, KnowsRunAndTumbleAndTheLagsByItself) {
+TEST(LabTheory, PrintsRunAndTumbleAtItsDefaultLags) {
   const Output output = lab("theory rtp v_cm_s=5 gamma_per_s=3 tau_t_s=0.5");
   ASSERT_EQ(output.code, 0) << output.text;
   const auto table = lines(output.text);
@@ -100,7 +100,7 @@ TEST(LabTheory, KnowsRunAndTumbleAndTheLagsByItself) {
   }
 }
 
-TEST(LabTheory, SaysInOneLineWhatIsWrong) {
+TEST(LabTheory, ReportsWrongArgumentsInOneLine) {
   const auto refuses = [](const std::string& arguments, const std::string& text) {
     const Output output = lab("theory " + arguments);
     EXPECT_EQ(output.code, 2) << output.text;
@@ -118,7 +118,7 @@ TEST(LabTheory, SaysInOneLineWhatIsWrong) {
   refuses("rtp v_cm_s=5 gamma_per_s=3 tau_t_s=0.5 --kurtosis", "--kurtosis");
 }
 
-TEST(LabTheory, NotesWheelsThatAreTooSlow) {
+TEST(LabTheory, WarnsIfTheWheelsAreTooSlow) {
   const Output output =
       lab("theory rtp v_cm_s=5 gamma_per_s=3 tau_t_s=0.5 --turning-deg 0,360 --lags 1");
   EXPECT_EQ(output.code, 0);
@@ -126,7 +126,7 @@ TEST(LabTheory, NotesWheelsThatAreTooSlow) {
       << output.text;
 }
 
-TEST(LabTheory, AddsWhatACameraDoes) {
+TEST(LabTheory, AddsNoiseAndExposureOfTheCamera) {
   const std::string keys = "theory bp V_cm_s=7 epsilon_s=0.2 --lags 1";
   const auto plain = numbers(lines(lab(keys).text).at(1));
   const auto noisy = numbers(lines(lab(keys + " --noise-cm 0.1 --noise-deg 2").text).at(1));

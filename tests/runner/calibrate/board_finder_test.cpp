@@ -21,7 +21,7 @@ using RowMajor = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 constexpr int kWidth = 1280;
 constexpr int kHeight = 720;
 
-/// The camera in the frame of a board that lies in some pose above the arena.
+/// The camera parameters in the frame of a board at a pose above the arena.
 optics::CameraParameters seenFromBoard(const optics::CameraParameters& camera, double x, double y,
                                        double z, double tilt, double turn) {
   optics::CameraParameters p = camera;
@@ -37,9 +37,9 @@ optics::CameraParameters seenFromBoard(const optics::CameraParameters& camera, d
 /// White paper with black discs on grey, blurred and noisy. The board's first disc is at (0, 0).
 optics::GreyImage paintBoard(const optics::CameraParameters& from_board, const BoardSpec& board,
                              Random& random) {
-  constexpr int kFine = 4;           // samples a pixel, each way
+  constexpr int kFine = 4;           // samples per pixel and axis
   constexpr double kBlur = 0.75;     // px
-  constexpr int kReach = 3 * kFine;  // of the blur
+  constexpr int kReach = 3 * kFine;  // of the blur kernel
   const optics::CameraModel model(from_board);
   const double width = board.spacing * (board.columns - 1);
   const double height = board.spacing * (board.rows - 1);
@@ -106,7 +106,7 @@ TEST(BoardFinder, FindsEveryDiscOfATiltedBoard) {
   const auto view = findBoard(paintBoard(from_board, kBoard, random).view(), kBoard);
   ASSERT_TRUE(view);
   ASSERT_EQ(view->points.size(), 54U);
-  // The board may have been read from any corner: half a turn, or its mirror image.
+  // The grid may start at any corner of the board: rotated by 180 degrees, or mirrored.
   const optics::CameraModel model(from_board);
   double best = 1e9;
   for (const bool flip_x : {false, true}) {
@@ -120,11 +120,11 @@ TEST(BoardFinder, FindsEveryDiscOfATiltedBoard) {
       best = std::min(best, sum / 54);
     }
   }
-  // The ellipse's centre is not quite the disc's: some hundredths of a pixel.
+  // The centre of the ellipse differs from that of the disc by some hundredths of a pixel.
   EXPECT_LT(best, 0.1);
 }
 
-TEST(BoardFinder, ReadsPicturesThatAreEncodedForTheEye) {
+TEST(BoardFinder, ReadsPicturesWithVideoGamma) {
   Random random(3);
   const optics::CameraParameters camera = optics::simulatedCamera(kWidth, kHeight, 1.2, 0.9);
   const optics::CameraParameters from_board = seenFromBoard(camera, 0.4, 0.4, 0.1, 0.4, 0.3);
@@ -144,7 +144,7 @@ TEST(BoardFinder, ReadsPicturesThatAreEncodedForTheEye) {
   }
 }
 
-TEST(BoardFinder, WantsTheWholeBoard) {
+TEST(BoardFinder, RejectsAPartlyVisibleBoard) {
   Random random(2);
   const optics::CameraParameters camera = optics::simulatedCamera(kWidth, kHeight, 1.2, 0.9);
   const optics::CameraParameters from_board = seenFromBoard(camera, 0.4, 0.4, 0, 0, 0);
@@ -161,17 +161,17 @@ TEST(BoardFinder, WantsTheWholeBoard) {
   EXPECT_FALSE(findBoard(optics::GreyImage(kWidth, kHeight, 90).view(), kBoard));
 }
 
-TEST(BoardFinder, GivesACalibrationFromPictures) {
+TEST(BoardFinder, FindsBoardsGoodEnoughForACalibration) {
   Random random(3);
   const optics::CameraParameters camera = optics::simulatedCamera(kWidth, kHeight, 1.2, 0.9);
   const optics::CameraModel truth(camera);
-  calibration::CameraObservations sights;
-  sights.width = kWidth;
-  sights.height = kHeight;
-  sights.corner_sigma = 0.1;
+  calibration::CameraObservations observations;
+  observations.width = kWidth;
+  observations.height = kHeight;
+  observations.corner_sigma = 0.1;
   constexpr optics::Place kCorners[] = {{0, 0}, {1.2, 0}, {1.2, 0.9}, {0, 0.9}};
   for (std::size_t i = 0; i < 4; ++i) {
-    sights.corners[i] = truth.project(kCorners[i].x, kCorners[i].y, 0);
+    observations.corners[i] = truth.project(kCorners[i].x, kCorners[i].y, 0);
   }
   for (int i = 0; i < 10; ++i) {
     const double turn = 2 * std::numbers::pi * i / 10;
@@ -179,10 +179,10 @@ TEST(BoardFinder, GivesACalibrationFromPictures) {
         seenFromBoard(camera, 0.35 + 0.5 * random.uniform(), 0.3 + 0.3 * random.uniform(), 0.15,
                       i % 3 == 0 ? 0.1 : 0.5, turn);
     const auto view = findBoard(paintBoard(from_board, kBoard, random).view(), kBoard);
-    if (view) sights.boards.push_back(*view);
+    if (view) observations.boards.push_back(*view);
   }
-  ASSERT_GE(sights.boards.size(), 6U);
-  const calibration::CameraFit fit = calibration::fitCamera(sights);
+  ASSERT_GE(observations.boards.size(), 6U);
+  const calibration::CameraFit fit = calibration::fitCamera(observations);
   ASSERT_EQ(fit.refusal, "");
   EXPECT_LT(fit.board_residual, 0.04);
   const optics::CameraModel found(fit.camera);
@@ -196,7 +196,7 @@ TEST(BoardFinder, GivesACalibrationFromPictures) {
   RecordProperty("claimed_um", std::to_string(1e6 * fit.map.rms));
 }
 
-TEST(Board, IsReadFromText) {
+TEST(Board, IsParsedFromText) {
   const BoardSpec board = calibration::boardFrom("10x7,2.5");
   EXPECT_EQ(board.columns, 10);
   EXPECT_EQ(board.rows, 7);
@@ -206,7 +206,7 @@ TEST(Board, IsReadFromText) {
   }
 }
 
-TEST(Board, IsDrawnWithAllItsDiscs) {
+TEST(Board, DrawingContainsAllDiscs) {
   const std::string svg = calibration::boardSvg(kBoard);
   std::size_t discs = 0;
   for (std::size_t at = svg.find("<circle"); at != std::string::npos;

@@ -29,7 +29,7 @@ constexpr int kHeight = 720;
 constexpr int kFrames = 8;
 constexpr int kRobots = 20;
 
-/// Robots anywhere in the arena, apart from each other.
+/// Robots at random places in the arena, with a minimum distance.
 std::vector<sim::PaintedRobot> someRobots(Random& random, double widest) {
   std::vector<sim::PaintedRobot> robots;
   while (static_cast<int>(robots.size()) < kRobots) {
@@ -43,13 +43,14 @@ std::vector<sim::PaintedRobot> someRobots(Random& random, double widest) {
   return robots;
 }
 
-/// A film of robots under an uneven light, and where the corners are in it.
+/// A film of robots and the marked corners of the arena in it.
 class CalibrateCamera : public testing::Test {
  protected:
   CalibrateCamera() {
     film("film", 1.2);
     const optics::CameraModel model(truth_);
-    constexpr double kMarked[] = {0.1, -0.1, -0.1, 0.05, 0.1, 0.1, -0.05, -0.1};  // px off
+    constexpr double kMarked[] = {0.1, -0.1, -0.1,  0.05,
+                                  0.1, 0.1,  -0.05, -0.1};  // [px] error of the marked corners
     constexpr optics::Place kCorners[] = {{0, 0}, {1.2, 0}, {1.2, 0.9}, {0, 0.9}};
     for (std::size_t i = 0; i < 4; ++i) {
       const optics::Pixel at = model.project(kCorners[i].x, kCorners[i].y, 0);
@@ -81,7 +82,7 @@ class CalibrateCamera : public testing::Test {
     }
   }
 
-  /// [m] by how much places on the caps' plane are off, root mean square over the arena.
+  /// Root mean square error of places on the plane of the caps over the arena [m].
   [[nodiscard]] double errorOf(const optics::CameraParameters& found,
                                double height = optics::CapGeometry{}.height) const {
     const optics::CameraModel model(found);
@@ -130,7 +131,7 @@ TEST_F(CalibrateCamera, FindsTheCameraThatTookTheFilm) {
   EXPECT_THAT(problem(), HasSubstr("is there already"));
 }
 
-TEST_F(CalibrateCamera, FindsACameraThatEncodesForTheEye) {
+TEST_F(CalibrateCamera, FindsTheGammaOfTheCamera) {
   film("webcam", 1.2, {.gamma = 2.2});
   options_.source = (folder_ / "webcam").string();
   ASSERT_EQ(calibrateCamera(options_), kDone);
@@ -142,7 +143,7 @@ TEST_F(CalibrateCamera, FindsACameraThatEncodesForTheEye) {
   EXPECT_LT(*found.residual, 0.6e-3);
 }
 
-TEST_F(CalibrateCamera, IsToldTheSizesOfOtherCaps) {
+TEST_F(CalibrateCamera, UsesTheSizesOfOtherCaps) {
   const optics::CapGeometry other{.robot_radius = 0.033,
                                   .cap_radius = 0.031,
                                   .height = 0.04,
@@ -168,7 +169,7 @@ TEST_F(CalibrateCamera, IsToldTheSizesOfOtherCaps) {
   EXPECT_LT(*found.residual, 0.6e-3);
 }
 
-TEST_F(CalibrateCamera, DrawsCapsToPrint) {
+TEST_F(CalibrateCamera, WritesADrawingOfCaps) {
   options_.print_caps = folder_ / "caps.svg";
   ASSERT_EQ(calibrateCamera(options_), kDone);
   std::ifstream stream(options_.print_caps);
@@ -184,26 +185,25 @@ TEST_F(CalibrateCamera, DrawsCapsToPrint) {
   EXPECT_THAT(svg, HasSubstr("width=\"210mm\" height=\"297mm\""));
   EXPECT_THAT(problem(), HasSubstr("is there already"));
 
-  options_.cap_radius_cm = 20;  // larger than the paper: one, on a larger drawing
+  options_.cap_radius_cm = 20;  // larger than the paper: one cap on a larger drawing
   options_.force = true;
   ASSERT_EQ(calibrateCamera(options_), kDone);
 }
 
-TEST_F(CalibrateCamera, SaysWhichSizeNoCapHas) {
+TEST_F(CalibrateCamera, ReportsImpossibleSizesOfCaps) {
   options_.big_radius_cm = 2;
-  EXPECT_THAT(problem(),
-              HasSubstr("--cap-radius-cm: found 3.6, expected at least, as far as the circles "
-                        "reach from the axis, 3.8"));
+  EXPECT_THAT(problem(), HasSubstr("--cap-radius-cm: found 3.6, expected at least the "
+                                   "reach of the circles from the axis, 3.8"));
   options_.big_radius_cm = 0.5;
   EXPECT_THAT(problem(),
               HasSubstr("--small-radius-cm: found 0.55, expected less than the big circle's 0.5"));
   options_.big_radius_cm = 0.9;
   options_.spacing_cm = 1;
-  EXPECT_THAT(problem(), HasSubstr("--spacing-cm: found 1, expected at least both circles' radii "
-                                   "together, 1.45"));
+  EXPECT_THAT(problem(), HasSubstr("--spacing-cm: found 1, expected at least the sum of both "
+                                   "circles' radii, 1.45"));
 }
 
-TEST_F(CalibrateCamera, AsksForAPlaceToWriteBeforeItLooksAtTheFilm) {
+TEST_F(CalibrateCamera, ChecksTheOutputBeforeItReadsTheFilm) {
   options_.source = (folder_ / "there_is_none").string();
   options_.out = folder_ / "nowhere" / "camera.json";
   EXPECT_THAT(problem(), HasSubstr("there is no folder"));
@@ -215,7 +215,7 @@ TEST_F(CalibrateCamera, AsksForAPlaceToWriteBeforeItLooksAtTheFilm) {
   EXPECT_THAT(problem(), HasSubstr("is a network stream, expected a film"));
 }
 
-TEST_F(CalibrateCamera, MeasuresHowBlurredThePicturesAre) {
+TEST_F(CalibrateCamera, MeasuresTheBlurOfThePictures) {
   for (const double blur : {0.75, 1.8}) {
     const std::string name = fmt::format("blurred_{}", blur);
     film(name, 1.2, {.blur = blur});
@@ -240,7 +240,7 @@ TEST_F(CalibrateCamera, RefusesAFilmOfHalfTheArena) {
   EXPECT_FALSE(fs::exists(options_.out));
 }
 
-TEST_F(CalibrateCamera, RefusesWrongNumbers) {
+TEST_F(CalibrateCamera, RefusesWrongSizesOfTheCap) {
   options_.spacing_cm = 3.3;  // a tenth too small: no camera fits
   testing::internal::CaptureStdout();
   const ExitCode code = calibrateCamera(options_);
@@ -249,7 +249,7 @@ TEST_F(CalibrateCamera, RefusesWrongNumbers) {
   EXPECT_FALSE(fs::exists(options_.out));
 }
 
-TEST_F(CalibrateCamera, SaysWhatIsWrongWithItsArguments) {
+TEST_F(CalibrateCamera, ReportsWrongArguments) {
   CalibrateCameraOptions good = options_;
   options_.corners = "1,2 3,4 5,6";
   EXPECT_THAT(problem(), HasSubstr("--corners: found \"1,2 3,4 5,6\", expected four pixels"));

@@ -17,16 +17,17 @@ using testing::HasSubstr;
 constexpr std::int64_t kTick_us = 20'000;
 constexpr double kMax = 0.27;
 
-/// A robot that obeys after a while, and a camera without noise that sees it.
-class Stage {
+/// A robot that echoes commands after a delay, and a camera without noise.
+class Bench {
  public:
-  explicit Stage(const Motors& motors = {}, double x = 0.6, double y = 0.45, double theta = 0.3)
+  explicit Bench(const Motors& motors = {}, double x = 0.6, double y = 0.45, double theta = 0.3)
       : motors_(motors), pose_{x, y, theta} {
     experiment_.camera.delay = 0.02;
-    driver_.emplace(experiment_, 7, Motors{}, calibration::checkPattern(kMax), seen_robots_,
-                    DriveActions{[this](double left, double right) { order(left, right); },
-                                 [this] { order(0, 0); },
-                                 [this] { return answers_ && now_ - ordered_ > kEcho_us; }});
+    driver_.emplace(
+        experiment_, 7, Motors{}, calibration::checkPattern(kMax), seen_robots_,
+        DriveActions{[this](double left, double right) { drive(left, right); },
+                     [this] { drive(0, 0); },
+                     [this] { return answers_ && now_ - commanded_utime_ > kEcho_us; }});
   }
 
   void run(double seconds) {
@@ -55,10 +56,10 @@ class Stage {
  private:
   static constexpr std::int64_t kEcho_us = 50'000;
 
-  void order(double left, double right) {
+  void drive(double left, double right) {
     left_ = calibration::dutyFor({}, left, kMax, true);
     right_ = calibration::dutyFor({}, right, kMax, true);
-    ordered_ = now_;
+    commanded_utime_ = now_;
   }
   void move() {
     const double left = calibration::wheelSpeed(motors_.left, left_, kMax);
@@ -87,7 +88,7 @@ class Stage {
   double clearance_ = 1;
   SeenRobots seen_robots_;
   std::int64_t now_ = 1'000'000;
-  std::int64_t ordered_ = 0;
+  std::int64_t commanded_utime_ = 0;
   double left_ = 0;
   double right_ = 0;
   bool seen_ = true;
@@ -95,14 +96,14 @@ class Stage {
   std::optional<PatternDriver> driver_;
 };
 
-TEST(PatternDriver, DrivesEveryStepAndKeepsWhatWasSeen) {
-  Stage stage;
-  stage.run(60);
-  ASSERT_TRUE(stage.driver().isOver());
-  EXPECT_EQ(stage.driver().failure(), "");
-  EXPECT_TRUE(stage.stands());
+TEST(PatternDriver, DrivesEveryStepAndRecordsThePoses) {
+  Bench bench;
+  bench.run(60);
+  ASSERT_TRUE(bench.driver().isOver());
+  EXPECT_EQ(bench.driver().failure(), "");
+  EXPECT_TRUE(bench.stands());
   const auto pattern = calibration::checkPattern(kMax);
-  const auto segments = stage.driver().segments();
+  const auto segments = bench.driver().segments();
   ASSERT_EQ(segments.size(), pattern.size());
   for (std::size_t i = 0; i < segments.size(); ++i) {
     EXPECT_EQ(segments[i].left, pattern[i].left);
@@ -118,67 +119,67 @@ TEST(PatternDriver, DrivesEveryStepAndKeepsWhatWasSeen) {
 }
 
 TEST(PatternDriver, TurnsAwayFromAWallFirst) {
-  Stage stage({}, 1.12, 0.45, 0);
-  stage.run(60);
-  EXPECT_EQ(stage.driver().failure(), "");
-  EXPECT_EQ(stage.driver().segments().size(), 12U);
-  EXPECT_GT(stage.clearance(), 0.0375);
+  Bench bench({}, 1.12, 0.45, 0);
+  bench.run(60);
+  EXPECT_EQ(bench.driver().failure(), "");
+  EXPECT_EQ(bench.driver().segments().size(), 12U);
+  EXPECT_GT(bench.clearance(), 0.0375);
 }
 
 TEST(PatternDriver, LeavesAWallThatIsTooNear) {
-  Stage stage({}, 0.41, 0.86, 2.0);
-  stage.run(60);
-  EXPECT_EQ(stage.driver().failure(), "");
-  EXPECT_EQ(stage.driver().segments().size(), 12U);
-  EXPECT_GT(stage.clearance(), 0.0375);
-  EXPECT_LT(stage.pose().y, 0.845);
+  Bench bench({}, 0.41, 0.86, 2.0);
+  bench.run(60);
+  EXPECT_EQ(bench.driver().failure(), "");
+  EXPECT_EQ(bench.driver().segments().size(), 12U);
+  EXPECT_GT(bench.clearance(), 0.0375);
+  EXPECT_LT(bench.pose().y, 0.845);
 }
 
-TEST(PatternDriver, GivesMoreToWheelsThatDoNotTurnYet) {
-  Stage stage({{1, 0.4}, {1, 0.4}, 0.075}, 1.12, 0.45, 0);
-  stage.run(60);
-  EXPECT_EQ(stage.driver().failure(), "");
+TEST(PatternDriver, RaisesTheSpeedOfWheelsThatDoNotTurnYet) {
+  Bench bench({{1, 0.4}, {1, 0.4}, 0.075}, 1.12, 0.45, 0);
+  bench.run(60);
+  EXPECT_EQ(bench.driver().failure(), "");
 }
 
-TEST(PatternDriver, SaysThatMotorsAreOff) {
-  Stage stage({{0, 0}, {0, 0}, 0.075}, 1.12, 0.45, 0);
-  stage.run(60);
-  EXPECT_THAT(stage.driver().failure(), HasSubstr("robot 7 does not turn as told"));
-  EXPECT_TRUE(stage.stands());
+TEST(PatternDriver, ReportsThatMotorsAreOff) {
+  Bench bench({{0, 0}, {0, 0}, 0.075}, 1.12, 0.45, 0);
+  bench.run(60);
+  EXPECT_THAT(bench.driver().failure(), HasSubstr("robot 7 does not turn as commanded"));
+  EXPECT_TRUE(bench.stands());
 }
 
-TEST(PatternDriver, SaysThatThereIsNoRoom) {
-  Stage stage;
+TEST(PatternDriver, ReportsThatThereIsNoRoom) {
+  Bench bench;
   for (int i = 0; i < 6; ++i) {
-    stage.put(10 + i, 0.6 + 0.09 * std::cos(i * M_PI / 3), 0.45 + 0.09 * std::sin(i * M_PI / 3));
+    bench.put(10 + i, 0.6 + 0.09 * std::cos(i * M_PI / 3), 0.45 + 0.09 * std::sin(i * M_PI / 3));
   }
-  stage.run(60);
-  EXPECT_THAT(stage.driver().failure(), HasSubstr("robot 7 has no room at (60, 45) cm"));
-  EXPECT_THAT(stage.driver().failure(), HasSubstr("is 9 cm away"));
+  bench.run(60);
+  EXPECT_THAT(bench.driver().failure(), HasSubstr("robot 7 has no room at (60, 45) cm"));
+  EXPECT_THAT(bench.driver().failure(), HasSubstr("is 9 cm away"));
 }
 
-TEST(PatternDriver, SaysThatTheRobotIsNotSeen) {
-  Stage stage;
-  stage.hide();
-  stage.run(60);
-  EXPECT_THAT(stage.driver().failure(), HasSubstr("robot 7 is not seen by the tracker"));
+TEST(PatternDriver, ReportsThatTheRobotIsNotSeen) {
+  Bench bench;
+  bench.hide();
+  bench.run(60);
+  EXPECT_THAT(bench.driver().failure(), HasSubstr("robot 7 is not seen by the tracker"));
 }
 
-TEST(PatternDriver, SaysThatTheRobotDoesNotAnswer) {
-  Stage stage;
-  stage.run(3);
-  stage.fallSilent();
-  stage.run(60);
-  EXPECT_THAT(stage.driver().failure(), HasSubstr("robot 7 does not answer"));
-  EXPECT_TRUE(stage.stands());
+TEST(PatternDriver, ReportsThatTheRobotDoesNotAnswer) {
+  Bench bench;
+  bench.run(3);
+  bench.fallSilent();
+  bench.run(60);
+  EXPECT_THAT(bench.driver().failure(), HasSubstr("robot 7 does not answer"));
+  EXPECT_TRUE(bench.stands());
 }
 
 TEST(PatternDriver, EndsWhenTheRobotIsStopped) {
-  Stage stage;
-  stage.run(3);
-  stage.report(robot_state_t::FLAG_STOPPED);
-  EXPECT_TRUE(stage.driver().isOver());
-  EXPECT_THAT(stage.driver().failure(), HasSubstr("lab stop --clear"));
+  Bench bench;
+  bench.run(3);
+  bench.report(robot_state_t::FLAG_STOPPED);
+  EXPECT_TRUE(bench.driver().isOver());
+  EXPECT_THAT(bench.driver().failure(), HasSubstr("lab stop --clear"));
 }
 
 }  // namespace

@@ -21,17 +21,17 @@ class ExperimentLookup : public testing::Test {
     fs::create_directories(shipped_);
     std::ofstream(shipped_ / "abp.toml") << "name = \"abp\"\n";
     std::ofstream(shipped_ / "rtp.toml") << "name = \"rtp\"\n";
-    before_ = fs::current_path();
+    previous_ = fs::current_path();
     fs::current_path(folder_ / ".");
   }
-  void TearDown() override { fs::current_path(before_); }
+  void TearDown() override { fs::current_path(previous_); }
 
   TemporaryFolder folder_;
   fs::path shipped_ = folder_ / "shipped";
-  fs::path before_;
+  fs::path previous_;
 };
 
-TEST_F(ExperimentLookup, FindsAShippedOneByItsName) {
+TEST_F(ExperimentLookup, FindsAShippedExperimentByName) {
   EXPECT_EQ(findExperiment("abp", shipped_), shipped_ / "abp.toml");
   EXPECT_EQ(findExperiment("abp.toml", shipped_), shipped_ / "abp.toml");
 }
@@ -44,15 +44,15 @@ TEST_F(ExperimentLookup, PrefersAFileButNotAFolderOfThatName) {
   EXPECT_EQ(findExperiment("abp", shipped_), shipped_ / "abp.toml");
 }
 
-TEST_F(ExperimentLookup, LeavesPathsToTheReaderOfFiles) {
+TEST_F(ExperimentLookup, ReturnsPathsUnchanged) {
   EXPECT_EQ(findExperiment("experiments/abp.toml", shipped_), "experiments/abp.toml");
   EXPECT_EQ(findExperiment("./abp", shipped_), "./abp");
 }
 
-TEST_F(ExperimentLookup, SaysWhereItLookedAndWhatThereIs) {
+TEST_F(ExperimentLookup, ReportsWhereItLookedAndTheKnownNames) {
   try {
     static_cast<void>(findExperiment("apb", shipped_));
-    FAIL() << "found an experiment that is not there";
+    FAIL() << "found an experiment that does not exist";
   } catch (const UserError& error) {
     EXPECT_THAT(error.what(), AllOf(HasSubstr(fs::absolute("apb").string()),
                                     HasSubstr((shipped_ / "apb.toml").string()),

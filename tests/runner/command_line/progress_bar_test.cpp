@@ -5,16 +5,16 @@
 namespace lab::runner {
 namespace {
 
-TEST(ProgressBar, SaysHowFarAndHowLongStill) {
+TEST(ProgressBar, ShowsProgressAndRemainingTime) {
   EXPECT_EQ(progressBarText(100, 400, 2),
             "[######..................] 100 of 400 frames, 50 a second, 6 s left");
 }
 
-TEST(ProgressBar, KnowsNoEndWhereTheLengthIsNotKnown) {
+TEST(ProgressBar, ShowsNoRemainingTimeIfTheLengthIsUnknown) {
   EXPECT_EQ(progressBarText(100, 0, 2), "100 frames, 50 a second");
 }
 
-TEST(ProgressBar, SurvivesAFilmLongerThanItSaid) {
+TEST(ProgressBar, AllowsMoreFramesThanAnnounced) {
   EXPECT_EQ(progressBarText(500, 400, 5),
             "[########################] 500 of 400 frames, 100 a second, 0 s left");
   EXPECT_EQ(progressBarText(0, 400, 0), "[........................] 0 of 400 frames, 0 a second");

@@ -1,15 +1,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <string>
 #include <vector>
 
 #include "runner/commands/commands.hpp"
 #include "tests/support/experiment_samples.hpp"
+#include "tests/support/temporary_folder.hpp"
+#include "tests/support/text_file.hpp"
 
 namespace lab::runner::check_command_test {
 namespace {
@@ -17,21 +17,20 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 
-std::string said(const std::vector<std::string>& set) {
-  const fs::path file =
-      fs::path(testing::TempDir()) / ("check_test_" + std::to_string(getpid()) + ".toml");
-  std::ofstream(file) << kSmall;
+std::string checkOutputOf(const std::vector<std::string>& set) {
+  const TemporaryFolder folder;
+  const fs::path file = folder / "small.toml";
+  support::writeFile(file, std::string(kSmall));
   testing::internal::CaptureStdout();
   EXPECT_EQ(check(file, set), kDone);
   std::fflush(stdout);
-  fs::remove(file);
   return testing::internal::GetCapturedStdout();
 }
 
-TEST(CheckCommand, SaysThePersistenceLengthOfTheExactLaw) {
-  // As `lab theory` and the report have it (tests/analyzer/laws_test.cpp); v / D_r is 4 cm.
-  EXPECT_THAT(said({}), HasSubstr("L_s = 4.197 cm"));
-  EXPECT_THAT(said({"programs.abp.epsilon_s=0.1", "programs.abp.eta_rad_s=6"}),
+TEST(CheckCommand, PrintsThePersistenceLengthOfTheExactLaw) {
+  // The value of `lab theory` and of the report (tests/analyzer/laws_test.cpp); v / D_r is 4 cm.
+  EXPECT_THAT(checkOutputOf({}), HasSubstr("L_s = 4.197 cm"));
+  EXPECT_THAT(checkOutputOf({"programs.abp.epsilon_s=0.1", "programs.abp.eta_rad_s=6"}),
               HasSubstr("D_r = 0.6 rad^2/s, L_s = 5.0"));
 }
 

@@ -1,11 +1,9 @@
 #include <gmock/gmock.h>
-#include <unistd.h>
 
 #include <array>
 #include <atomic>
 #include <cstdlib>
 #include <fstream>
-#include <iterator>
 #include <optional>
 #include <thread>
 
@@ -13,6 +11,8 @@
 #include "common/serial/serial_devices.hpp"
 #include "runner/commands/commands.hpp"
 #include "tests/support/robot_on_bench.hpp"
+#include "tests/support/temporary_folder.hpp"
+#include "tests/support/text_file.hpp"
 
 namespace lab::runner {
 namespace {
@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 
-/// A folder with a firmware and an avrdude that only writes down how it was called.
+/// A folder with a firmware and a script in place of avrdude that records its arguments.
 class FlashTest : public testing::Test {
  protected:
   FlashTest() {
@@ -32,10 +32,7 @@ class FlashTest : public testing::Test {
     options_.programs = folder_ / "bin";
     options_.port = folder_ / "ports/robot";
   }
-  ~FlashTest() override {
-    setenv("PATH", old_path_.c_str(), 1);
-    fs::remove_all(folder_);
-  }
+  ~FlashTest() override { setenv("PATH", old_path_.c_str(), 1); }
 
   void setAvrdude(int exit_code) {
     const fs::path script = folder_ / "bin/avrdude";
@@ -44,15 +41,15 @@ class FlashTest : public testing::Test {
     fs::permissions(script, fs::perms::owner_all);
   }
 
-  /// The arguments of avrdude, a call a line.
+  /// The arguments of avrdude, one line per call.
   std::string called() const {
-    std::ifstream file(folder_ / "called");
-    std::string lines{std::istreambuf_iterator<char>(file), {}};
+    const fs::path file = folder_ / "called";
+    std::string lines = fs::exists(file) ? support::readFile(file) : "";
     if (!lines.empty()) lines.pop_back();  // the last end of line
     return lines;
   }
 
-  /// Flashes; what it printed.
+  /// Runs flash(). @return its output
   std::string flashed(ExitCode expected) {
     testing::internal::CaptureStdout();
     EXPECT_EQ(flash(options_), expected);
@@ -68,14 +65,14 @@ class FlashTest : public testing::Test {
     return "flashed";
   }
 
-  fs::path folder_ = fs::temp_directory_path() / ("flash_test_" + std::to_string(getpid()));
+  TemporaryFolder folder_;
   FlashOptions options_;
 
  private:
   std::string old_path_ = std::getenv("PATH");
 };
 
-/// A robot behind a pseudo terminal, on a thread of its own.
+/// A robot at a pseudo terminal, in its own thread.
 class RobotThread {
  public:
   explicit RobotThread(const fs::path& ports) {
@@ -116,28 +113,29 @@ class RobotThread {
   std::thread thread_;
 };
 
-TEST_F(FlashTest, WritesGreetsAndNumbersARobot) {
+TEST_F(FlashTest, FlashesARobotAndAssignsItsUid) {
   const RobotThread robot(folder_ / "ports");
   EXPECT_THAT(flashed(kDone),
               testing::ContainsRegex("firmware 1\\.0, .*has one now: uid = [0-9]+"));
   EXPECT_EQ(called(), "-q -p m328p -c arduino -P " + options_.port + " -b 57600 -D -U flash:w:" +
                           (folder_ / "bin/robot_firmware.hex").string() + ":i");
-  // Again: it keeps its number.
+  // A second time the robot keeps its uid.
   EXPECT_THAT(flashed(kDone), testing::Not(HasSubstr("has one now")));
 }
 
-TEST_F(FlashTest, ByAProgrammerSetsTheFuses) {
+TEST_F(FlashTest, WithAProgrammerSetsTheFuses) {
   const RobotThread robot(folder_ / "ports");
   options_.isp = "usbasp";
   flashed(kDone);
-  // Two calls: the chip is erased with the second, when the fuse that keeps the EEPROM is set.
+  // Two calls: the second one erases the chip, when the fuse that preserves the EEPROM is already
+  // set.
   EXPECT_EQ(called(),
             "-q -p m328p -c usbasp -U lfuse:w:0xFF:m -U hfuse:w:0xD7:m -U "
             "efuse:w:0xFD:m\n-q -p m328p -c usbasp -U flash:w:" +
                 (folder_ / "bin/robot_firmware.hex").string() + ":i");
 }
 
-TEST_F(FlashTest, ThatFailsIsToldAndNoRobotIsAsked) {
+TEST_F(FlashTest, ReportsAFailureOfAvrdude) {
   const RobotThread robot(folder_ / "ports");
   setAvrdude(1);
   EXPECT_THAT(flashed(kFailed), HasSubstr("NOT flashed: avrdude ended with code 1"));

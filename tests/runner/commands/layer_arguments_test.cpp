@@ -16,9 +16,9 @@ namespace {
 
 using light::LayerKind;
 
-std::vector<light::DrivenLayer> byHand(const std::vector<std::string>& texts,
-                                       const std::filesystem::path& directory = ".",
-                                       const light::ImageStore& known = {}) {
+std::vector<light::DrivenLayer> layersOf(const std::vector<std::string>& texts,
+                                         const std::filesystem::path& directory = ".",
+                                         const light::ImageStore& known = {}) {
   return parseLayers(texts, placeholderExperiment(), known, directory);
 }
 
@@ -28,17 +28,17 @@ std::filesystem::path writePicture(const std::filesystem::path& path) {
   return path;
 }
 
-TEST(LightByHand, TakesNumbersAsUniformLight) {
-  const auto dut = byHand({"0.25"});
+TEST(LayerArguments, ReadNumbersAsUniformLight) {
+  const auto dut = layersOf({"0.25"});
   ASSERT_EQ(dut.size(), 1U);
   EXPECT_EQ(dut[0].layer, light::Layer{.intensity = 0.25});
 }
 
-TEST(LightByHand, TakesEveryKeyOfAFile) {
+TEST(LayerArguments, AcceptEveryKeyOfAFile) {
   const auto dut =
-      byHand({R"({kind = "wave", period_cm = 40, speed_cm_s = 2, intensity = 1})",
-              R"({kind = "disk", radius_cm = 4, follow = "robots", intensity = 1})",
-              R"({kind = "uniform", program = "stand", waveform = "sine", period_s = 2})"});
+      layersOf({R"({kind = "wave", period_cm = 40, speed_cm_s = 2, intensity = 1})",
+                R"({kind = "disk", radius_cm = 4, follow = "robots", intensity = 1})",
+                R"({kind = "uniform", program = "stand", waveform = "sine", period_s = 2})"});
   ASSERT_EQ(dut.size(), 3U);
   EXPECT_EQ(dut[0].layer.kind, LayerKind::kWave);
   EXPECT_GT(dut[0].drive.phase_rate, 0);
@@ -47,12 +47,12 @@ TEST(LightByHand, TakesEveryKeyOfAFile) {
   EXPECT_EQ(dut[2].drive.waveform, light::Waveform::kSine);
 }
 
-TEST(LightByHand, SendsAnUnknownPictureAsAGrid) {
+TEST(LayerArguments, ConvertAnUnknownPictureToAGrid) {
   const TemporaryFolder folder;
   writePicture(folder / "a.png");
   const std::string layer =
       R"({kind = "image", file = "a.png", width_cm = 30, height_cm = 30, intensity = 1})";
-  const auto dut = byHand({layer}, folder / "");
+  const auto dut = layersOf({layer}, folder / "");
   ASSERT_EQ(dut.size(), 1U);
   EXPECT_EQ(dut[0].layer.kind, LayerKind::kGrid);
   EXPECT_EQ(dut[0].layer.image, "");
@@ -61,31 +61,31 @@ TEST(LightByHand, SendsAnUnknownPictureAsAGrid) {
   EXPECT_EQ(light::validate(dut[0].layer), std::nullopt);
 
   const auto image = light::loadImage(folder / "a.png").image;
-  const auto known = byHand({layer}, folder / "", {{image->sha256, image}});
+  const auto known = layersOf({layer}, folder / "", {{image->sha256, image}});
   EXPECT_EQ(known[0].layer.kind, LayerKind::kImage);
   EXPECT_EQ(known[0].layer.image, image->sha256);
 }
 
-TEST(LightByHand, RefusesASequenceOfUnknownPictures) {
+TEST(LayerArguments, RefuseASequenceOfUnknownPictures) {
   const TemporaryFolder folder;
   writePicture(folder / "a.png");
   EXPECT_THROW(
-      (void)byHand(
+      (void)layersOf(
           {R"({kind = "image", files = ["a.png"], width_cm = 30, height_cm = 30, intensity = 1})"},
           folder / ""),
       UserError);
 }
 
-TEST(LightByHand, RefusesWhatAFileWouldRefuse) {
-  EXPECT_THROW((void)byHand({R"({kind = "disk", intensity = 1})"}), UserError);
-  EXPECT_THROW((void)byHand({"2"}), UserError);
-  EXPECT_THROW((void)byHand({R"({kind = "uniform", program = "bp"})"}), UserError);
+TEST(LayerArguments, RefuseWhatAFileWouldRefuse) {
+  EXPECT_THROW((void)layersOf({R"({kind = "disk", intensity = 1})"}), UserError);
+  EXPECT_THROW((void)layersOf({"2"}), UserError);
+  EXPECT_THROW((void)layersOf({R"({kind = "uniform", program = "bp"})"}), UserError);
 }
 
-TEST(LightByHand, NamesWhatWasTypedAndNoFile) {
+TEST(LayerArguments, ErrorsNameTheArgumentAndNoFile) {
   const auto refusal = [](const std::vector<std::string>& typed) -> std::string {
     try {
-      (void)byHand(typed);
+      (void)layersOf(typed);
     } catch (const UserError& error) {
       return error.what();
     }

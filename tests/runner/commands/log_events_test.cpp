@@ -13,7 +13,7 @@
 namespace lab::runner {
 namespace {
 
-TEST(ReplayClock, RunsAtItsSpeedAndStandsWhilePaused) {
+TEST(ReplayClock, RunsAtItsSpeedAndStopsInAPause) {
   ReplayClock dut(1'000'000, 500, 2);
   EXPECT_EQ(dut.logTime(500), 1'000'000);
   EXPECT_EQ(dut.logTime(1500), 1'002'000);
@@ -40,13 +40,13 @@ TEST(AsReplay, MarksTheOriginAndChangesNothingElse) {
   EXPECT_EQ(encode(replayed), encode(status));
 }
 
-TEST(AsReplay, PassesOnWhatItDoesNotUnderstand) {
+TEST(AsReplay, ReturnsUnknownMessagesUnchanged) {
   const std::vector<std::uint8_t> bytes{1, 2, 3};
   EXPECT_EQ(asReplay("FOREIGN", bytes), bytes);
   EXPECT_EQ(asReplay(std::string(channels::kRobotStatus), bytes), bytes);
 }
 
-TEST(SelectEvents, LeavesOutWhatThePlayerSaysItself) {
+TEST(SelectEvents, OmitsChannelsThatThePlayerPublishesItself) {
   const TemporaryFolder folder;
   const std::filesystem::path log = folder / "log.lcmlog";
   {

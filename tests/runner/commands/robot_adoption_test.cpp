@@ -14,7 +14,7 @@
 namespace lab::runner {
 namespace {
 
-/// A robot at the end of a line in memory, run every millisecond of virtual time.
+/// A robot on an in-memory serial line; its firmware runs every millisecond of virtual time.
 class RobotAdoptionTest : public testing::Test {
  protected:
   void switchOn(std::int64_t after_us = 0) {
@@ -32,8 +32,8 @@ class RobotAdoptionTest : public testing::Test {
     RobotAdoption::Result result;
     result.problem = "never ended";
     RobotAdoption adoption(loop_, ports_.open("robot", 38400), fresh_uid,
-                           [&](const RobotAdoption::Result& met) {
-                             result = met;
+                           [&](const RobotAdoption::Result& outcome) {
+                             result = outcome;
                              loop_.stop();
                            });
     loop_.run();
@@ -46,15 +46,15 @@ class RobotAdoptionTest : public testing::Test {
   std::optional<firmware::Device> device_;
   std::unique_ptr<SerialPort> line_ = ports_.offer("robot");
   int lost_frames_ = 0;
-  int heard_frames_ = 0;
+  int received_frames_ = 0;
 
  private:
   void passMs() {
     const auto now_ms = static_cast<std::uint32_t>((loop_.now() - boot_us_) / 1000);
     std::array<std::uint8_t, 256> bytes{};
     for (std::size_t n = line_->read(bytes); n > 0; n = line_->read(bytes)) {
-      ++heard_frames_;
-      if (heard_frames_ <= lost_frames_) continue;
+      ++received_frames_;
+      if (received_frames_ <= lost_frames_) continue;
       for (std::size_t i = 0; i < n; ++i) device_->receive(now_ms, 0, bytes[i]);
     }
     device_->tick(now_ms);
@@ -64,7 +64,7 @@ class RobotAdoptionTest : public testing::Test {
   std::int64_t boot_us_ = 0;
 };
 
-TEST_F(RobotAdoptionTest, GivesARobotWithoutNumberOneThatItKeeps) {
+TEST_F(RobotAdoptionTest, AssignsAUidThatTheRobotStores) {
   switchOn(1'300'000);
   const RobotAdoption::Result result = adopt(0xA1B2C3D4);
   EXPECT_TRUE(result.ok) << result.problem;
@@ -76,7 +76,7 @@ TEST_F(RobotAdoptionTest, GivesARobotWithoutNumberOneThatItKeeps) {
   EXPECT_EQ(stored.uid, 0xA1B2C3D4U);
 }
 
-TEST_F(RobotAdoptionTest, LeavesARobotItsNumber) {
+TEST_F(RobotAdoptionTest, KeepsTheUidOfARobot) {
   firmware::Settings settings;
   settings.uid = 77;
   firmware::encodeStore(settings, board_.store_.data());
@@ -85,22 +85,22 @@ TEST_F(RobotAdoptionTest, LeavesARobotItsNumber) {
   EXPECT_TRUE(result.ok) << result.problem;
   EXPECT_FALSE(result.uid_is_new);
   EXPECT_EQ(result.hello.uid, 77U);
-  EXPECT_EQ(heard_frames_, 0) << "nothing is said to it";
+  EXPECT_EQ(received_frames_, 0) << "nothing is sent to it";
 }
 
-TEST_F(RobotAdoptionTest, SaysAgainWhatWasLost) {
+TEST_F(RobotAdoptionTest, RepeatsLostMessages) {
   lost_frames_ = 3;
   switchOn();
   EXPECT_TRUE(adopt(5).ok);
   EXPECT_EQ(device_->settings().uid, 5U);
 }
 
-TEST_F(RobotAdoptionTest, AsksARobotThatTalksToAHostAlready) {
+TEST_F(RobotAdoptionTest, RequestsHelloFromARobotThatHasAHost) {
   firmware::Settings settings;
   settings.uid = 78;
   firmware::encodeStore(settings, board_.store_.data());
   switchOn();
-  loop_.at(loop_.now() + 1, [this] {  // it has heard a host: no HELLO by itself
+  loop_.at(loop_.now() + 1, [this] {  // after a message from a host it sends no HELLO by itself
     wire::Frame frame;
     wire::pack(wire::Ping{}, 1, frame);
     std::array<std::uint8_t, wire::kMaxFrame> bytes{};
@@ -111,7 +111,7 @@ TEST_F(RobotAdoptionTest, AsksARobotThatTalksToAHostAlready) {
   EXPECT_EQ(adopt(5).hello.uid, 78U);
 }
 
-TEST_F(RobotAdoptionTest, ReportsAnEepromThatDoesNotHold) {
+TEST_F(RobotAdoptionTest, ReportsAFailingEeprom) {
   board_.store_dead_ = true;
   switchOn();
   const RobotAdoption::Result result = adopt(5);
@@ -119,7 +119,7 @@ TEST_F(RobotAdoptionTest, ReportsAnEepromThatDoesNotHold) {
   EXPECT_EQ(result.problem, "the robot refuses to store the uid (status 6)");
 }
 
-TEST_F(RobotAdoptionTest, GivesUpOnSilence) {
+TEST_F(RobotAdoptionTest, ReportsTheTimeoutOfASilentLine) {
   const std::int64_t start = loop_.now();
   const RobotAdoption::Result result = adopt(5);
   EXPECT_FALSE(result.ok);
@@ -128,7 +128,7 @@ TEST_F(RobotAdoptionTest, GivesUpOnSilence) {
   EXPECT_EQ(loop_.now() - start, 10'000'000);
 }
 
-TEST_F(RobotAdoptionTest, TellsGarbageFromSilence) {
+TEST_F(RobotAdoptionTest, ReportsBytesThatAreNoFrames) {
   loop_.every(100'000, loop_.now(), [this] {
     const std::array<std::uint8_t, 6> garbage{0, 7, 7, 7, 7, 0};
     (void)line_->write(garbage);
@@ -136,7 +136,7 @@ TEST_F(RobotAdoptionTest, TellsGarbageFromSilence) {
   EXPECT_EQ(adopt(5).problem.substr(0, 24), "bytes that are no frames");
 }
 
-TEST_F(RobotAdoptionTest, NamesAnotherSchema) {
+TEST_F(RobotAdoptionTest, ReportsAnotherSchema) {
   loop_.at(loop_.now() + 1000, [this] {
     wire::Hello hello;
     hello.schema = 0x1234;
@@ -151,14 +151,14 @@ TEST_F(RobotAdoptionTest, NamesAnotherSchema) {
   EXPECT_EQ(result.problem.substr(0, 30), "the robot speaks schema 0x1234");
 }
 
-TEST_F(RobotAdoptionTest, SaysThatTheLineIsGone) {
+TEST_F(RobotAdoptionTest, ReportsALostLine) {
   loop_.at(loop_.now() + 1'000'000, [this] { line_.reset(); });
   const RobotAdoption::Result result = adopt(5);
   EXPECT_FALSE(result.ok);
   EXPECT_THAT(result.problem, testing::HasSubstr("gone"));
 }
 
-TEST(RandomUid, IsNoSimulatedRobots) {
+TEST(RandomUid, IsOutsideTheRangeOfSimulatedRobots) {
   std::set<std::uint32_t> uids;
   for (int i = 0; i < 1000; ++i) {
     const std::uint32_t uid = randomUid();

@@ -15,31 +15,31 @@
 #include "common/service/node.hpp"
 #include "runner/commands/commands.hpp"
 #include "runner/runs/lab_registry.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace lab::runner::stop_command_test {
 namespace {
 
-namespace fs = std::filesystem;
 using testing::HasSubstr;
 
 constexpr std::int64_t kStatusPeriod_us = 50'000;
 
-/// A lab of one robot, which stops when it is told to.
+/// A lab with one robot that obeys stops.
 class ObedientLab {
  public:
   explicit ObedientLab(std::string url) : thread_([this, url = std::move(url)] { live(url); }) {}
   ~ObedientLab() {
-    over_ = true;
+    ended_ = true;
     thread_.join();
   }
   ObedientLab(const ObedientLab&) = delete;
   ObedientLab& operator=(const ObedientLab&) = delete;
 
-  /// Whether whoever asked has said that it ends, with its last counts.
-  [[nodiscard]] bool heardLastCounts() const { return last_counts_; }
+  /// Whether `lab stop` has sent its ENDED status with its last counts.
+  [[nodiscard]] bool receivedLastCounts() const { return last_counts_; }
 
-  /// When it was told to stop [us since 1970], 0: not yet.
-  [[nodiscard]] std::int64_t told() const { return told_utime_; }
+  /// When the robot received the stop [us since 1970]; 0 if not yet.
+  [[nodiscard]] std::int64_t stopUtime() const { return stop_utime_; }
 
  private:
   void live(const std::string& url) {
@@ -51,7 +51,7 @@ class ObedientLab {
     node.subscribe<robot_stop_t>(channels::kRobotStop, [&](const robot_stop_t& stop) {
       robot.stop_seq = stop.seq;
       robot.flags = stop.clear == 0 ? robot_state_t::FLAG_STOPPED : 0;
-      if (told_utime_ == 0) told_utime_ = loop.now();
+      if (stop_utime_ == 0) stop_utime_ = loop.now();
     });
     node.subscribe<service_status_t>(channels::kServiceStatus, [&](const service_status_t& status) {
       if (status.sender == "lab_stop" && status.state == service_status_t::ENDED) {
@@ -65,41 +65,37 @@ class ObedientLab {
       status.num_robots = 1;
       status.robots = {robot};
       node.publish(channels::kRobotStatus, status);
-      if (over_) loop.stop();
+      if (ended_) loop.stop();
     });
     loop.run();
   }
 
-  std::atomic<bool> over_ = false;
-  std::atomic<std::int64_t> told_utime_ = 0;
+  std::atomic<bool> ended_ = false;
+  std::atomic<std::int64_t> stop_utime_ = 0;
   std::atomic<bool> last_counts_ = false;
   std::thread thread_;
 };
 
 class StopCommand : public testing::Test {
  protected:
-  StopCommand() {
-    fs::create_directories(folder);
-    setenv("XDG_RUNTIME_DIR", folder.c_str(), 1);
-  }
-  ~StopCommand() override { fs::remove_all(folder); }
+  StopCommand() { setenv("XDG_RUNTIME_DIR", folder.path().c_str(), 1); }
 
-  /// `lab stop`, and what it says.
+  /// Runs `lab stop` and captures its output.
   ExitCode stopAll() {
     testing::internal::CaptureStdout();
     const ExitCode code = stop({});
     std::fflush(stdout);
-    said = testing::internal::GetCapturedStdout();
+    output = testing::internal::GetCapturedStdout();
     return code;
   }
 
-  fs::path folder = fs::path(testing::TempDir()) / ("stop_test_" + std::to_string(getpid()));
-  std::string said;
+  TemporaryFolder folder;
+  std::string output;
 };
 
-TEST_F(StopCommand, ALabThatDoesNotAnswerDelaysNoOther) {
+TEST_F(StopCommand, ASilentLabDoesNotDelayTheOthers) {
   constexpr std::int64_t kAtOnce_us =
-      1'000'000;  // one after the other: 5 s for each that is silent
+      1'000'000;  // sequentially it would take 5 s for each silent lab
   const Registration mute({"mute", lcmUrl(23601), getpid(), "", false});
   const Registration good({"good", lcmUrl(23602), getppid(), "", false});
   const Registration deaf({"deaf", lcmUrl(23603), 1, "", false});
@@ -110,15 +106,15 @@ TEST_F(StopCommand, ALabThatDoesNotAnswerDelaysNoOther) {
   const std::int64_t took = AsioLoop().now() - begun;
 
   EXPECT_EQ(code, kFailed);
-  EXPECT_THAT(said, HasSubstr("good: stopped, confirmed by 1 robot"));
-  EXPECT_THAT(said, HasSubstr("mute: no robot answers"));
-  EXPECT_THAT(said, HasSubstr("deaf: no robot answers"));
-  EXPECT_LT(lab.told() - begun, kAtOnce_us);
-  EXPECT_TRUE(lab.heardLastCounts());
+  EXPECT_THAT(output, HasSubstr("good: stopped, confirmed by 1 robot"));
+  EXPECT_THAT(output, HasSubstr("mute: no robot answers"));
+  EXPECT_THAT(output, HasSubstr("deaf: no robot answers"));
+  EXPECT_LT(lab.stopUtime() - begun, kAtOnce_us);
+  EXPECT_TRUE(lab.receivedLastCounts());
   EXPECT_LT(took, 9'000'000);
 }
 
-TEST_F(StopCommand, ALabWhoseBusCannotBeOpenedKeepsNoOtherFromBeingStopped) {
+TEST_F(StopCommand, ABusThatCannotBeOpenedDoesNotPreventOtherStops) {
   const Registration broken({"broken", "nonsense://", getpid(), "", false});
   const Registration good({"good", lcmUrl(23602), getppid(), "", false});
   const Registration worse({"worse", "nonsense://", 1, "", false});
@@ -126,9 +122,9 @@ TEST_F(StopCommand, ALabWhoseBusCannotBeOpenedKeepsNoOtherFromBeingStopped) {
 
   EXPECT_EQ(stopAll(), kFailed);
 
-  EXPECT_THAT(said, HasSubstr("good: stopped, confirmed by 1 robot"));
-  EXPECT_THAT(said, HasSubstr("broken: NOT stopped, the LCM bus nonsense:// cannot be opened"));
-  EXPECT_THAT(said, HasSubstr("worse: NOT stopped"));
+  EXPECT_THAT(output, HasSubstr("good: stopped, confirmed by 1 robot"));
+  EXPECT_THAT(output, HasSubstr("broken: NOT stopped, the LCM bus nonsense:// cannot be opened"));
+  EXPECT_THAT(output, HasSubstr("worse: NOT stopped"));
 }
 
 }  // namespace

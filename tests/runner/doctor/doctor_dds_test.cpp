@@ -18,7 +18,7 @@ std::vector<Finding> findingsOf(std::vector<DdsEndpoint> endpoints) {
   return judgeDds(facts);
 }
 
-TEST(DoctorOfDds, CountsWhoIsThere) {
+TEST(DoctorDds, CountsParticipantsWritersAndReaders) {
   const auto found = findingsOf({kWriter, kReader, kReader});
 
   ASSERT_EQ(found.size(), 1U);
@@ -26,7 +26,7 @@ TEST(DoctorOfDds, CountsWhoIsThere) {
   EXPECT_EQ(found[0].what, "DDS domain 0: 2 participants, 1 writers, 2 readers");
 }
 
-TEST(DoctorOfDds, NamesWhatDoesNotFit) {
+TEST(DoctorDds, ReportsIncompatibleWritersAndReaders) {
   DdsEndpoint best_effort = kWriter;
   best_effort.reliable = false;
   DdsEndpoint late = kReader;
@@ -35,56 +35,56 @@ TEST(DoctorOfDds, NamesWhatDoesNotFit) {
   other_type.type = "String_";
 
   EXPECT_THAT(findingsOf({best_effort, kReader}).at(1).what,
-              HasSubstr("rt/lab/robot1/pose hears nothing of a writer: it is best effort"));
-  EXPECT_THAT(findingsOf({kWriter, late}).at(1).what, HasSubstr("wanted transient local"));
-  EXPECT_THAT(findingsOf({kWriter, other_type}).at(1).what, HasSubstr("wanted String_"));
+              HasSubstr("rt/lab/robot1/pose does not match a writer: the writer is best effort"));
+  EXPECT_THAT(findingsOf({kWriter, late}).at(1).what, HasSubstr("wants transient local"));
+  EXPECT_THAT(findingsOf({kWriter, other_type}).at(1).what, HasSubstr("the reader's String_"));
   EXPECT_THAT(findingsOf({best_effort, kReader}).at(1).fix, HasSubstr("/lab/robot1/pose"));
-  EXPECT_EQ(findingsOf({best_effort, kReader, kReader}).size(), 2U) << "said once";
+  EXPECT_EQ(findingsOf({best_effort, kReader, kReader}).size(), 2U) << "reported once";
 }
 
-TEST(DoctorOfDds, LeavesAloneWhatFitsAndWhatIsOfAnotherTopic) {
-  DdsEndpoint modest = kReader;
-  modest.reliable = false;
+TEST(DoctorDds, IgnoresCompatibleReadersAndOtherTopics) {
+  DdsEndpoint best_effort = kReader;
+  best_effort.reliable = false;
   DdsEndpoint elsewhere = kReader;
   elsewhere.topic = "rt/other";
   elsewhere.type = "String_";
 
-  EXPECT_EQ(findingsOf({kWriter, modest, elsewhere}).size(), 1U);
+  EXPECT_EQ(findingsOf({kWriter, best_effort, elsewhere}).size(), 1U);
 }
 
-// The lab reads commands in two types; who speaks one of them is heard.
-TEST(DoctorOfDds, AnOwnerWhoReadsTwoTypesHearsBoth) {
+// The lab reads commands in two types, so a writer of either type is received.
+TEST(DoctorDds, AParticipantThatReadsTwoTypesMatchesBoth) {
   const DdsEndpoint teleop{true, "rt/lab/robot1/cmd_vel", "Twist_", true, false, "teleop"};
   const DdsEndpoint plain{false, "rt/lab/robot1/cmd_vel", "Twist_", true, false, "lab"};
   DdsEndpoint stamped = plain;
   stamped.type = "TwistStamped_";
   EXPECT_EQ(findingsOf({teleop, plain, stamped}).size(), 1U);
 
-  DdsEndpoint elsewhere = stamped;  // hears nothing, whatever others read
+  DdsEndpoint elsewhere = stamped;  // of another participant: not matched
   elsewhere.owner = "echo";
   const auto found = findingsOf({teleop, plain, stamped, elsewhere});
   ASSERT_EQ(found.size(), 2U);
-  EXPECT_THAT(found[1].what, HasSubstr("its type is Twist_, wanted TwistStamped_"));
+  EXPECT_THAT(found[1].what, HasSubstr("the writer's type is Twist_, the reader's TwistStamped_"));
 
-  DdsEndpoint text = teleop;  // neither of the two
+  DdsEndpoint text = teleop;  // neither of the two types
   text.type = "String_";
   EXPECT_EQ(findingsOf({text, plain, stamped}).size(), 3U);
 }
 
-TEST(DoctorOfDds, SaysThatOnlyCertificatesAreSeen) {
+TEST(DoctorDds, MentionsDdsSecurity) {
   DdsFacts facts;
   facts.secured = true;
   EXPECT_THAT(judgeDds(facts).at(0).what, HasSubstr("secured"));
 }
 
-TEST(DoctorOfDds, ListensAsTheGatewayWould) {
+TEST(DoctorDds, UsesTheConfigurationOfTheGateway) {
   Gateway gateway;
   gateway.configuration = "no_such.xml";
   EXPECT_THAT(surveyDds(gateway, "/nowhere", 0).problem,
               HasSubstr("/nowhere/no_such.xml: gateway.configuration"));
 }
 
-TEST(DoctorOfPorts, NamesThoseThatAreTaken) {
+TEST(DoctorPorts, NamesPortsInUse) {
   const auto all = [](int) { return true; };
   const auto none = [](int) { return false; };
   Experiment experiment;
@@ -97,13 +97,13 @@ TEST(DoctorOfPorts, NamesThoseThatAreTaken) {
   const auto found = judgePorts(experiment, none, none);
   ASSERT_EQ(found.size(), 2U);
   EXPECT_EQ(found[0].level, Level::kWarning);
-  EXPECT_THAT(found[0].what, HasSubstr("UDP port 23456 (network.port) is taken"));
+  EXPECT_THAT(found[0].what, HasSubstr("UDP port 23456 (network.port) is in use"));
   EXPECT_THAT(found[0].fix, HasSubstr("another network.port"));
-  EXPECT_THAT(found[1].what, HasSubstr("UDP port 8150 (of gateway.domain = 3) is taken"));
+  EXPECT_THAT(found[1].what, HasSubstr("UDP port 8150 (gateway.domain = 3) is in use"));
   EXPECT_THAT(found[1].fix, HasSubstr("another gateway.domain"));
 }
 
-TEST(DoctorOfDds, SaysWhyADomainCannotBeEntered) {
+TEST(DoctorDds, ReportsWhyADomainCannotBeJoined) {
   DdsFacts facts;
   facts.problem = "no free participant index";
 

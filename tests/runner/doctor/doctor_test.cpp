@@ -31,27 +31,27 @@ MachineFacts healthyMachine() {
   return facts;
 }
 
-std::vector<Finding> complaints(const MachineFacts& facts) {
+std::vector<Finding> problems(const MachineFacts& facts) {
   std::vector<Finding> left = judge(facts, {.runs = "runs", .registrations = "labs"});
   std::erase_if(left, [](const Finding& finding) { return finding.level == Level::kOk; });
   return left;
 }
 
-Finding onlyComplaint(const MachineFacts& facts) {
-  const std::vector<Finding> found = complaints(facts);
+Finding onlyProblem(const MachineFacts& facts) {
+  const std::vector<Finding> found = problems(facts);
   EXPECT_EQ(found.size(), 1U);
   return found.empty() ? Finding{} : found.front();
 }
 
-TEST(Doctor, HasNoComplaintAboutAHealthyMachine) {
+TEST(Doctor, ReportsNoProblemOfAHealthyMachine) {
   const std::vector<Finding> findings = judge(healthyMachine(), {.runs = "r", .registrations = ""});
 
   EXPECT_EQ(findings.size(), 17U);
-  EXPECT_THAT(complaints(healthyMachine()), IsEmpty());
+  EXPECT_THAT(problems(healthyMachine()), IsEmpty());
   EXPECT_EQ(exitCode(findings), 0);
 }
 
-TEST(Doctor, CallsEveryMachineThatCannotRunALabBroken) {
+TEST(Doctor, ReportsErrorsIfNoLabCanRun) {
   MachineFacts no_loopback = healthyMachine();
   no_loopback.loopback_up = false;
   MachineFacts no_multicast = healthyMachine();
@@ -64,12 +64,12 @@ TEST(Doctor, CallsEveryMachineThatCannotRunALabBroken) {
   no_gnuplot.has_gnuplot = false;
 
   for (const MachineFacts& facts : {no_loopback, no_multicast, no_logger, no_disk, no_gnuplot}) {
-    EXPECT_EQ(onlyComplaint(facts).level, Level::kError);
-    EXPECT_EQ(exitCode(complaints(facts)), 2);
+    EXPECT_EQ(onlyProblem(facts).level, Level::kError);
+    EXPECT_EQ(exitCode(problems(facts)), 2);
   }
 }
 
-TEST(Doctor, OnlyWarnsOfWhatALabCanLiveWith) {
+TEST(Doctor, WarnsOnlyIfALabCanStillRun) {
   MachineFacts small_buffer = healthyMachine();
   small_buffer.receive_buffer = 4194303;
   MachineFacts little_disk = healthyMachine();
@@ -85,44 +85,44 @@ TEST(Doctor, OnlyWarnsOfWhatALabCanLiveWith) {
 
   for (const MachineFacts& facts :
        {small_buffer, little_disk, free_clock, unknown_clock, one_cpu, unknown_route}) {
-    const Finding finding = onlyComplaint(facts);
+    const Finding finding = onlyProblem(facts);
     EXPECT_EQ(finding.level, Level::kWarning) << finding.what;
     EXPECT_NE(finding.fix, "") << finding.what;
-    EXPECT_EQ(exitCode(complaints(facts)), 0);
+    EXPECT_EQ(exitCode(problems(facts)), 0);
   }
 }
 
-TEST(Doctor, NamesTheInterfaceByWhichMessagesWouldLeaveAndPinsTheRoute) {
+TEST(Doctor, WarnsOfAMulticastRouteToTheNetwork) {
   MachineFacts facts = healthyMachine();
   facts.multicast_interface = "wlan0";
 
-  const Finding finding = onlyComplaint(facts);
+  const Finding finding = onlyProblem(facts);
 
   EXPECT_EQ(finding.level, Level::kWarning);
   EXPECT_THAT(finding.what, HasSubstr("wlan0"));
   EXPECT_THAT(finding.fix, HasSubstr("sudo ip route add 224.0.0.0/4 dev lo"));
 }
 
-TEST(Doctor, HandsOnTheFixOfTheMulticastProblem) {
+TEST(Doctor, ReportsTheMulticastProblemWithItsFix) {
   MachineFacts facts = healthyMachine();
   facts.multicast_problem = {"swallowed", "open it"};
 
-  EXPECT_EQ(onlyComplaint(facts).what, "swallowed");
-  EXPECT_EQ(onlyComplaint(facts).fix, "open it");
+  EXPECT_EQ(onlyProblem(facts).what, "swallowed");
+  EXPECT_EQ(onlyProblem(facts).fix, "open it");
 }
 
-TEST(Doctor, ListsEveryRegistrationThatNobodyOwns) {
+TEST(Doctor, ListsEveryStaleRegistration) {
   MachineFacts facts = healthyMachine();
   facts.stale_registrations = {"labs/a", "labs/b"};
 
-  const std::vector<Finding> found = complaints(facts);
+  const std::vector<Finding> found = problems(facts);
 
   ASSERT_EQ(found.size(), 2U);
   EXPECT_EQ(found[0].fix, "rm 'labs/a'");
   EXPECT_EQ(found[1].fix, "rm 'labs/b'");
 }
 
-TEST(Doctor, NamesTheTakenPortsWithoutComplaint) {
+TEST(Doctor, ListsPortsInUseWithoutAWarning) {
   MachineFacts facts = healthyMachine();
   facts.busy_ports = {20001, 30002};
   std::ostringstream out;
@@ -130,49 +130,48 @@ TEST(Doctor, NamesTheTakenPortsWithoutComplaint) {
   print(out, judge(facts, {.runs = "r", .registrations = ""}));
 
   EXPECT_THAT(out.str(), HasSubstr("taken: 20001 30002\n"));
-  EXPECT_THAT(complaints(facts), IsEmpty());
+  EXPECT_THAT(problems(facts), IsEmpty());
 }
 
-TEST(Doctor, PrintsOneLineAFindingAndTheLineThatRepairsItBelow) {
+TEST(Doctor, PrintsOneLinePerFindingAndTheFixBelow) {
   std::ostringstream out;
 
-  print(
-      out,
-      {{Level::kOk, "well", ""}, {Level::kWarning, "so so", "try"}, {Level::kError, "bad", "do"}});
+  print(out,
+        {{Level::kOk, "a", ""}, {Level::kWarning, "b", "fix b"}, {Level::kError, "c", "fix c"}});
 
-  EXPECT_EQ(out.str(), "ok    well\nwarn  so so\n      try\nFIX   bad\n      do\n");
+  EXPECT_EQ(out.str(), "ok    a\nwarn  b\n      fix b\nFIX   c\n      fix c\n");
 }
 
-TEST(Doctor, SaysHowLongALostFragmentHurts) {
+TEST(Doctor, WarnsOfALongFragmentTime) {
   MachineFacts facts = healthyMachine();
   facts.fragment_time = 30;
 
-  EXPECT_THAT(onlyComplaint(facts).what, HasSubstr("after 30 s (ipfrag_time)"));
-  EXPECT_THAT(onlyComplaint(facts).fix, HasSubstr("net.ipv4.ipfrag_time=1"));
+  EXPECT_THAT(onlyProblem(facts).what, HasSubstr("after 30 s (ipfrag_time)"));
+  EXPECT_THAT(onlyProblem(facts).fix, HasSubstr("net.ipv4.ipfrag_time=1"));
 }
 
-TEST(Doctor, NamesDevicesThatTheUserMayNotUseAndTheGroupThatMay) {
+TEST(Doctor, NamesInaccessibleDevicesAndTheGroupWithAccess) {
   MachineFacts lines = healthyMachine();
   lines.serial_lines = 2;
   lines.closed_serial_lines = {"/dev/ttyUSB1"};
-  EXPECT_THAT(onlyComplaint(lines).what, HasSubstr("may not use /dev/ttyUSB1"));
-  EXPECT_THAT(onlyComplaint(lines).fix, HasSubstr("usermod -aG dialout $USER"));
+  EXPECT_THAT(onlyProblem(lines).what, HasSubstr("no access to /dev/ttyUSB1"));
+  EXPECT_THAT(onlyProblem(lines).fix, HasSubstr("usermod -aG dialout $USER"));
 
   MachineFacts cameras = healthyMachine();
   cameras.cameras = 1;
   cameras.closed_cameras = {"/dev/video0"};
-  EXPECT_THAT(onlyComplaint(cameras).what, HasSubstr("may not use /dev/video0"));
-  EXPECT_THAT(onlyComplaint(cameras).fix, HasSubstr("usermod -aG video $USER"));
+  EXPECT_THAT(onlyProblem(cameras).what, HasSubstr("no access to /dev/video0"));
+  EXPECT_THAT(onlyProblem(cameras).fix, HasSubstr("usermod -aG video $USER"));
 }
 
-TEST(Doctor, SaysWhatIsMissingForProjectorAndOtherHosts) {
+TEST(Doctor, WarnsOfAMissingDisplayAndMissingSsh) {
   MachineFacts facts = healthyMachine();
   facts.has_display = false;
-  EXPECT_THAT(onlyComplaint(facts).what, HasSubstr("no display"));
+  EXPECT_THAT(onlyProblem(facts).what, HasSubstr("no display"));
 
   facts = healthyMachine();
   facts.has_ssh = false;
-  EXPECT_THAT(onlyComplaint(facts).fix, HasSubstr("openssh-client"));
+  EXPECT_THAT(onlyProblem(facts).fix, HasSubstr("openssh-client"));
 }
 
 }  // namespace

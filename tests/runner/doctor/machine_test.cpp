@@ -6,7 +6,10 @@
 #include <unistd.h>
 
 #include <cstdlib>
-#include <fstream>
+#include <filesystem>
+
+#include "tests/support/temporary_folder.hpp"
+#include "tests/support/text_file.hpp"
 
 namespace lab::runner {
 namespace {
@@ -15,35 +18,28 @@ namespace fs = std::filesystem;
 using testing::ElementsAre;
 using testing::IsEmpty;
 
-/// A folder of its own for each test, gone afterwards.
 class Machine : public testing::Test {
  protected:
-  Machine() {
-    std::string pattern = (fs::temp_directory_path() / "machine_test.XXXXXX").string();
-    folder_ = mkdtemp(pattern.data());
-  }
-  ~Machine() override { fs::remove_all(folder_); }
-
   fs::path write(const std::string& name, const std::string& text) const {
-    std::ofstream(folder_ / name) << text;
+    support::writeFile(folder_ / name, text);
     return folder_ / name;
   }
 
-  fs::path folder_;
+  TemporaryFolder folder_;
 };
 
-// These tests run in a network of their own with multicast routed over lo.
+// These tests run in a private network namespace in which multicast is routed over lo.
 
-TEST_F(Machine, FindsNoFaultWithMulticastThatComesBack) {
+TEST_F(Machine, FindsNoProblemWhenMulticastComesBack) {
   const auto problem = multicastProblem();
 
   EXPECT_FALSE(problem) << *problem;
 }
 
-TEST_F(Machine, KnowsThatMulticastLeavesByTheLoopback) { EXPECT_EQ(multicastInterface(), "lo"); }
+TEST_F(Machine, ReportsThatMulticastLeavesByTheLoopback) { EXPECT_EQ(multicastInterface(), "lo"); }
 
-TEST_F(Machine, FindsMulticastBrokenInAnEmptyNetwork) {
-  const auto look = [] {
+TEST_F(Machine, ReportsBrokenMulticastInAnEmptyNetwork) {
+  const auto check = [] {
     if (unshare(CLONE_NEWNET) != 0) std::exit(1);
     const auto problem = multicastProblem();
     if (!problem || problem->find("224.0.0.0/4 dev lo") == std::string::npos) std::exit(2);
@@ -52,7 +48,7 @@ TEST_F(Machine, FindsMulticastBrokenInAnEmptyNetwork) {
     std::exit(0);
   };
 
-  EXPECT_EXIT(look(), testing::ExitedWithCode(0), "");
+  EXPECT_EXIT(check(), testing::ExitedWithCode(0), "");
 }
 
 TEST_F(Machine, ReadsTheDeviceOfARoute) {
@@ -62,16 +58,16 @@ TEST_F(Machine, ReadsTheDeviceOfARoute) {
   EXPECT_EQ(interfaceOfRoute("multicast 239.255.76.67 dev"), std::nullopt);
 }
 
-TEST_F(Machine, AsksTheNearestAncestorForFreeSpace) {
-  EXPECT_GT(freeBytes(folder_), 0);
-  EXPECT_GT(freeBytes(folder_ / "runs" / "not yet" / "made"), 0);
+TEST_F(Machine, ReportsTheFreeSpaceOfTheNearestExistingAncestor) {
+  EXPECT_GT(freeBytes(folder_.path()), 0);
+  EXPECT_GT(freeBytes(folder_ / "runs/not yet/made"), 0);
 }
 
 TEST_F(Machine, FindsOnlyExecutableFilesInThePath) {
   fs::permissions(write("tool", "#!/bin/sh\n"), fs::perms::owner_all);
   fs::permissions(write("text", "tool"), fs::perms::owner_read);
   fs::create_directory(folder_ / "folder");
-  setenv("PATH", ("/nowhere:" + folder_.string()).c_str(), 1);
+  setenv("PATH", ("/nowhere:" + folder_.path().string()).c_str(), 1);
 
   EXPECT_EQ(findProgram("tool"), folder_ / "tool");
   EXPECT_EQ(findProgram("text"), std::nullopt);
@@ -79,17 +75,17 @@ TEST_F(Machine, FindsOnlyExecutableFilesInThePath) {
   EXPECT_EQ(findProgram("absent"), std::nullopt);
 }
 
-TEST_F(Machine, CallsARegistrationStaleWhenItsOwnerIsGone) {
+TEST_F(Machine, ARegistrationIsStaleWhenItsProcessIsGone) {
   const fs::path gone = write("4194305.json", "{}");  // above the largest pid that Linux gives
   write(std::to_string(getpid()) + ".json", "{}");
   write("4194305.txt", "not a registration");
   write("note.json", "{}");
 
-  EXPECT_THAT(staleRegistrations(folder_), ElementsAre(gone));
+  EXPECT_THAT(staleRegistrations(folder_.path()), ElementsAre(gone));
   EXPECT_THAT(staleRegistrations(folder_ / "absent"), IsEmpty());
 }
 
-TEST_F(Machine, SeesThePortsThatListenOnEveryAddress) {
+TEST_F(Machine, ListsThePortsThatListenOnEveryAddress) {
   const char* text =
       "   sl  local_address rem_address   st tx_queue rx_queue tr\n"
       " 5210: 00000000:7531 00000000:0000 07 00000000:00000000 00:00000000\n"   // 30001
@@ -103,8 +99,8 @@ TEST_F(Machine, SeesThePortsThatListenOnEveryAddress) {
   EXPECT_THAT(listeningPorts(text), ElementsAre(20000, 30001));
 }
 
-TEST_F(Machine, SurveysWhatItCanSayOfEveryMachine) {
-  const MachineFacts facts = survey(folder_, folder_);
+TEST_F(Machine, SurveyFillsTheFactsThatEveryMachineHas) {
+  const MachineFacts facts = survey(folder_.path(), folder_.path());
 
   EXPECT_TRUE(facts.loopback_up);
   EXPECT_GT(facts.receive_buffer, 0);

@@ -8,7 +8,7 @@
 namespace lab::runner {
 namespace {
 
-/// A sheet has room for twelve tiles: longer films are thinned while they are drawn.
+/// The number of frames; a contact sheet has twelve tiles, so longer films are thinned.
 class ContactSheet : public testing::TestWithParam<int> {};
 
 TEST_P(ContactSheet, IsWrittenForAFilmOfAnyLength) {

@@ -31,7 +31,7 @@ std::string step(double at, const std::string& layers, double ramp = 0) {
 constexpr const char* kBright = R"({kind = "uniform", intensity = 0.8})";
 constexpr const char* kDark = R"({kind = "uniform", intensity = 0.2})";
 
-TEST(LightPreview, ShowsAStillStepOnceAndAMovingOneAtFourMoments) {
+TEST(LightPreview, ShowsAConstantStepOnceAndAMovingOneFourTimes) {
   const Experiment experiment =
       scriptOf(step(0, kBright) +
                step(10, R"({kind = "wave", period_cm = 40, speed_cm_s = 8, intensity = 1})") +
@@ -49,35 +49,35 @@ TEST(LightPreview, ShowsAStillStepOnceAndAMovingOneAtFourMoments) {
   EXPECT_EQ(dut.moments(2).back(), 8);
 }
 
-TEST(LightPreview, FadesFromTheStepBefore) {
+TEST(LightPreview, FadesFromThePreviousStep) {
   const Experiment experiment = scriptOf(step(0, kBright) + step(10, kDark, 4));
   LightPreview dut(experiment, {});
   EXPECT_NEAR(light::evaluate(dut.field(1, 1), 0.5, 0.5), 0.65, 1e-12);
   EXPECT_NEAR(light::evaluate(dut.field(1, 4), 0.5, 0.5), 0.2, 1e-12);
 }
 
-TEST(LightPreview, DrawsFollowersAndTrailsWhereRobotsStart) {
+TEST(LightPreview, DrawsFollowersAndTrailsAtTheStartPoses) {
   const Experiment experiment = scriptOf(
       step(0, R"({kind = "disk", radius_cm = 3, x_cm = 10, follow = "robots", intensity = 1})") +
       step(50,
            R"({kind = "disk", radius_cm = 6, follow = "trail", decay_per_s = 0, intensity = 1})"));
   LightPreview dut(experiment, {});
   const light::Field spot = dut.field(0, 1);
-  EXPECT_EQ(light::evaluate(spot, 0.3, 0.4), 1);  // 10 cm ahead of a robot that looks along y
+  EXPECT_EQ(light::evaluate(spot, 0.3, 0.4), 1);  // 10 cm ahead of a robot with heading along y
   EXPECT_EQ(light::evaluate(spot, 0.3, 0.3), 0);
   EXPECT_LT(light::evaluate(dut.field(1, 0), 0.3, 0.3), 0.1);
   EXPECT_GT(light::evaluate(dut.field(1, 5), 0.3, 0.3), 0.9);
   EXPECT_LT(light::evaluate(dut.field(1, 5), 0.6, 0.6), 0.01);
 }
 
-TEST(LightPreview, OpensGatesThatAskForAProgram) {
+TEST(LightPreview, OpensGatesOnAProgram) {
   const Experiment experiment = scriptOf(
       step(0, R"({kind = "uniform", intensity = 0.7, gate = "program", gate_program = "stand"})"));
   LightPreview dut(experiment, {});
   EXPECT_EQ(light::evaluate(dut.field(0, 0), 0.5, 0.5), 0.7);
 }
 
-TEST(LightPreview, PaintsAPictureWithWordsAboveTheLight) {
+TEST(LightPreview, DrawsACaptionAboveTheLight) {
   const Experiment experiment = scriptOf(step(0, kBright));
   LightPreview dut(experiment, {});
   const tracker::RgbImage picture = dut.picture(0, 0, 120);
@@ -86,9 +86,9 @@ TEST(LightPreview, PaintsAPictureWithWordsAboveTheLight) {
   for (int y = picture.height - 90; y < picture.height; ++y) {
     ASSERT_EQ(*picture.at(60, y), 204) << y;
   }
-  bool words = false;
-  for (int x = 0; x < picture.width; ++x) words = words || *picture.at(x, 5) == 255;
-  EXPECT_TRUE(words);
+  bool caption = false;
+  for (int x = 0; x < picture.width; ++x) caption = caption || *picture.at(x, 5) == 255;
+  EXPECT_TRUE(caption);
 }
 
 }  // namespace

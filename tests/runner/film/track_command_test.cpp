@@ -8,38 +8,28 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
-#include <sstream>
 #include <string_view>
 
 #include "common/calibration/camera_file.hpp"
 #include "common/experiment/experiment_file.hpp"
-#include "light/field/image.hpp"
 #include "runner/command_line/exit_code.hpp"
 #include "runner/commands/commands.hpp"
 #include "runner/film/movie_writer.hpp"
-#include "tests/runner/../tracker_svc/painted_film.hpp"
+#include "tests/support/film_samples.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "tests/support/text_file.hpp"
+#include "tests/tracker_svc/painted_film.hpp"
 #include "tracker_svc/film_reader.hpp"
 
 namespace lab::runner {
 namespace {
 
 namespace fs = std::filesystem;
+using support::readFile;
 using testing::HasSubstr;
 using tracker::PaintedFilm;
 
-std::string textOf(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  std::ostringstream text;
-  text << stream.rdbuf();
-  return text.str();
-}
-
 int linesIn(const std::string& text) { return static_cast<int>(std::ranges::count(text, '\n')); }
-
-void writePng(const fs::path& path, const optics::GreyImage& image) {
-  ASSERT_FALSE(light::writeFile(path, light::encodePng(image.width, image.height, image.pixels)));
-}
 
 /// A folder with a film of five pictures and the calibration of its camera.
 class TrackCommand : public testing::Test {
@@ -69,7 +59,7 @@ class TrackCommand : public testing::Test {
     std::ofstream(folder_ / name) << text;
   }
 
-  /// The pictures as a movie whose parts have checksums.
+  /// The pictures as a movie with a checksum for every slice.
   [[nodiscard]] fs::path movie() const {
     fs::path file = folder_ / "whole.avi";
     const std::string command = "ffmpeg -v error -framerate 30 -i '" + options_.source +
@@ -79,7 +69,7 @@ class TrackCommand : public testing::Test {
     return file;
   }
 
-  /// The message of the error that tracking ends with.
+  /// The message of the exception of track(), or "none".
   [[nodiscard]] std::string problem() const {
     try {
       static_cast<void>(track(options_));
@@ -98,14 +88,14 @@ class TrackCommand : public testing::Test {
 TEST_F(TrackCommand, WritesARowForEveryRobotInEveryPicture) {
   EXPECT_EQ(track(options_), kDone);
 
-  const std::string poses = textOf(options_.out);
+  const std::string poses = readFile(options_.out);
   EXPECT_EQ(poses.substr(0, poses.find('\n')), "frame,id,x_cm,y_cm,theta_rad,u,v,confidence,t_s");
   EXPECT_EQ(linesIn(poses), 1 + 5 * 3);
   EXPECT_THAT(poses, HasSubstr("\n4,3,"));
   EXPECT_FALSE(fs::exists(options_.out.string() + ".part"));
 }
 
-TEST_F(TrackCommand, ReadsAFilmThatWasEncodedForTheEye) {
+TEST_F(TrackCommand, ReadsAFilmWithGamma) {
   film("webcam", 2.2);
   options_.source = (folder_ / "webcam").string();
   testing::internal::CaptureStdout();
@@ -113,28 +103,29 @@ TEST_F(TrackCommand, ReadsAFilmThatWasEncodedForTheEye) {
   EXPECT_THAT(testing::internal::GetCapturedStdout(),
               AllOf(HasSubstr("with a gamma of 2.2"),
                     HasSubstr("at 3 of 3 places caps are found only with it"), Not(HasSubstr("from frame"))));
-  EXPECT_EQ(linesIn(textOf(options_.out)), 1 + 5 * 3);
+  EXPECT_EQ(linesIn(readFile(options_.out)), 1 + 5 * 3);
 }
 
-TEST_F(TrackCommand, SaysFromWhichFrameOnItKnewHowAFilmIsEncoded) {
+TEST_F(TrackCommand, ReportsFromWhichFrameOnTheGammaWasKnown) {
   film("late", 2.2, 2);
-  for (int k = 4; k >= 0; --k) {  // the numbers are those in the pictures' names
+  for (int k = 4; k >= 0; --k) {  // frames are numbered by the file names
     const std::string name = std::to_string(k) + ".png";
     fs::rename(folder_ / ("late/f000" + name), folder_ / ("late/f001" + name));
   }
   options_.source = (folder_ / "late").string();
   testing::internal::CaptureStdout();
   EXPECT_EQ(track(options_), kDone);
-  EXPECT_THAT(testing::internal::GetCapturedStdout(),
-              AllOf(HasSubstr("with a gamma of 2.2"),
-                    HasSubstr("only from frame 12 on; those before were read otherwise")));
-  EXPECT_THAT(textOf(options_.out), HasSubstr("\n12,3,"));
+  EXPECT_THAT(
+      testing::internal::GetCapturedStdout(),
+      AllOf(HasSubstr("with a gamma of 2.2"),
+            HasSubstr("only from frame 12 on; earlier frames were read with another gamma")));
+  EXPECT_THAT(readFile(options_.out), HasSubstr("\n12,3,"));
 }
 
-TEST_F(TrackCommand, BelievesTheCalibrationOverThePictures) {
+TEST_F(TrackCommand, UsesTheGammaOfTheCalibration) {
   CameraCalibration calibration;
   calibration.camera = PaintedFilm::settings().camera;
-  calibration.imaging = optics::Imaging{.gamma = 5};  // in which no cap is round
+  calibration.imaging = optics::Imaging{.gamma = 5};  // with which no cap appears round
   write("wrong.json", cameraFileText(calibration));
   options_.calibration = folder_ / "wrong.json";
   testing::internal::CaptureStdout();
@@ -144,10 +135,10 @@ TEST_F(TrackCommand, BelievesTheCalibrationOverThePictures) {
                     HasSubstr("with a gamma of 5, as the calibration says")));
 }
 
-TEST_F(TrackCommand, GivesARobotThatIsPutInWhereAnotherWasTakenOutAnIdOfItsOwn) {
+TEST_F(TrackCommand, GivesARobotThatReplacesAnotherANewId) {
   fs::create_directory(folder_ / "two");
   PaintedFilm film;
-  for (int k = 0; k < 12; ++k) {  // at rest for 3 s, nothing for 2 s, then another 45 cm away
+  for (int k = 0; k < 12; ++k) {  // at rest for 3 s, no robot for 2 s, then another one 45 cm away
     std::vector<sim::PaintedRobot> robots;
     if (k < 6) robots = {{0.62, 0.54, 1}};
     if (k >= 10) robots = {{0.17, 0.54, 1}};
@@ -158,10 +149,10 @@ TEST_F(TrackCommand, GivesARobotThatIsPutInWhereAnotherWasTakenOutAnIdOfItsOwn) 
 
   EXPECT_EQ(track(options_), kDone);
 
-  EXPECT_THAT(textOf(options_.out), AllOf(HasSubstr("\n5,1,"), HasSubstr("\n10,2,")));
+  EXPECT_THAT(readFile(options_.out), AllOf(HasSubstr("\n5,1,"), HasSubstr("\n10,2,")));
 }
 
-/// The camera of a calibration, turned about its own x axis.
+/// The camera rotated about its own x axis.
 optics::CameraParameters tilted(optics::CameraParameters camera, double angle) {
   const double c = std::cos(angle);
   const double s = std::sin(angle);
@@ -175,7 +166,7 @@ optics::CameraParameters tilted(optics::CameraParameters camera, double angle) {
   return camera;
 }
 
-TEST_F(TrackCommand, WarnsOfACalibrationThatPosesSpeakAgainst) {
+TEST_F(TrackCommand, WarnsOfACalibrationThatDoesNotFitThePoses) {
   fs::create_directory(folder_ / "many");
   std::vector<sim::PaintedRobot> robots;
   for (int i = 0; i < 20; ++i) {
@@ -187,7 +178,7 @@ TEST_F(TrackCommand, WarnsOfACalibrationThatPosesSpeakAgainst) {
   }
   options_.source = (folder_ / "many").string();
   options_.force = true;
-  const auto said = [&](const CameraCalibration& calibration) {
+  const auto output_with = [&](const CameraCalibration& calibration) {
     write("camera.json", cameraFileText(calibration));
     testing::internal::CaptureStdout();
     EXPECT_EQ(track(options_), kDone);
@@ -195,20 +186,21 @@ TEST_F(TrackCommand, WarnsOfACalibrationThatPosesSpeakAgainst) {
   };
   CameraCalibration good;
   good.camera = PaintedFilm::settings().camera;
-  EXPECT_THAT(said(good), testing::Not(HasSubstr("warning")));
+  EXPECT_THAT(output_with(good), testing::Not(HasSubstr("warning")));
 
   CameraCalibration tilt = good;
   tilt.camera = tilted(good.camera, 0.02);
-  EXPECT_THAT(said(tilt), AllOf(HasSubstr("warning  the calibration does not fit"),
-                                HasSubstr("%/m along x and y"), Not(HasSubstr("outside"))));
+  EXPECT_THAT(output_with(tilt), AllOf(HasSubstr("warning  the calibration does not fit"),
+                                       HasSubstr("%/m along x and y"), Not(HasSubstr("outside"))));
 
   CameraCalibration small = good;
   small.arena_width = 0.6;
-  EXPECT_THAT(said(small), HasSubstr("warning  40.0 % of the poses are outside the arena of 60 x "
-                                     "90 cm, by up to 48.0 cm"));
+  EXPECT_THAT(output_with(small),
+              HasSubstr("warning  40.0 % of the poses are outside the arena of 60 x "
+                        "90 cm, by up to 48.0 cm"));
 }
 
-TEST_F(TrackCommand, WarnsWhereTheSpacingVariesThoughThePlacesAreTooFewForASlope) {
+TEST_F(TrackCommand, WarnsOfVaryingSpacingEvenWithTooFewPlacesForAFit) {
   CameraCalibration calibration;
   calibration.camera = tilted(PaintedFilm::settings().camera, 0.1);
   write("camera.json", cameraFileText(calibration));
@@ -219,65 +211,66 @@ TEST_F(TrackCommand, WarnsWhereTheSpacingVariesThoughThePlacesAreTooFewForASlope
                     testing::Not(HasSubstr("does not fit"))));
 }
 
-TEST_F(TrackCommand, TakesEverySecondPictureWhenToldTo) {
+TEST_F(TrackCommand, ReadsEverySecondPictureOnRequest) {
   options_.every = 2;
 
   EXPECT_EQ(track(options_), kDone);
 
-  const std::string poses = textOf(options_.out);
+  const std::string poses = readFile(options_.out);
   EXPECT_EQ(linesIn(poses), 1 + 3 * 3);
   EXPECT_THAT(poses, testing::Not(HasSubstr("\n1,")));
 }
 
-TEST_F(TrackCommand, SaysWhereTimesComeFromIfNobodyKnowsThem) {
+TEST_F(TrackCommand, ReportsTheAssumedRateOfPicturesWithoutTimes) {
   testing::internal::CaptureStdout();
   EXPECT_EQ(track(options_), kDone);
-  EXPECT_THAT(testing::internal::GetCapturedStdout(), HasSubstr("taken for 30 a second: --fps"));
-  EXPECT_THAT(textOf(options_.out), HasSubstr(",0.133333\n"));
+  EXPECT_THAT(testing::internal::GetCapturedStdout(),
+              HasSubstr("30 pictures per second are assumed: set --fps"));
+  EXPECT_THAT(readFile(options_.out), HasSubstr(",0.133333\n"));
 
   options_.fps = 2;
   options_.force = true;
   testing::internal::CaptureStdout();
   EXPECT_EQ(track(options_), kDone);
   EXPECT_THAT(testing::internal::GetCapturedStdout(), testing::Not(HasSubstr("--fps")));
-  EXPECT_THAT(textOf(options_.out), HasSubstr(",2.000000\n"));
+  EXPECT_THAT(readFile(options_.out), HasSubstr(",2.000000\n"));
 }
 
 TEST_F(TrackCommand, RefusesFpsBesideATableOfTimes) {
   write("film/frames.csv", "frame,t_s\n0,0\n1,0.5\n2,1\n3,1.5\n4,2\n");
   options_.fps = 10;
-  EXPECT_THAT(problem(), HasSubstr("found --fps beside the times of frames.csv"));
+  EXPECT_THAT(problem(), HasSubstr("found --fps and the times of frames.csv"));
   EXPECT_FALSE(fs::exists(options_.out));
 }
 
-// A film in slow motion says how fast it is played, not how fast it was taken.
-TEST_F(TrackCommand, TakesTheRateOfAMovieFromItsUserIfAsked) {
+// The times of a slow-motion movie are those of playback, not of recording.
+TEST_F(TrackCommand, UsesTheRateOfTheUserForAMovie) {
   if (!isInstalled("ffmpeg")) GTEST_SKIP() << "ffmpeg is not installed";
   options_.source = movie().string();
   options_.fps = 200;
   testing::internal::CaptureStdout();
   EXPECT_EQ(track(options_), kDone);
-  EXPECT_THAT(testing::internal::GetCapturedStdout(), HasSubstr("those of 200 frames a second"));
-  EXPECT_THAT(textOf(options_.out), HasSubstr(",0.005000\n"));
+  EXPECT_THAT(testing::internal::GetCapturedStdout(), HasSubstr("those of 200 frames per second"));
+  EXPECT_THAT(readFile(options_.out), HasSubstr(",0.005000\n"));
 }
 
-TEST_F(TrackCommand, ReplacesNothingUnasked) {
-  write("poses.csv", "precious");
+TEST_F(TrackCommand, ReplacesFilesOnlyWithForce) {
+  write("poses.csv", "kept");
 
   EXPECT_THAT(problem(), HasSubstr("--force"));
-  EXPECT_EQ(textOf(options_.out), "precious");
+  EXPECT_EQ(readFile(options_.out), "kept");
 
   options_.force = true;
   EXPECT_EQ(track(options_), kDone);
-  EXPECT_EQ(linesIn(textOf(options_.out)), 16);
+  EXPECT_EQ(linesIn(readFile(options_.out)), 16);
 }
 
-TEST_F(TrackCommand, WritesOverNothingThatItReadsOrWrites) {
-  const std::string calibration = textOf(options_.calibration);
+TEST_F(TrackCommand, RefusesToOverwriteItsInputsAndOutputs) {
+  const std::string calibration = readFile(options_.calibration);
   options_.force = true;
   options_.out = options_.calibration;
   EXPECT_THAT(problem(), HasSubstr("is named as --calibration and as --out"));
-  EXPECT_EQ(textOf(options_.calibration), calibration);
+  EXPECT_EQ(readFile(options_.calibration), calibration);
 
   options_.out = folder_ / "poses.csv";
   options_.overlay = folder_ / "film/../poses.csv";
@@ -285,46 +278,46 @@ TEST_F(TrackCommand, WritesOverNothingThatItReadsOrWrites) {
   EXPECT_FALSE(fs::exists(options_.out));
 }
 
-TEST_F(TrackCommand, KeepsThePosesWhereTheOverlayCannotBeWritten) {
+TEST_F(TrackCommand, KeepsThePosesIfTheOverlayCannotBeWritten) {
   options_.overlay = folder_ / "sheet.png";
-  fs::create_directory(folder_ / ".sheet.part.png");  // where it is written first
+  fs::create_directory(folder_ / ".sheet.part.png");  // its temporary name
 
   EXPECT_EQ(track(options_), kMarked);
 
-  EXPECT_EQ(linesIn(textOf(options_.out)), 16);
+  EXPECT_EQ(linesIn(readFile(options_.out)), 16);
 }
 
-TEST_F(TrackCommand, NamesBothSizesWhereTheCalibrationIsOfAnother) {
+TEST_F(TrackCommand, NamesBothSizesIfTheCalibrationHasAnother) {
   options_.calibration = folder_ / "other.json";
 
-  const std::string said = problem();
+  const std::string message = problem();
 
-  EXPECT_THAT(said, HasSubstr("640 x 480"));
-  EXPECT_THAT(said, HasSubstr("1280 x 960"));
-  EXPECT_THAT(said, HasSubstr("other.json"));
+  EXPECT_THAT(message, HasSubstr("640 x 480"));
+  EXPECT_THAT(message, HasSubstr("1280 x 960"));
+  EXPECT_THAT(message, HasSubstr("other.json"));
   EXPECT_FALSE(fs::exists(options_.out));
 }
 
-TEST_F(TrackCommand, SaysThatPlayersTurnAMovie) {
+TEST_F(TrackCommand, ReportsThatPlayersRotateAMovie) {
   if (!isInstalled("ffmpeg")) GTEST_SKIP() << "ffmpeg is not installed";
   const fs::path turned = folder_ / "turned.mov";
   const std::string command = "ffmpeg -v error -i '" + movie().string() + "' -c:v png '" +
                               turned.string() + ".mov' && ffmpeg -v error -i '" + turned.string() +
                               ".mov' -c copy -metadata:s:v rotate=90 '" + turned.string() +
-                              "'";  // only copied is it kept
+                              "'";  // only a copied stream keeps the rotation
   ASSERT_EQ(std::system(command.c_str()), 0);
   options_.source = turned.string();
   testing::internal::CaptureStdout();
   EXPECT_EQ(track(options_), kDone);
   EXPECT_THAT(testing::internal::GetCapturedStdout(),
-              AllOf(HasSubstr("players turn these pictures (rotation "), HasSubstr("90)")));
+              AllOf(HasSubstr("players rotate these pictures (rotation "), HasSubstr("90)")));
 
   options_.calibration = folder_ / "other.json";
   options_.force = true;
-  EXPECT_THAT(problem(), HasSubstr("640 x 480 px (as they are stored; players turn them, by rot"));
+  EXPECT_THAT(problem(), HasSubstr("640 x 480 px (as stored; players rotate them, by rot"));
 }
 
-TEST_F(TrackCommand, SaysThatPlayersTurnPictures) {
+TEST_F(TrackCommand, ReportsThatPlayersRotatePictures) {
   if (!isInstalled("ffmpeg")) GTEST_SKIP() << "ffmpeg is not installed";
   fs::create_directory(folder_ / "phone");
   const fs::path plain = folder_ / "plain.jpg";
@@ -334,9 +327,9 @@ TEST_F(TrackCommand, SaysThatPlayersTurnPictures) {
   options_.source = plain.string();
   testing::internal::CaptureStdout();
   EXPECT_EQ(track(options_), kDone);
-  EXPECT_THAT(testing::internal::GetCapturedStdout(), testing::Not(HasSubstr("turn")));
+  EXPECT_THAT(testing::internal::GetCapturedStdout(), testing::Not(HasSubstr("rotate")));
 
-  // One tag, Orientation (0x0112) = 6, in a block of its own behind the first two bytes.
+  // An EXIF segment with one tag, Orientation (0x0112) = 6, after the first two bytes.
   constexpr std::string_view kExif{
       "\xFF\xE1\0\x22"
       "Exif\0\0"
@@ -345,17 +338,17 @@ TEST_F(TrackCommand, SaysThatPlayersTurnPictures) {
       "\x01\x12\0\x03\0\0\0\x01\0\x06\0\0"
       "\0\0\0\0",
       36};
-  const std::string bytes = textOf(plain);
+  const std::string bytes = readFile(plain);
   write("phone/f0.jpg", bytes.substr(0, 2) + std::string(kExif) + bytes.substr(2));
   options_.source = (folder_ / "phone").string();
   options_.force = true;
   testing::internal::CaptureStdout();
   EXPECT_EQ(track(options_), kDone);
   EXPECT_THAT(testing::internal::GetCapturedStdout(),
-              HasSubstr("players turn these pictures (EXIF orientation 6)"));
+              HasSubstr("players rotate these pictures (EXIF orientation 6)"));
 }
 
-TEST_F(TrackCommand, SaysWhatIsMissing) {
+TEST_F(TrackCommand, ReportsMissingFiles) {
   options_.calibration = folder_ / "none.json";
   EXPECT_THAT(problem(), HasSubstr("none.json"));
 
@@ -369,14 +362,14 @@ TEST_F(TrackCommand, SaysWhatIsMissing) {
   EXPECT_FALSE(fs::exists(options_.out));
 }
 
-TEST_F(TrackCommand, SaysWhichPicturesItFoundWhereItReadsNone) {
+TEST_F(TrackCommand, NamesThePicturesThatItCannotRead) {
   fs::create_directory(folder_ / "scans");
   for (const char* name : {"scans/a1.tif", "scans/a2.TIF", "scans/notes.txt"}) write(name, "x");
   options_.source = (folder_ / "scans").string();
   EXPECT_THAT(problem(), AllOf(HasSubstr("found no pictures"), HasSubstr("but 2 of .tif; convert")));
 }
 
-TEST_F(TrackCommand, SaysInHowManyFramesMoreWereFoundThanThereAreRobots) {
+TEST_F(TrackCommand, ReportsFramesWithMoreCapsThanRobots) {
   options_.robots = 1;
   testing::internal::CaptureStdout();
   EXPECT_EQ(track(options_), kDone);
@@ -384,7 +377,7 @@ TEST_F(TrackCommand, SaysInHowManyFramesMoreWereFoundThanThereAreRobots) {
               HasSubstr("5 of 5 frames showed more caps than --robots says; 10 poses were left "));
 }
 
-TEST_F(TrackCommand, RefusesATextThatIsCalledAMovie) {
+TEST_F(TrackCommand, RefusesATextFileWithTheNameOfAMovie) {
   write("notes.avi", "these are notes\n");
   options_.source = (folder_ / "notes.avi").string();
 
@@ -397,11 +390,11 @@ TEST_F(TrackCommand, DrawsAContactSheet) {
 
   EXPECT_EQ(track(options_), kDone);
 
-  EXPECT_EQ(textOf(options_.overlay).substr(1, 3), "PNG");
+  EXPECT_EQ(readFile(options_.overlay).substr(1, 3), "PNG");
   EXPECT_THAT(problem(), HasSubstr("--force"));
 }
 
-TEST_F(TrackCommand, DrawsNoSheetAmongThePicturesThatItReads) {
+TEST_F(TrackCommand, RefusesASheetInTheFolderOfThePictures) {
   options_.overlay = folder_ / "film/sheet.png";
 
   EXPECT_THAT(problem(), HasSubstr("would be read as one of the pictures"));
@@ -433,7 +426,7 @@ TEST_F(TrackCommand, DrawsAMovie) {
   EXPECT_EQ(frames, 5);
 }
 
-TEST_F(TrackCommand, KeepsWhatATruncatedMovieStillHad) {
+TEST_F(TrackCommand, KeepsThePosesOfATruncatedMovie) {
   if (!isInstalled("ffmpeg")) GTEST_SKIP() << "ffmpeg is not installed";
   const fs::path whole = movie();
   fs::copy_file(whole, folder_ / "cut.avi");
@@ -442,12 +435,12 @@ TEST_F(TrackCommand, KeepsWhatATruncatedMovieStillHad) {
 
   EXPECT_EQ(track(options_), kMarked);
 
-  const int rows = linesIn(textOf(options_.out)) - 1;
+  const int rows = linesIn(readFile(options_.out)) - 1;
   EXPECT_GE(rows, 3);
   EXPECT_LT(rows, 15);
 }
 
-TEST_F(TrackCommand, MarksAMovieOfWhichEveryFrameIsThereButOneIsDamaged) {
+TEST_F(TrackCommand, MarksAMovieWithADamagedFrame) {
   if (!isInstalled("ffmpeg")) GTEST_SKIP() << "ffmpeg is not installed";
   const fs::path film = movie();
   std::fstream bytes(film, std::ios::binary | std::ios::in | std::ios::out);

@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 #include <signal.h>
-#include <unistd.h>
 
 #include <atomic>
 #include <chrono>
@@ -10,7 +9,10 @@
 #include <future>
 #include <memory>
 
-namespace lab::runner::only_agent_test {
+#include "tests/support/temporary_folder.hpp"
+#include "tests/support/wait_until.hpp"
+
+namespace lab::runner::agent_lock_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -18,28 +20,25 @@ using std::chrono::milliseconds;
 
 std::atomic<int> asked_to_end = 0;
 
-/// All agents are of this process: whoever waits for another sends it a SIGTERM.
-class OnlyAgentTest : public testing::Test {
+/// All agents run in this process, so an agent that waits for another sends SIGTERM to the test.
+class AgentLockTest : public testing::Test {
  protected:
-  OnlyAgentTest() {
+  AgentLockTest() {
     fs::create_directories(folder / "active-lab");
-    setenv("XDG_RUNTIME_DIR", folder.c_str(), 1);
+    setenv("XDG_RUNTIME_DIR", folder.path().c_str(), 1);
     asked_to_end = 0;
     signal(SIGTERM, [](int) { ++asked_to_end; });
   }
-  ~OnlyAgentTest() override {
-    signal(SIGTERM, SIG_DFL);
-    fs::remove_all(folder);
-  }
+  ~AgentLockTest() override { signal(SIGTERM, SIG_DFL); }
 
   static std::future<std::unique_ptr<AgentLock>> another() {
     return std::async(std::launch::async, [] { return std::make_unique<AgentLock>("run-bench"); });
   }
 
-  fs::path folder = fs::path(testing::TempDir()) / ("only_agent_" + std::to_string(getpid()));
+  TemporaryFolder folder;
 };
 
-TEST_F(OnlyAgentTest, EndsTheOneBeforeAndWaitsForIt) {
+TEST_F(AgentLockTest, EndsThePreviousAgentAndWaitsForIt) {
   auto first = another().get();
   auto second = another();
   EXPECT_EQ(second.wait_for(milliseconds(200)), std::future_status::timeout);
@@ -48,21 +47,20 @@ TEST_F(OnlyAgentTest, EndsTheOneBeforeAndWaitsForIt) {
   EXPECT_NE(second.get(), nullptr);
 }
 
-TEST_F(OnlyAgentTest, AThirdDoesNotDriveBesideTheOneThatHasWaited) {
+TEST_F(AgentLockTest, AThirdAgentWaitsForTheSecondThatHasWaitedForTheFirst) {
   auto first = another().get();
   auto second = another();
-  while (asked_to_end == 0) {  // it waits for the file of the first
-    second.wait_for(milliseconds(1));
-  }
+  ASSERT_TRUE(waitUntil([] { return asked_to_end > 0; }, std::chrono::seconds(20)))
+      << "the second agent does not wait for the lock of the first";
   first.reset();
-  auto driving = second.get();
+  auto active = second.get();
 
   auto third = another();
 
   EXPECT_EQ(third.wait_for(milliseconds(200)), std::future_status::timeout);
-  driving.reset();
+  active.reset();
   EXPECT_NE(third.get(), nullptr);
 }
 
 }  // namespace
-}  // namespace lab::runner::only_agent_test
+}  // namespace lab::runner::agent_lock_test

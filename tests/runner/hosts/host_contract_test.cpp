@@ -17,7 +17,7 @@ HostSpec bench() {
   return host;
 }
 
-TEST(HostHello, SurvivesTheWay) {
+TEST(HostHello, SurvivesTheRoundTripThroughJson) {
   const HostHello own = ownHello();
   const auto dut = helloFrom(toJson(own));
 
@@ -28,7 +28,7 @@ TEST(HostHello, SurvivesTheWay) {
   EXPECT_FALSE(helloFrom({{"say", "hello"}, {"version", 7}}));
 }
 
-TEST(HostHello, OfAnotherLabIsRefusedWithBothNamedAndTheWayOut) {
+TEST(HostHello, OfAnotherVersionIsRefusedWithBothVersionsAndAFix) {
   const HostHello own = ownHello();
   HostHello version = own;
   version.version = "9.9";
@@ -50,12 +50,12 @@ TEST(HostHello, OfAnotherLabIsRefusedWithBothNamedAndTheWayOut) {
   HostHello there = own;
   there.revision = "bbbb";
   EXPECT_THAT(refusal(bench(), here, there), HasSubstr("(bbbb) there"));
-  there.revision.clear();  // built from a copy without git: nobody knows
+  there.revision.clear();  // built without git: the revision is unknown
   EXPECT_EQ(refusal(bench(), here, there), "");
 }
 
-/// The offset is known to within half a round trip, whatever the two ways take.
-TEST(ClockMeasurement, IsRightToWithinItsError) {
+/// The error bound is half a round trip, for any delays of the two directions.
+TEST(ClockMeasurement, IsWithinItsErrorBound) {
   std::mt19937 random(1);
   std::exponential_distribution<double> delay(1 / 3000.0);  // [1/us]
   for (int trial = 0; trial < 1000; ++trial) {
@@ -64,9 +64,9 @@ TEST(ClockMeasurement, IsRightToWithinItsError) {
     std::int64_t now = 1'000'000'000;
     for (int i = 0; i < 11; ++i) {
       const std::int64_t asked = now;
-      const std::int64_t met = asked + 100 + static_cast<std::int64_t>(delay(random));
-      now = met + 100 + static_cast<std::int64_t>(delay(random));
-      dut.add(asked, met + ahead, now);
+      const std::int64_t received = asked + 100 + static_cast<std::int64_t>(delay(random));
+      now = received + 100 + static_cast<std::int64_t>(delay(random));
+      dut.add(asked, received + ahead, now);
     }
     ASSERT_EQ(dut.count(), 11);
     ASSERT_LE(std::abs(dut.best().offset - static_cast<double>(ahead) * 1e-6),
@@ -74,17 +74,17 @@ TEST(ClockMeasurement, IsRightToWithinItsError) {
   }
 }
 
-TEST(ClockMeasurement, IsThatOfTheFastestAnswer) {
+TEST(ClockMeasurement, UsesTheFastestAnswer) {
   ClockMeasurement dut;
   dut.add(1000, 5000, 11000);    // round trip 10 ms
-  dut.add(20000, 22500, 21000);  // 1 ms: 2 ms ahead of the middle
+  dut.add(20000, 22500, 21000);  // round trip 1 ms: 2 ms ahead
   dut.add(30000, 30000, 40000);
 
   EXPECT_NEAR(dut.best().offset, 0.002, 1e-12);
   EXPECT_NEAR(dut.best().error, 0.0005, 1e-12);
 }
 
-TEST(ClockRefusal, TakesOnlyWhatIsCertain) {
+TEST(ClockRefusal, RefusesOnlyOffsetsBeyondTheErrorBound) {
   EXPECT_EQ(clockRefusal(bench(), {0.0049, 0.0001}, 0.005), "");
   EXPECT_EQ(clockRefusal(bench(), {0.0060, 0.0020}, 0.005), "");
   EXPECT_THAT(clockRefusal(bench(), {0.0060, 0.0005}, 0.005),
@@ -100,9 +100,9 @@ TEST(SshEnds, AreTheFirstAndTheThirdWord) {
   EXPECT_FALSE(endsOf(""));
 }
 
-TEST(SshTrouble, NamesTheWayOut) {
-  const auto trouble = [](const char* said, const char* ending = "exit code 255") {
-    return sshTrouble(bench(), said, ending);
+TEST(SshTrouble, NamesTheFix) {
+  const auto trouble = [](const char* output, const char* ending = "exit code 255") {
+    return sshTrouble(bench(), output, ending);
   };
   EXPECT_THAT(trouble("ssh: Could not resolve hostname robot-bench: Name or service not known\r\n"),
               HasSubstr("hosts.bench.ssh = "));
@@ -115,7 +115,7 @@ TEST(SshTrouble, NamesTheWayOut) {
   EXPECT_THAT(trouble("ssh: connect to host robot-bench port 22: Connection refused\r\n"),
               HasSubstr("openssh-server"));
   EXPECT_THAT(trouble("ssh: connect to host robot-bench port 22: Connection timed out\r\n"),
-              HasSubstr("is the cable in?"));
+              HasSubstr("is it switched on and connected?"));
   EXPECT_THAT(trouble("bash: line 1: exec: lab: not found\n", "exit code 127"),
               HasSubstr("hosts.bench.programs"));
   EXPECT_THAT(trouble("The following argument was not expected: host-agent\n", "exit code 109"),
@@ -126,7 +126,7 @@ TEST(SshTrouble, NamesTheWayOut) {
             "host bench (ssh pi@robot-bench): ssh ended (killed by signal 15)");
 }
 
-TEST(AgentCommand, QuotesTheFolderForTheShellThere) {
+TEST(AgentCommand, QuotesTheFolderForTheRemoteShell) {
   HostSpec host = bench();
   EXPECT_EQ(agentCommand(host), "exec lab host-agent");
   host.programs = "/opt/it's a lab/bin";

@@ -1,6 +1,6 @@
-"""Computers of a test: a real sshd on each of them, and what is left on them by a run.
+"""Remote hosts for tests: a real sshd on each of them, and checks for leftovers of a run.
 
-The environment names them (tests/two_hosts.sh).
+The environment variables that describe them are set by tests/two_hosts.sh.
 """
 import glob
 import os
@@ -42,7 +42,7 @@ eta_rad_s = 3
 
 
 class Hosts:
-    """sshd on B (and C), an ssh that knows them, and a folder for it all."""
+    """sshd on B (and C), an ssh client configured for them, and a temporary folder."""
 
     def __init__(self, names=('bench',)):
         self.folder = tempfile.mkdtemp(prefix='lab-hosts-test-')
@@ -94,11 +94,11 @@ class Hosts:
             if probe.returncode == 0:
                 return
             time.sleep(0.05)
-        with open(log.name, encoding='utf8', errors='replace') as said:
-            raise AssertionError(f'sshd does not let us in: {probe.stderr}{said.read()[-2000:]}')
+        with open(log.name, encoding='utf8', errors='replace') as output:
+            raise AssertionError(f'sshd refuses the connection: {probe.stderr}{output.read()[-2000:]}')
 
     def end_sshd(self, name):
-        """With all of its connections."""
+        """Kills sshd and all of its connections."""
         self.daemons[name].kill()
         for pid in self.pids_on(name, 'sshd'):
             try:
@@ -107,7 +107,7 @@ class Hosts:
                 pass
 
     def lab(self, experiment, *options, **more):
-        """The runner, on A."""
+        """Starts the runner on A."""
         file = self.path('hosts.toml')
         with open(file, 'w', encoding='ascii') as stream:
             stream.write(experiment)
@@ -123,7 +123,7 @@ class Hosts:
         return runs[0]
 
     def left_on(self, name):
-        """Command lines of the lab's processes there, and folders of agents."""
+        """Command lines of lab processes on the host, and folders of host agents."""
         network = os.readlink(f'/proc/{os.environ["HOST_" + self.names[name]]}/ns/net')
         found = glob.glob(os.path.join(self.temp, 'active-lab-host-*'))
         for process in glob.glob('/proc/[0-9]*'):

@@ -1,6 +1,6 @@
-"""A run over two or three computers: namespaces, a router between them, and a real sshd on each.
+"""Runs over two or three hosts: network namespaces, a router between them, and a real sshd on each.
 
-Started by tests/two_hosts.sh (the environment names the hosts), one scenario a call:
+Started by tests/two_hosts.sh, which sets the environment; one scenario per call:
   hosts_test.py SCENARIO FOLDER_OF_PROGRAMS
 """
 import glob
@@ -20,7 +20,7 @@ SKIPPED = 77
 
 
 def started(lab, hosts, robots_on='bench', within=20.0):
-    """Waits until robots move there: the log grows."""
+    """Waits until robots move on the host: the log grows."""
     deadline = time.time() + within
     while time.time() < deadline and lab.poll() is None:
         logs = glob.glob(hosts.path('runs/*/log.lcmlog'))
@@ -54,7 +54,7 @@ def texts(summary, key):
 
 
 def check_without_trouble(summary):
-    """Every message of every program on every host is in the log, and nobody complains."""
+    """Every message of every program on every host is in the log, without faults or marks."""
     lossy = [s for s in summary['losses']['log'] if s['lost'] or s['lost_is_at_least']]
     assert not lossy, lossy
     assert not summary['losses']['listeners'], summary['losses']['listeners']
@@ -63,7 +63,7 @@ def check_without_trouble(summary):
 
 
 def run(hosts):
-    """Robots on B, all else on A: complete, nothing lost, nothing left behind."""
+    """Robots on B, everything else on A: complete, nothing lost, nothing left behind."""
     text = finished(hosts.lab(experiment()))
     assert 'host     bench: bench' in text and 'clock' in text, text
     summary = summary_of(hosts)
@@ -77,7 +77,7 @@ def run(hosts):
 
 
 def revive(hosts):
-    """A service that dies there is started again, and the run is marked."""
+    """A service that dies on the host is restarted, and the run is marked."""
     lab = hosts.lab(experiment(duration=7))
     started(lab, hosts)
     os.kill(hosts.pids_on('bench', 'sim_svc')[0], signal.SIGKILL)
@@ -88,7 +88,7 @@ def revive(hosts):
 
 
 def cable(hosts, out=4.0, duration=14):
-    """Cable out: the host is silent, robots stand by their lease, the run goes on when it is back."""
+    """The cable is unplugged: the host is silent, robots stop by their lease, the run goes on when it is back."""
     lab = hosts.lab(experiment(duration=duration))
     started(lab, hosts)
     subprocess.run([TWO_HOSTS, 'cut', 'B'], check=True)
@@ -97,11 +97,11 @@ def cable(hosts, out=4.0, duration=14):
     finished(lab, within=180)
     summary = summary_of(hosts)
     faults = texts(summary, 'faults')
-    said = [f for f in faults if re.match(r'host bench is silent since .*: its robots stand', f)]
-    assert len(said) == 1, faults
-    assert not any('dds_gateway' in f for f in faults), faults  # once is enough
+    silences = [f for f in faults if re.match(r'host bench is silent since .*: its robots stand', f)]
+    assert len(silences) == 1, faults
+    assert not any('dds_gateway' in f for f in faults), faults  # reported only as the host
     assert any('host bench is back after' in m for m in texts(summary, 'marks')), summary['marks']
-    assert all(r['lease_expired_share'] > 0 for r in summary['robots']), 'no robot stood'
+    assert all(r['lease_expired_share'] > 0 for r in summary['robots']), 'no robot stopped'
     assert all(r['boots'] <= 1 for r in summary['robots']), 'the robots\' service was restarted'
     hosts.nothing_left(within=20)
 
@@ -117,11 +117,11 @@ def cable_for_good(hosts):
     subprocess.run([TWO_HOSTS, 'cut', 'B'], check=True)
     text = finished(lab, code=3)
     assert 'host bench did not come back within 3 s (link.patience_s)' in text, text
-    hosts.nothing_left(within=25)  # the agent there gives up by itself
+    hosts.nothing_left(within=25)  # the agent ends by its timeout
 
 
 def sshd_dies(hosts):
-    """ssh ends: the agent there ends everything; the runner calls again and starts it anew."""
+    """ssh ends: the agent ends its services; the runner reconnects and starts them again."""
     lab = hosts.lab(experiment(duration=16))
     started(lab, hosts)
     hosts.end_sshd('bench')
@@ -136,7 +136,7 @@ def sshd_dies(hosts):
 
 
 def slow_agent(hosts):
-    """The agent of a lost connection takes its time to end: the next one gets the files once."""
+    """The agent of a lost connection ends slowly: the next one gets the files once."""
     lab = hosts.lab(experiment(duration=16))
     started(lab, hosts)
     first = hosts.pids_on('bench', 'lab')
@@ -168,7 +168,7 @@ def interrupted(hosts):
 
 
 def killed(hosts):
-    """kill -9 of the runner: nothing stays on the other host."""
+    """The runner is killed with SIGKILL: nothing remains on the other host."""
     lab = hosts.lab(experiment(duration=60))
     started(lab, hosts)
     lab.kill()
@@ -204,7 +204,7 @@ def refused(hosts, expected, hello=None, ahead=0, duration=5):
 
 
 def different(hosts):
-    """Another version, other message types, another commit, another time: refused, with the way out."""
+    """Another version, other message types or another time: refused, with a fix."""
     refused(hosts, r'host bench: found another version of the lab, 9\.9\.9 .*there and \d.* here.*git pull',
             {'version': '9.9.9'})
     refused(hosts, r'host bench: found other message types', {'fingerprints': '1234'})
@@ -214,10 +214,10 @@ def different(hosts):
 
 
 def unreachable(hosts):
-    """What ssh cannot do is one line, with the way out."""
+    """Errors of ssh are reported in one line with a fix."""
     def refuse(text, expected):
-        said = finished(hosts.lab(text), code=2)
-        assert re.search(expected, said), said
+        output = finished(hosts.lab(text), code=2)
+        assert re.search(expected, output), output
         assert not glob.glob(hosts.path('runs/*')), 'something was started'
 
     refuse(experiment(programs='/nowhere'),
@@ -232,7 +232,7 @@ def unreachable(hosts):
 
 
 def three(hosts):
-    """Services on three hosts: each hears each."""
+    """Services on three hosts: each receives from each."""
     services = {'sim_svc': 'bench', 'analyzer': 'desk'}
     text = experiment(services=services) + f'[hosts.desk]\nprograms = "{PROGRAMS}"\n'
     finished(hosts.lab(text))
@@ -244,7 +244,7 @@ def three(hosts):
 
 
 def certificates(hosts):
-    """A folder for the lab, and in it what somebody forgot there."""
+    """The security folder of the lab, with a private CA key that was left in it."""
     make = os.path.join(os.path.dirname(TWO_HOSTS), '../docs/examples/dds_security/make_certificates.sh')
     subprocess.run([make, hosts.path('keys'), 'lab'], check=True, stderr=subprocess.DEVNULL)
     shutil.copy(hosts.path('keys/ca/key.pem'), hosts.path('keys/lab/ca_key.pem'))
@@ -252,7 +252,7 @@ def certificates(hosts):
 
 
 def secured(hosts):
-    """DDS Security between the hosts: as without; of the folder only what is needed travels."""
+    """DDS Security between the hosts: works as without; only the needed files of the folder are sent."""
     folder = certificates(hosts)
     lab = hosts.lab(experiment(security=f'security = "{folder}"'))
     started(lab, hosts)
@@ -277,7 +277,7 @@ exec %s/dds_gateway --experiment "$experiment" "$@"
 
 
 def unsecured_there(hosts):
-    """A gateway without certificates is not heard and hears nothing; the start says why."""
+    """A gateway without certificates is not joined; the start reports why."""
     programs = hosts.path('open')
     os.mkdir(programs)
     for program in glob.glob(PROGRAMS + '/*'):
@@ -294,7 +294,7 @@ def unsecured_there(hosts):
 
 
 def loss(hosts, duration=8):
-    """A wire that loses 2 % of its frames each way: what matters is complete all the same."""
+    """A network that loses 2 % of its frames in each direction: the important channels are complete."""
     finished(hosts.lab(experiment(duration=duration)))
     summary = summary_of(hosts)
     check_complete(summary, ('ROBOT_STATUS', 'TRACKED_FRAME', 'ROBOT_COMMAND'))
@@ -312,20 +312,20 @@ def loss_long(hosts):
 
 
 def doctor(hosts):
-    """lab doctor FILE visits the hosts, and leaves nothing there."""
-    def look(text):
+    """lab doctor FILE checks the hosts and leaves nothing behind."""
+    def doctor_output(text):
         with open(hosts.path('doctor.toml'), 'w', encoding='ascii') as file:
             file.write(text)
         return on('A', [os.path.join(PROGRAMS, 'lab'), 'doctor', hosts.path('doctor.toml')],
                   env=dict(os.environ, PATH=hosts.path('bin') + ':' + os.environ['PATH']),
                   stdout=subprocess.PIPE, text=True).communicate(timeout=60)[0]
 
-    said = look(experiment())
-    assert re.search(r'ok    host bench .*the same lab, clock [+-]0\.\d+ ms, known to', said), said
-    assert re.search(r'ok    DDS domain 0: 0 participants', said), said
+    output = doctor_output(experiment())
+    assert re.search(r'ok    host bench .*the same lab, clock [+-]0\.\d+ ms, known to', output), output
+    assert re.search(r'ok    DDS domain 0: 0 participants', output), output
     hosts.nothing_left()
-    said = look(experiment(programs='/nowhere'))
-    assert re.search(r'FIX   host bench \(ssh bench\): the lab is not there', said), said
+    output = doctor_output(experiment(programs='/nowhere'))
+    assert re.search(r'FIX   host bench \(ssh bench\): the lab is not there', output), output
 
 
 def main():

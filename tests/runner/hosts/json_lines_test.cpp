@@ -24,100 +24,100 @@ struct Pipe {
   bool open = true;
 };
 
-struct Heard {
+struct Received {
   std::vector<nlohmann::json> messages;
   std::vector<std::string> noise;
-  void listen(JsonLines& lines) {
+  void receive(JsonLines& lines) {
     lines.receive([this](const auto& message) { messages.push_back(message); },
                   [this](const auto& line) { noise.push_back(line); });
   }
 };
 
-TEST(JsonLines, BringsWhatWasSentWholeAndInOrder) {
-  Pipe there;
+TEST(JsonLines, DeliversMessagesCompleteAndInOrder) {
+  Pipe data;
   Pipe unused;
-  JsonLines sender(unused.ends[0], there.ends[1]);
-  JsonLines dut(there.ends[0], unused.ends[1]);
-  Heard heard;
+  JsonLines sender(unused.ends[0], data.ends[1]);
+  JsonLines dut(data.ends[0], unused.ends[1]);
+  Received received;
 
   sender.send({{"do", "ping"}, {"utime", 1234567890123456}});
   sender.send({{"say", "line"}, {"text", "two\nlines"}});
-  heard.listen(dut);
+  received.receive(dut);
 
-  ASSERT_EQ(heard.messages.size(), 2U);
-  EXPECT_EQ(heard.messages[0]["utime"], 1234567890123456);
-  EXPECT_EQ(heard.messages[1]["text"], "two\nlines");
+  ASSERT_EQ(received.messages.size(), 2U);
+  EXPECT_EQ(received.messages[0]["utime"], 1234567890123456);
+  EXPECT_EQ(received.messages[1]["text"], "two\nlines");
   EXPECT_FALSE(dut.closed());
 }
 
-TEST(JsonLines, AKeyOfAnotherTypeIsNoiseOnce) {
-  Pipe there;
+TEST(JsonLines, AValueOfAnotherTypeIsReportedAsNoiseOnce) {
+  Pipe data;
   Pipe unused;
-  JsonLines dut(there.ends[0], unused.ends[1]);
+  JsonLines dut(data.ends[0], unused.ends[1]);
   const std::string text = "{\"say\":5}\n{\"say\":\"alive\"}\n";
-  ASSERT_EQ(write(there.ends[1], text.data(), text.size()), static_cast<ssize_t>(text.size()));
-  std::vector<std::string> said;
+  ASSERT_EQ(write(data.ends[1], text.data(), text.size()), static_cast<ssize_t>(text.size()));
+  std::vector<std::string> messages;
   std::vector<std::string> noise;
   for (int i = 0; i < 2; ++i) {
-    dut.receive([&](const auto& message) { said.push_back(message.value("say", "")); },
+    dut.receive([&](const auto& message) { messages.push_back(message.value("say", "")); },
                 [&](const auto& line) { noise.push_back(line); });
   }
-  EXPECT_EQ(said, std::vector<std::string>{"alive"});
+  EXPECT_EQ(messages, std::vector<std::string>{"alive"});
   EXPECT_EQ(noise, std::vector<std::string>{"{\"say\":5}"});
 }
 
-TEST(JsonLines, WaitsForTheRestOfALineAndSetsNoiseApart) {
-  Pipe there;
+TEST(JsonLines, WaitsForTheRestOfALineAndSeparatesNoise) {
+  Pipe data;
   Pipe unused;
-  JsonLines dut(there.ends[0], unused.ends[1]);
-  Heard heard;
+  JsonLines dut(data.ends[0], unused.ends[1]);
+  Received received;
 
-  ASSERT_EQ(write(there.ends[1], "motd\n[1]\n{\"a\"", 13), 13);
-  heard.listen(dut);
-  EXPECT_TRUE(heard.messages.empty());
-  EXPECT_THAT(heard.noise, testing::ElementsAre("motd", "[1]"));
+  ASSERT_EQ(write(data.ends[1], "motd\n[1]\n{\"a\"", 13), 13);
+  received.receive(dut);
+  EXPECT_TRUE(received.messages.empty());
+  EXPECT_THAT(received.noise, testing::ElementsAre("motd", "[1]"));
 
-  ASSERT_EQ(write(there.ends[1], ":1}\n", 4), 4);
-  heard.listen(dut);
-  ASSERT_EQ(heard.messages.size(), 1U);
-  EXPECT_EQ(heard.messages[0]["a"], 1);
+  ASSERT_EQ(write(data.ends[1], ":1}\n", 4), 4);
+  received.receive(dut);
+  ASSERT_EQ(received.messages.size(), 1U);
+  EXPECT_EQ(received.messages[0]["a"], 1);
 }
 
-TEST(JsonLines, NeverWaitsForASlowReader) {
-  Pipe there;
+TEST(JsonLines, NeverBlocksOnASlowReader) {
+  Pipe data;
   Pipe unused;
-  JsonLines sender(unused.ends[0], there.ends[1]);
-  JsonLines dut(there.ends[0], unused.ends[1]);
+  JsonLines sender(unused.ends[0], data.ends[1]);
+  JsonLines dut(data.ends[0], unused.ends[1]);
   const std::string large(1'000'000, 'x');  // a pipe holds 65536
 
   sender.send({{"data", large}});
   EXPECT_GT(sender.waiting(), 900'000U);
-  Heard heard;
-  for (int i = 0; i < 100 && heard.messages.empty(); ++i) {
-    heard.listen(dut);
+  Received received;
+  for (int i = 0; i < 100 && received.messages.empty(); ++i) {
+    received.receive(dut);
     sender.flush();
   }
 
-  ASSERT_EQ(heard.messages.size(), 1U);
-  EXPECT_EQ(heard.messages[0]["data"], large);
+  ASSERT_EQ(received.messages.size(), 1U);
+  EXPECT_EQ(received.messages[0]["data"], large);
   EXPECT_EQ(sender.waiting(), 0U);
 }
 
-TEST(JsonLines, NoticesThatTheOtherSideHasGone) {
-  Pipe there;
+TEST(JsonLines, DetectsThatTheOtherSideHasClosed) {
+  Pipe data;
   Pipe unused;
-  JsonLines dut(there.ends[0], unused.ends[1]);
-  Heard heard;
+  JsonLines dut(data.ends[0], unused.ends[1]);
+  Received received;
 
-  ASSERT_EQ(write(there.ends[1], "{}\n", 3), 3);
-  there.end();
-  heard.listen(dut);
+  ASSERT_EQ(write(data.ends[1], "{}\n", 3), 3);
+  data.end();
+  received.receive(dut);
 
-  EXPECT_EQ(heard.messages.size(), 1U);
+  EXPECT_EQ(received.messages.size(), 1U);
   EXPECT_TRUE(dut.closed());
 }
 
-TEST(EncodedBytes, AreThoseOfRfc4648AndComeBack) {
+TEST(EncodedBytes, FollowRfc4648AndDecodeToTheOriginal) {
   EXPECT_EQ(encodedBytes(""), "");
   EXPECT_EQ(encodedBytes("f"), "Zg==");
   EXPECT_EQ(encodedBytes("fo"), "Zm8=");

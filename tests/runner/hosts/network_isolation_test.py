@@ -1,6 +1,6 @@
-"""What leaves a machine with a second network interface during a run: no frame with data.
+"""During a run no frame with data leaves a machine through its second network interface.
 
-  nothing_leaves_test.py pinned|replaced|unpinned FOLDER_OF_PROGRAMS   (in a network of its own)
+  network_isolation_test.py pinned|replaced|unpinned FOLDER_OF_PROGRAMS   (in a private network)
 """
 import os
 import shutil
@@ -42,7 +42,7 @@ def sh(command):
 
 
 def is_data(frame):
-    """Group membership reports and what the kernel says of itself are none."""
+    """False for the kernel's own traffic: ARP, IGMP, neighbour discovery and MLD."""
     kind = struct.unpack('!H', frame[12:14])[0]
     if kind == 0x0806:  # ARP
         return False
@@ -54,7 +54,7 @@ def is_data(frame):
 
 
 class Capture:
-    """A cable: eth9 with an address and the default route, and the data frames at its far end."""
+    """A veth pair: eth9 has an address and the default route; data frames are captured at the other end."""
 
     def __init__(self):
         self.data = []
@@ -64,7 +64,7 @@ class Capture:
         self.thread.start()
 
     def plug_in(self):
-        """We listen before anything can leave."""
+        """Starts listening before the interface is up."""
         sh('ip link add eth9 type veth peer name far9 && ip link set dev far9 up')
         self.socket = socket.socket(socket.AF_PACKET, socket.SOCK_RAW, socket.htons(3))
         self.socket.bind(('far9', 0))
@@ -77,17 +77,17 @@ class Capture:
         while not self.ended:
             try:
                 frame, address = self.socket.recvfrom(65536)
-            except OSError:  # nothing came, or the cable is out
+            except OSError:  # timeout, or the interface was removed
                 continue
             if address[2] != socket.PACKET_OUTGOING and is_data(frame):
                 self.data.append(frame)
 
     def prove(self):
-        """It must be able to see something: a frame of our own."""
+        """Checks that the capture works, with a frame of our own."""
         deadline = time.time() + 10
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
             while not any(frame.endswith(b'probe') for frame in self.data):
-                assert time.time() < deadline, 'the capture is deaf'
+                assert time.time() < deadline, 'the capture receives nothing'
                 probe.sendto(b'probe', ('192.168.9.2', 9))
                 time.sleep(0.1)
         time.sleep(0.2)
@@ -95,7 +95,7 @@ class Capture:
 
 
 class Reader:
-    """A ROS 2 node on this machine that reads the poses, so that DDS has something to send."""
+    """A ROS 2 node on this machine that reads the poses, so that DDS sends data."""
 
     def __init__(self):
         self.count = 0
@@ -118,7 +118,7 @@ class Reader:
 def main():
     if subprocess.run('ip link add try9 type veth peer name try8 && ip link del try9', shell=True,
                       capture_output=True, check=False).returncode != 0:
-        print('no veth pair can be made here')
+        print('no veth pair can be created here')
         sys.exit(77)
     folder = tempfile.mkdtemp(prefix='lab-quiet-')
     if SCENARIO == 'unpinned':
@@ -147,7 +147,7 @@ def main():
     warned = 'warn     multicast is routed over eth9' in text
     assert warned == (SCENARIO == 'unpinned'), text
     assert not capture.data, f'{len(capture.data)} frames left, the first: {capture.data[0].hex()}'
-    assert reader.count > (before if SCENARIO == 'replaced' else 0), 'nothing came over DDS'
+    assert reader.count > (before if SCENARIO == 'replaced' else 0), 'nothing was received over DDS'
     capture.ended = True
     reader.end()
     shutil.rmtree(folder)

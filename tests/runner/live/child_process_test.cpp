@@ -3,7 +3,10 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
-#include <fstream>
+#include <filesystem>
+
+#include "tests/support/temporary_folder.hpp"
+#include "tests/support/text_file.hpp"
 
 namespace lab::runner {
 namespace {
@@ -12,17 +15,15 @@ namespace fs = std::filesystem;
 
 class ChildProcessTest : public testing::Test {
  protected:
-  fs::path output = fs::path(testing::TempDir()) / "child_process_test_output";
-  ~ChildProcessTest() override { fs::remove(output); }
+  TemporaryFolder folder;
+  fs::path output = folder / "output";
 };
 
-TEST_F(ChildProcessTest, AppendsItsOutputAndTellsItsExitCode) {
-  ChildProcess dut("shell", {"/bin/sh", "-c", "echo said; exit 3"}, output);
+TEST_F(ChildProcessTest, AppendsItsOutputAndReportsItsExitCode) {
+  ChildProcess dut("shell", {"/bin/sh", "-c", "echo text; exit 3"}, output);
   dut.waitOrKill(5000);
   EXPECT_EQ(dut.ending(), "exit code 3");
-  std::string text;
-  std::ifstream(output) >> text;
-  EXPECT_EQ(text, "said");
+  EXPECT_EQ(support::readFile(output), "text\n");
 }
 
 TEST_F(ChildProcessTest, EndsWhenAsked) {
@@ -33,7 +34,7 @@ TEST_F(ChildProcessTest, EndsWhenAsked) {
   EXPECT_EQ(dut.ending(), "killed by signal 15");
 }
 
-TEST_F(ChildProcessTest, IsKilledWhenItDoesNotListen) {
+TEST_F(ChildProcessTest, IsKilledWhenItIgnoresSigterm) {
   ChildProcess dut("deaf", {"/bin/sh", "-c", "trap '' TERM; while :; do sleep 0.05; done"}, output);
   EXPECT_TRUE(dut.waitOrKill(100));
   EXPECT_EQ(dut.ending(), "killed by signal 9");

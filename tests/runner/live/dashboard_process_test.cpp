@@ -19,7 +19,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::SizeIs;
 
-TEST(WantsDashboard, InRealTimeUnlessToldOtherwise) {
+TEST(WantsDashboard, InRealTimeUnlessDisabled) {
   EXPECT_TRUE(wantsDashboard({}, false, nullptr));
   EXPECT_TRUE(wantsDashboard({}, false, ""));
   EXPECT_FALSE(wantsDashboard({}, false, "true"));
@@ -30,8 +30,8 @@ TEST(WantsDashboard, InRealTimeUnlessToldOtherwise) {
   EXPECT_THROW((void)wantsDashboard(true, true, nullptr), UserError);
 }
 
-/// With a shell script in the program's place.
-class Page : public testing::Test {
+/// A dashboard whose program is a shell script.
+class DashboardProcessTest : public testing::Test {
  protected:
   DashboardOptions options(const std::string& script) {
     const fs::path program = folder_ / "dashboard";
@@ -45,19 +45,19 @@ class Page : public testing::Test {
             .output = folder_ / "output"};
   }
 
-  /// Looks after it until `done`, for 10 s at most.
-  bool lookUntil(DashboardProcess& page, const std::function<bool()>& done) {
+  /// Supervises it until `done`, at most for 10 s.
+  bool superviseUntil(DashboardProcess& page, const std::function<bool()>& done) {
     for (int i = 0; i < 1000 && !done(); ++i) {
-      page.supervise([this](const std::string& what) { said_.push_back(what); });
+      page.supervise([this](const std::string& what) { faults_.push_back(what); });
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
     return done();
   }
 
   TemporaryFolder folder_;
-  std::vector<std::string> said_;
-  std::function<void(const std::string&)> say_ = [this](const std::string& what) {
-    said_.push_back(what);
+  std::vector<std::string> faults_;
+  std::function<void(const std::string&)> report_ = [this](const std::string& what) {
+    faults_.push_back(what);
   };
 };
 
@@ -68,11 +68,11 @@ echo $$ >> "$file.pids"
 exec sleep 60
 )";
 
-TEST_F(Page, TellsItsAddressToItsOwnerAloneAndLeavesNothing) {
+TEST_F(DashboardProcessTest, ItsAddressIsReadableOnlyByTheOwnerAndRemovedAtTheEnd) {
   {
     DashboardProcess page(options(kGood));
-    page.start(say_);
-    ASSERT_TRUE(lookUntil(page, [&] { return !page.address().empty(); }));
+    page.start(report_);
+    ASSERT_TRUE(superviseUntil(page, [&] { return !page.address().empty(); }));
     EXPECT_THAT(page.address(), HasSubstr("http://127.0.0.1:8480/#token="));
     struct stat status {};
     ASSERT_EQ(stat((folder_ / "copy").c_str(), &status), 0);
@@ -83,54 +83,55 @@ TEST_F(Page, TellsItsAddressToItsOwnerAloneAndLeavesNothing) {
   }
   EXPECT_FALSE(fs::exists(folder_ / "address"));
   EXPECT_FALSE(fs::exists(folder_ / "copy"));
-  EXPECT_THAT(said_, IsEmpty());
+  EXPECT_THAT(faults_, IsEmpty());
 }
 
-TEST_F(Page, IgnoresTheAddressOfAnEarlierOne) {
+TEST_F(DashboardProcessTest, IgnoresTheAddressOfAnEarlierProcess) {
   std::ofstream(folder_ / "address") << "http://127.0.0.1:1/#token=old\n";
   DashboardProcess page(options(kGood));
-  page.start(say_);
-  ASSERT_TRUE(lookUntil(page, [&] { return !page.address().empty(); }));
+  page.start(report_);
+  ASSERT_TRUE(superviseUntil(page, [&] { return !page.address().empty(); }));
   EXPECT_THAT(page.address(), HasSubstr(":8480/"));
 }
 
-TEST_F(Page, ComesAgainWhenItIsKilledWithItsAddressBeforeIt) {
+TEST_F(DashboardProcessTest, IsRestartedWithItsPreviousAddressFile) {
   DashboardProcess page(options(kGood));
-  page.start(say_);
-  ASSERT_TRUE(lookUntil(page, [&] { return !page.address().empty(); }));
+  page.start(report_);
+  ASSERT_TRUE(superviseUntil(page, [&] { return !page.address().empty(); }));
   const std::string before = page.address();
   int pid = 0;
-  ASSERT_TRUE(lookUntil(
+  ASSERT_TRUE(superviseUntil(
       page, [&] { return static_cast<bool>(std::ifstream(folder_ / "address.pids") >> pid); }));
   ASSERT_EQ(kill(pid, SIGKILL), 0);
-  ASSERT_TRUE(lookUntil(page, [&] { return !said_.empty(); }));
-  EXPECT_THAT(said_, testing::ElementsAre("dashboard died (killed by signal 9) and was restarted"));
-  EXPECT_TRUE(fs::exists(folder_ / "address")) << "for the next one to take up";
-  ASSERT_TRUE(lookUntil(page, [&] { return page.address() != before; }));
+  ASSERT_TRUE(superviseUntil(page, [&] { return !faults_.empty(); }));
+  EXPECT_THAT(faults_,
+              testing::ElementsAre("dashboard died (killed by signal 9) and was restarted"));
+  EXPECT_TRUE(fs::exists(folder_ / "address")) << "the next process uses it";
+  ASSERT_TRUE(superviseUntil(page, [&] { return page.address() != before; }));
   std::string copy;
   std::getline(std::ifstream(folder_ / "copy"), copy);
-  EXPECT_EQ(copy, page.address()) << "of another port or token";
+  EXPECT_EQ(copy, page.address()) << "with another port or token";
   EXPECT_FALSE(page.givenUp());
 }
 
-TEST_F(Page, IsGivenUpWhenItDiesAgainAndAgain) {
+TEST_F(DashboardProcessTest, IsNotRestartedAfterRepeatedFailures) {
   DashboardProcess page(options("exit 3\n"));
-  page.start(say_);
-  ASSERT_TRUE(lookUntil(page, [&] { return page.givenUp(); }));
-  EXPECT_THAT(said_, SizeIs(6));
-  EXPECT_THAT(said_.back(), HasSubstr("everything else goes on"));
+  page.start(report_);
+  ASSERT_TRUE(superviseUntil(page, [&] { return page.givenUp(); }));
+  EXPECT_THAT(faults_, SizeIs(6));
+  EXPECT_THAT(faults_.back(), HasSubstr("everything else goes on"));
 }
 
-TEST_F(Page, IsDoneWithoutWhereItIsNotInstalled) {
+TEST_F(DashboardProcessTest, IsSkippedIfItIsNotInstalled) {
   DashboardOptions missing = options(kGood);
   missing.program = folder_ / "nowhere";
   DashboardProcess page(missing);
-  page.start(say_);
+  page.start(report_);
   EXPECT_TRUE(page.givenUp());
-  page.supervise(say_);
-  EXPECT_THAT(said_, testing::ElementsAre(testing::AllOf(
-                         HasSubstr(missing.program.string() + " is not there: build the lab"),
-                         HasSubstr("everything else goes on"))));
+  page.supervise(report_);
+  EXPECT_THAT(faults_, testing::ElementsAre(testing::AllOf(
+                           HasSubstr(missing.program.string() + " is not there: build the lab"),
+                           HasSubstr("everything else goes on"))));
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// What the controller does when somebody wants something of a running experiment.
+// How the controller handles requests (EXPERIMENT_COMMAND) during a run.
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -26,7 +26,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 
 constexpr const char* kPlanned = R"(fileversion = 1
-name = "wishes"
+name = "requests"
 duration_s = 30
 program = "abp"
 [[robots]]
@@ -64,17 +64,17 @@ hold_s = 5
 layers = [{kind = "uniform", intensity = 0.6}]
 )";
 
-/// Robots that tumble, and a step that waits for it.
+/// Robots that tumble, and a step that waits for tumbles.
 std::string tumbling() {
   std::string file = std::string(kPlanned) + kWaits;
   const std::string program = "program = \"abp\"";
   return file.replace(file.find(program), program.size(), "program = \"rtp\"");
 }
 
-/// A controller on a bus with a robot that obeys, and somebody who wishes.
-class ConductorWishes : public testing::Test {
+/// A controller on a bus with an obedient robot and a sender of requests.
+class ExperimentControllerRequests : public testing::Test {
  protected:
-  ConductorWishes() {
+  ExperimentControllerRequests() {
     loop_.drainWith([this] { bus_.deliver(); });
     page_.subscribe<experiment_status_t>(channels::kExperimentStatus, [this](const auto& status) {
       statuses_.push_back(status);
@@ -104,7 +104,7 @@ class ConductorWishes : public testing::Test {
 
   void start(const std::string& file) {
     experiment_ = parseExperiment(file, "test");
-    controller_.emplace(ServiceContext{node_, loop_, experiment_, "runs/wishes-01"},
+    controller_.emplace(ServiceContext{node_, loop_, experiment_, "runs/requests-01"},
                         writeExperiment(experiment_),
                         [this](Ending ending, const std::string& why) {
                           if (!ending_) ended_at_ = since(loop_.now());
@@ -120,10 +120,10 @@ class ConductorWishes : public testing::Test {
     ASSERT_TRUE(controller_->inScript());
   }
 
-  /// To `s` after the script began.
+  /// Runs until `s` seconds after the begin of the script.
   void goTo(double s) { loop_.runUntil(script_ + units::microseconds(s)); }
 
-  void wish(std::int8_t action, const std::string& text = {}, int copies = 1) {
+  void request(std::int8_t action, const std::string& text = {}, int copies = 1) {
     experiment_command_t command{};
     command.action = action;
     command.text = text;
@@ -158,7 +158,7 @@ class ConductorWishes : public testing::Test {
   std::string why_;
 };
 
-TEST_F(ConductorWishes, SaysHowTheRunStands) {
+TEST_F(ExperimentControllerRequests, PublishesTheStateOfTheRun) {
   start(std::string(kPlanned) + kSteps);
   goTo(4);
   EXPECT_EQ(status().sender, "lab");
@@ -189,10 +189,10 @@ TEST_F(ConductorWishes, SaysHowTheRunStands) {
   EXPECT_EQ(status().left, 0);
 }
 
-TEST_F(ConductorWishes, APauseShiftsWhatIsStillToCome) {
+TEST_F(ExperimentControllerRequests, APauseShiftsTheRestOfTheScript) {
   start(std::string(kPlanned) + kSteps);
   goTo(4);
-  wish(experiment_command_t::PAUSE, "", 3);
+  request(experiment_command_t::PAUSE, "", 3);
   EXPECT_EQ(status().phase, experiment_status_t::PAUSED);
   EXPECT_EQ(status().command_seq, 1);
   EXPECT_EQ(status().commander, "page");
@@ -201,7 +201,7 @@ TEST_F(ConductorWishes, APauseShiftsWhatIsStillToCome) {
   EXPECT_TRUE(controller_->progress().paused);
   const std::int64_t light = light_.seq;
 
-  goTo(4 + 30);  // behind the step's time, and the run's
+  goTo(4 + 30);  // after the planned end of the step and of the run
   EXPECT_EQ(status().phase, experiment_status_t::PAUSED);
   EXPECT_DOUBLE_EQ(status().elapsed, 4);
   EXPECT_DOUBLE_EQ(status().left, 26);
@@ -209,7 +209,7 @@ TEST_F(ConductorWishes, APauseShiftsWhatIsStillToCome) {
   EXPECT_EQ(light_.seq, light) << "the light stays";
   EXPECT_FALSE(ending_);
   goTo(4 + 33.2);
-  wish(experiment_command_t::RESUME);
+  request(experiment_command_t::RESUME);
   EXPECT_EQ(status().phase, experiment_status_t::SCRIPT);
 
   goTo(100);
@@ -223,13 +223,13 @@ TEST_F(ConductorWishes, APauseShiftsWhatIsStillToCome) {
   EXPECT_THAT(controller_->faults(), IsEmpty());
 }
 
-TEST_F(ConductorWishes, PausesAddUp) {
+TEST_F(ExperimentControllerRequests, PausesAddUp) {
   start(std::string(kPlanned) + kSteps);
   for (const double at : {2.0, 5.0, 9.0}) {
     goTo(at);
-    wish(experiment_command_t::PAUSE);
+    request(experiment_command_t::PAUSE);
     goTo(at + 0.25);
-    wish(experiment_command_t::RESUME);
+    request(experiment_command_t::RESUME);
   }
   goTo(100);
   controller_->conclude(why_);
@@ -238,12 +238,12 @@ TEST_F(ConductorWishes, PausesAddUp) {
   EXPECT_DOUBLE_EQ(ended_at_, 30.75);
 }
 
-TEST_F(ConductorWishes, AConditionsPatienceStandsToo) {
+TEST_F(ExperimentControllerRequests, APauseExtendsTheTimeoutOfACondition) {
   start(tumbling());
   goTo(6);
-  wish(experiment_command_t::PAUSE);
+  request(experiment_command_t::PAUSE);
   goTo(16);
-  wish(experiment_command_t::RESUME);
+  request(experiment_command_t::RESUME);
   goTo(19.9);
   EXPECT_EQ(status().step, 0);
   goTo(20.1);
@@ -251,14 +251,14 @@ TEST_F(ConductorWishes, AConditionsPatienceStandsToo) {
   EXPECT_THAT(controller_->faults(), ElementsAre(HasSubstr("waited 10 s in vain")));
 }
 
-TEST_F(ConductorWishes, WhatAStepWaitsForMayComeAboutInAPause) {
+TEST_F(ExperimentControllerRequests, AConditionCanBeMetDuringAPause) {
   start(tumbling());
   goTo(2);
-  wish(experiment_command_t::PAUSE);
+  request(experiment_command_t::PAUSE);
   tumbles_ = 3;
   goTo(5);
   EXPECT_EQ(status().step, 0);
-  wish(experiment_command_t::RESUME);
+  request(experiment_command_t::RESUME);
   EXPECT_EQ(status().step, 1);
   goTo(100);
   controller_->conclude(why_);
@@ -268,12 +268,12 @@ TEST_F(ConductorWishes, WhatAStepWaitsForMayComeAboutInAPause) {
   EXPECT_THAT(controller_->faults(), IsEmpty());
 }
 
-TEST_F(ConductorWishes, StopRulesGoOnInAPause) {
+TEST_F(ExperimentControllerRequests, StopRulesApplyDuringAPause) {
   start(std::string(kPlanned) +
         "[[stop_when]]\nestimate = \"D_r\"\nprogram = \"abp\"\nrelative_error_percent = 10\n");
   EXPECT_EQ(status().at_most, 1);
   EXPECT_THAT(status().stop, HasSubstr("not known yet"));
-  wish(experiment_command_t::PAUSE);
+  request(experiment_command_t::PAUSE);
   goTo(5);
   analysis_t message{};
   message.robot_id = analysis_t::POOL;
@@ -289,44 +289,44 @@ TEST_F(ConductorWishes, StopRulesGoOnInAPause) {
   EXPECT_DOUBLE_EQ(ended_at_, 5);
 }
 
-TEST_F(ConductorWishes, RefusesWhatMakesNoSenseWithAReason) {
+TEST_F(ExperimentControllerRequests, RefusesInvalidRequestsWithAReason) {
   start(std::string(kPlanned) + kSteps);
-  wish(experiment_command_t::RESUME);
+  request(experiment_command_t::RESUME);
   EXPECT_THAT(status().refusal, HasSubstr("is not paused"));
-  wish(experiment_command_t::PAUSE);
+  request(experiment_command_t::PAUSE);
   EXPECT_EQ(status().refusal, "");
-  wish(experiment_command_t::PAUSE);
+  request(experiment_command_t::PAUSE);
   EXPECT_THAT(status().refusal, HasSubstr("paused already"));
-  wish(experiment_command_t::SEEK);
+  request(experiment_command_t::SEEK);
   EXPECT_THAT(status().refusal, HasSubstr("only a played log"));
-  wish(experiment_command_t::SPEED);
+  request(experiment_command_t::SPEED);
   EXPECT_THAT(status().refusal, HasSubstr("only a played log"));
-  wish(99);
+  request(99);
   EXPECT_THAT(status().refusal, HasSubstr("unknown"));
-  wish(experiment_command_t::MARK);
+  request(experiment_command_t::MARK);
   EXPECT_THAT(status().refusal, HasSubstr("needs a text"));
-  wish(experiment_command_t::MARK, "two\nlines");
+  request(experiment_command_t::MARK, "two\nlines");
   EXPECT_THAT(status().refusal, HasSubstr("control characters"));
   EXPECT_EQ(status().command_seq, 8);
   EXPECT_THAT(marks_, ElementsAre("script paused by page"));
   controller_->conclude("over");
-  wish(experiment_command_t::PAUSE);
+  request(experiment_command_t::PAUSE);
   EXPECT_THAT(status().refusal, HasSubstr("over"));
 }
 
-TEST_F(ConductorWishes, AMarkStandsInTheRecordOnce) {
+TEST_F(ExperimentControllerRequests, ARepeatedMarkIsRecordedOnce) {
   start(std::string(kPlanned) + kSteps);
-  wish(experiment_command_t::MARK, "robot 4 lost a wheel, \u03B7 wrong", 5);
+  request(experiment_command_t::MARK, "robot 4 lost a wheel, \u03B7 wrong", 5);
   EXPECT_THAT(marks_, ElementsAre("page: robot 4 lost a wheel, \u03B7 wrong"));
   EXPECT_EQ(status().refusal, "");
 }
 
-TEST_F(ConductorWishes, EndsByHandEvenInAPause) {
+TEST_F(ExperimentControllerRequests, EndsOnRequestEvenInAPause) {
   start(std::string(kPlanned) + kSteps);
   goTo(3);
-  wish(experiment_command_t::PAUSE);
+  request(experiment_command_t::PAUSE);
   goTo(5);
-  wish(experiment_command_t::END, "enough");
+  request(experiment_command_t::END, "enough");
   EXPECT_EQ(ending_, Ending::kRequested);
   EXPECT_EQ(why_, "ended by page: enough");
   controller_->conclude(why_);
@@ -336,24 +336,24 @@ TEST_F(ConductorWishes, EndsByHandEvenInAPause) {
   EXPECT_EQ(status().command_seq, 2);
 }
 
-TEST_F(ConductorWishes, EndingByHandMakesAnUnmetConditionNoBetter) {
+TEST_F(ExperimentControllerRequests, ARequestToEndDoesNotHideAnUnmetCondition) {
   std::string file = tumbling();
   file.replace(file.find("hold_s = 10"), 11, "hold_s = 10\nif_not = \"safe\"");
   start(file);
-  robot_answers_ = false;  // so that nobody confirms that it stands
+  robot_answers_ = false;  // so that no robot confirms that it stands
   goTo(10.5);
   ASSERT_EQ(status().phase, experiment_status_t::LEAVING);
   ASSERT_FALSE(ending_);
-  wish(experiment_command_t::END, "enough");
+  request(experiment_command_t::END, "enough");
   EXPECT_EQ(ending_, Ending::kUnmet);
   EXPECT_THAT(why_, HasSubstr("waited 10 s in vain"));
   EXPECT_THAT(why_, HasSubstr("; ended by page: enough"));
 }
 
-TEST_F(ConductorWishes, TheOnlookersTroublesAreNoFaults) {
+TEST_F(ExperimentControllerRequests, FaultsOfTheDashboardAreOnlyMarks) {
   start(std::string(kPlanned) + kSteps);
-  Node onlooker(bus_, loop_, {"dashboard", 0, 1});
-  onlooker.fault("no port is free");
+  Node dashboard(bus_, loop_, {"dashboard", 0, 1});
+  dashboard.fault("no port is free");
   bus_.deliver();
   EXPECT_THAT(controller_->faults(), IsEmpty());
   EXPECT_THAT(marks_, ElementsAre("dashboard: no port is free"));
@@ -363,19 +363,19 @@ TEST_F(ConductorWishes, TheOnlookersTroublesAreNoFaults) {
   EXPECT_THAT(controller_->faults(), ElementsAre("tracker_svc: no camera"));
 }
 
-/// While the robots are still asked for their table.
-TEST_F(ConductorWishes, APauseBeforeTheScriptIsRefused) {
+// The controller still waits for the robots to confirm their light table.
+TEST_F(ExperimentControllerRequests, APauseBeforeTheScriptIsRefused) {
   experiment_ = parseExperiment(std::string(kPlanned) + "[[robots]]\nid = 2\n" + kSteps, "test");
-  controller_.emplace(ServiceContext{node_, loop_, experiment_, "runs/wishes-02"}, "",
+  controller_.emplace(ServiceContext{node_, loop_, experiment_, "runs/requests-02"}, "",
                       [](Ending, const std::string&) {});
-  wish(experiment_command_t::PAUSE);
-  EXPECT_TRUE(statuses_.empty()) << "nobody conducts yet";
+  request(experiment_command_t::PAUSE);
+  EXPECT_TRUE(statuses_.empty()) << "the controller does not run yet";
   controller_->begin();
   loop_.runUntil(loop_.now() + 1'000'000);
   ASSERT_FALSE(controller_->inScript());
   EXPECT_EQ(status().phase, experiment_status_t::PREPARING);
   EXPECT_EQ(status().step, -1);
-  wish(experiment_command_t::PAUSE);
+  request(experiment_command_t::PAUSE);
   EXPECT_THAT(status().refusal, HasSubstr("has not begun"));
 }
 

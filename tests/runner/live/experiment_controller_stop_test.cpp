@@ -1,4 +1,4 @@
-// The runner's part of stop_when: what the analyzer says ends the run, or its time does.
+// stop_when in the controller: the run ends by an estimate of the analyzer or by its duration.
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -16,7 +16,7 @@
 #include "common/service/node.hpp"
 #include "runner/live/experiment_controller.hpp"
 
-namespace lab::runner::conductor_stop_test {
+namespace lab::runner::controller_stop_test {
 namespace {
 
 using testing::HasSubstr;
@@ -41,8 +41,8 @@ program = "abp"
 relative_error_percent = 10
 )";
 
-/// A controller alone on the bus, and an analyzer whose errors fall as 1 / sqrt(t).
-class ConductorStops : public testing::Test {
+/// A controller and an analyzer whose relative error falls as 1 / sqrt(t).
+class ExperimentControllerStop : public testing::Test {
  protected:
   struct End {
     Ending ending = Ending::kBroken;
@@ -87,11 +87,11 @@ class ConductorStops : public testing::Test {
     return end.value_or(End{});
   }
 
-  Progress progress_;  ///< As it stood before the end.
+  Progress progress_;  ///< the last one before the end
   std::vector<std::string> faults_;
 };
 
-TEST_F(ConductorStops, EndsTheRunWhenTheNumberIsKnown) {
+TEST_F(ExperimentControllerStop, EndsTheRunWhenTheEstimateIsKnown) {
   const End end = play(0.5);  // 10 % after 25 s
   EXPECT_EQ(end.ending, Ending::kDone);
   EXPECT_NEAR(end.at, 25, 1.01);  // 0.5 / sqrt(25) may round to more than 0.1
@@ -102,7 +102,7 @@ TEST_F(ConductorStops, EndsTheRunWhenTheNumberIsKnown) {
   EXPECT_THAT(progress_.stop, HasSubstr("wanted 10 %"));
 }
 
-TEST_F(ConductorStops, MarksARunThatDidNotGetThere) {
+TEST_F(ExperimentControllerStop, MarksARunThatDoesNotMeetTheRule) {
   const End end = play(2);
   EXPECT_EQ(end.ending, Ending::kUnmet);
   EXPECT_GE(end.at, 60);
@@ -113,4 +113,4 @@ TEST_F(ConductorStops, MarksARunThatDidNotGetThere) {
 }
 
 }  // namespace
-}  // namespace lab::runner::conductor_stop_test
+}  // namespace lab::runner::controller_stop_test

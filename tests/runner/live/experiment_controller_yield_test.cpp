@@ -1,5 +1,5 @@
-// The lab's light table leaves a robot to whom ROBOT_COMMAND of somebody else gives orders, and has
-// it again when that one's lease is over.
+// The light table of the lab omits a robot that another sender commands, until that sender's lease
+// ends.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -33,7 +33,7 @@ epsilon_s = 0.5
 eta_rad_s = 3
 )";
 
-/// What the lab ordered at a time.
+/// An order of the lab and its time.
 struct Ordered {
   double at = 0;  ///< [s] since begin()
   std::int8_t mode = 0;
@@ -41,7 +41,7 @@ struct Ordered {
   std::int64_t seq = 0;
 };
 
-TEST(ConductorYields, WhileSomebodyElsesLeaseRuns) {
+TEST(ExperimentControllerYield, OmitsARobotDuringTheLeaseOfAnotherSender) {
   constexpr double kFrom = 10;
   constexpr double kTo = 15;
   constexpr double kLease = 0.5;
@@ -92,7 +92,7 @@ TEST(ConductorYields, WhileSomebodyElsesLeaseRuns) {
   for (const Ordered& order : orders) {
     if (order.mode != robot_order_t::TABLE) continue;
     if (seq == 0) seq = order.seq;
-    EXPECT_EQ(order.seq, seq) << "the same order all the time, at " << order.at;
+    EXPECT_EQ(order.seq, seq) << "the seq must not change, at " << order.at;
     const bool has1 = std::ranges::count(order.robots, 1) == 1;
     EXPECT_EQ(std::ranges::count(order.robots, 2), 1) << "at " << order.at;
     if (order.at < kFrom) {

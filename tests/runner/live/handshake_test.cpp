@@ -34,7 +34,7 @@ tracked_frame_t frameWith(const std::vector<std::int32_t>& ids) {
   return frame;
 }
 
-/// Who turns by a command; 0: nobody, -1: several.
+/// The robot that a command turns; 0 if none, -1 if several.
 std::int32_t turning(const robot_command_t& command) {
   std::int32_t found = 0;
   for (const robot_order_t& order : command.orders) {
@@ -56,7 +56,7 @@ std::size_t standing(const robot_command_t& command) {
 }
 
 const auto kObeys = [](std::int32_t) { return true; };
-const auto kDeaf = [](std::int32_t) { return false; };
+const auto kIgnores = [](std::int32_t) { return false; };
 
 TEST(Handshake, IsNotNeededWithoutACamera) {
   Experiment experiment = experimentWith({{1, Body::kSim}});
@@ -84,7 +84,7 @@ TEST(Handshake, TurnsOneRobotAfterTheOtherWhileTheOthersStand) {
   EXPECT_THAT(handshake.unknown(), IsEmpty());
 }
 
-TEST(Handshake, LeavesOutWhomTheTrackerKnows) {
+TEST(Handshake, SkipsRobotsThatTheTrackerKnows) {
   const Experiment experiment = experimentWith({{1, Body::kSim}, {2, Body::kSim}});
   Handshake handshake(experiment);
   handshake.see(frameWith({1}));
@@ -92,7 +92,7 @@ TEST(Handshake, LeavesOutWhomTheTrackerKnows) {
   EXPECT_EQ(turning(handshake.command()), 2);
 }
 
-TEST(Handshake, ARobotThatIsNotRecognisedHasASecondTurnAtTheEnd) {
+TEST(Handshake, TriesAnUnrecognisedRobotASecondTimeAtTheEnd) {
   const Experiment experiment = experimentWith({{1, Body::kSim}, {2, Body::kSim}});
   Handshake handshake(experiment);
   std::vector<std::int32_t> turned;
@@ -109,18 +109,18 @@ TEST(Handshake, ARobotThatIsNotRecognisedHasASecondTurnAtTheEnd) {
   EXPECT_LT(now, 7 * kSecond_us);
 }
 
-TEST(Handshake, WaitsForALineThatIsSlowToBoot) {
+TEST(Handshake, WaitsForARobotThatBootsSlowly) {
   const Experiment experiment = experimentWith({{1, Body::kWire}});
   Handshake handshake(experiment);
-  ASSERT_TRUE(handshake.advance(0, kDeaf));
-  EXPECT_FALSE(handshake.advance(9 * kSecond_us, kDeaf));
+  ASSERT_TRUE(handshake.advance(0, kIgnores));
+  EXPECT_FALSE(handshake.advance(9 * kSecond_us, kIgnores));
   EXPECT_FALSE(handshake.advance(9 * kSecond_us + 1, kObeys));
   EXPECT_EQ(handshake.unknown().size(), 0U);
   static_cast<void>(handshake.advance(11 * kSecond_us, kObeys));
   EXPECT_TRUE(handshake.advance(13 * kSecond_us, kObeys));
 }
 
-TEST(Handshake, TurnsToAndFro) {
+TEST(Handshake, TurnsInBothDirections) {
   const Experiment experiment = experimentWith({{1, Body::kSim}});
   Handshake handshake(experiment);
   int changes = 0;
@@ -134,7 +134,7 @@ TEST(Handshake, TurnsToAndFro) {
   EXPECT_EQ(changes, 4);
 }
 
-TEST(Handshake, ARealCameraSeesRealRobotsAndAPaintedOneTheOthers) {
+TEST(Handshake, TurnsOnlyRobotsThatTheCameraCanSee) {
   Experiment experiment = experimentWith({{1, Body::kSim}, {2, Body::kSerial}, {3, Body::kReplay}});
   Handshake painted(experiment);
   ASSERT_TRUE(painted.advance(0, kObeys));

@@ -2,15 +2,15 @@
 
 #include <gtest/gtest.h>
 
-namespace lab::runner::pulse_watch_test {
+namespace lab::runner::heartbeat_monitor_test {
 namespace {
 
 constexpr std::int64_t kStep_us = 100'000;
 constexpr std::int64_t kSecond_us = 1'000'000;
 
-class PulseWatchTest : public testing::Test {
+class HeartbeatMonitorTest : public testing::Test {
  protected:
-  /// Looks every 100 ms, while those named send a sign of life each second.
+  /// Checks every 100 ms, while the services in `alive` send a heartbeat every second.
   void pass(double seconds, const std::vector<std::string>& alive) {
     for (const std::int64_t end = now + static_cast<std::int64_t>(seconds * 1e6); now < end;) {
       now += kStep_us;
@@ -26,7 +26,7 @@ class PulseWatchTest : public testing::Test {
   std::vector<HeartbeatMonitor::Change> changes;
 };
 
-TEST_F(PulseWatchTest, SaysOnceWhoHasFallenSilentAndThatItIsBack) {
+TEST_F(HeartbeatMonitorTest, ReportsSilenceAndReturnOnce) {
   dut.expect("sim_svc");
   dut.expect("analyzer");
   pass(5, {"sim_svc", "analyzer"});
@@ -47,7 +47,7 @@ TEST_F(PulseWatchTest, SaysOnceWhoHasFallenSilentAndThatItIsBack) {
   EXPECT_EQ(changes[1].silence_s, 8);
 }
 
-TEST_F(PulseWatchTest, TwoLostBeatsAreNoSilence) {
+TEST_F(HeartbeatMonitorTest, TwoLostHeartbeatsAreNoSilence) {
   dut.expect("sim_svc");
   for (int round = 0; round < 20; ++round) {
     pass(1, {"sim_svc"});
@@ -56,7 +56,7 @@ TEST_F(PulseWatchTest, TwoLostBeatsAreNoSilence) {
   EXPECT_TRUE(changes.empty());
 }
 
-TEST_F(PulseWatchTest, WhileItIsNotLookedAtNobodyIsSilent) {
+TEST_F(HeartbeatMonitorTest, StallsOfTheMonitorDoNotCountAsSilence) {
   dut.expect("sim_svc");
   pass(5, {"sim_svc"});
 
@@ -67,10 +67,10 @@ TEST_F(PulseWatchTest, WhileItIsNotLookedAtNobodyIsSilent) {
   EXPECT_TRUE(changes.empty());
 
   pass(4, {});
-  EXPECT_EQ(changes.size(), 1U) << "it is still watched";
+  EXPECT_EQ(changes.size(), 1U) << "it is still monitored";
 }
 
-TEST_F(PulseWatchTest, AProcessThatStartsHasLonger) {
+TEST_F(HeartbeatMonitorTest, AStartingProcessHasALongerTimeout) {
   dut.expect("tracker_svc");
   pass(9.5, {});
   EXPECT_TRUE(changes.empty());
@@ -79,7 +79,7 @@ TEST_F(PulseWatchTest, AProcessThatStartsHasLonger) {
   EXPECT_EQ(changes[0].silence_s, 10);
 }
 
-TEST_F(PulseWatchTest, WhoIsStartedAgainIsNotSilentAnyMore) {
+TEST_F(HeartbeatMonitorTest, ARestartedServiceIsNotSilent) {
   dut.expect("sim_svc");
   pass(1, {"sim_svc"});
   pass(4, {});
@@ -90,4 +90,4 @@ TEST_F(PulseWatchTest, WhoIsStartedAgainIsNotSilentAnyMore) {
 }
 
 }  // namespace
-}  // namespace lab::runner::pulse_watch_test
+}  // namespace lab::runner::heartbeat_monitor_test

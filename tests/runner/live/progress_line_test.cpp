@@ -5,7 +5,7 @@
 namespace lab::runner {
 namespace {
 
-TEST(ProgressText, SaysTimeLeftLightRobotsProgramsAndLosses) {
+TEST(ProgressText, ShowsTimeLightRobotsProgramsAndLosses) {
   Progress progress;
   progress.left = 75.2;
   progress.light = "half: ABP";
@@ -16,7 +16,7 @@ TEST(ProgressText, SaysTimeLeftLightRobotsProgramsAndLosses) {
             "76 s left | light half: ABP | 3 robots seen | 2 abp, 1 bp | 4 lost");
 }
 
-TEST(ProgressText, SaysHowFarTheRulesAreThatEndTheRun) {
+TEST(ProgressText, ShowsTheProgressOfStopRules) {
   Progress progress;
   progress.left = 75.2;
   progress.at_most = true;
@@ -27,7 +27,7 @@ TEST(ProgressText, SaysHowFarTheRulesAreThatEndTheRun) {
       "| no robot | 0 lost");
 }
 
-TEST(ProgressText, SpeaksOfMinutesAndHoursWhenThereAreMany) {
+TEST(ProgressText, ShowsLongTimesInMinutesAndHours) {
   Progress progress;
   progress.left = 600;
   EXPECT_EQ(progressText(progress),

@@ -9,86 +9,86 @@ namespace {
 
 using testing::HasSubstr;
 
-experiment_command_t wishOf(std::int64_t seq, const std::string& sender = "dashboard") {
-  experiment_command_t wish{};
-  wish.sender = sender;
-  wish.instance = 7;
-  wish.seq = seq;
-  wish.action = experiment_command_t::MARK;
-  wish.text = "a remark";
-  return wish;
+experiment_command_t requestOf(std::int64_t seq, const std::string& sender = "dashboard") {
+  experiment_command_t request{};
+  request.sender = sender;
+  request.instance = 7;
+  request.seq = seq;
+  request.action = experiment_command_t::MARK;
+  request.text = "a remark";
+  return request;
 }
 
-class Desk : public testing::Test {
+class RequestLogTest : public testing::Test {
  protected:
   experiment_status_t answer() const {
     experiment_status_t status{};
-    desk_.write(status);
+    log_.write(status);
     return status;
   }
 
-  std::vector<experiment_command_t> obeyed_;
+  std::vector<experiment_command_t> executed_;
   std::string refusal_;
-  RequestLog desk_{[this](const experiment_command_t& wish) {
-    obeyed_.push_back(wish);
+  RequestLog log_{[this](const experiment_command_t& request) {
+    executed_.push_back(request);
     return refusal_;
   }};
 };
 
-TEST_F(Desk, SaysNothingBeforeAWish) { EXPECT_EQ(answer().commander, ""); }
+TEST_F(RequestLogTest, ReportsNothingBeforeARequest) { EXPECT_EQ(answer().commander, ""); }
 
-TEST_F(Desk, ObeysAWishOnceAndEchoesItsRepetitions) {
-  for (int i = 0; i < 3; ++i) desk_.take(wishOf(1));
-  EXPECT_EQ(obeyed_.size(), 1U);
+TEST_F(RequestLogTest, ExecutesARequestOnceAndEchoesItsRepetitions) {
+  for (int i = 0; i < 3; ++i) log_.take(requestOf(1));
+  EXPECT_EQ(executed_.size(), 1U);
   EXPECT_EQ(answer().commander, "dashboard");
   EXPECT_EQ(answer().command_instance, 7);
   EXPECT_EQ(answer().command_seq, 1);
   EXPECT_EQ(answer().refusal, "");
 }
 
-TEST_F(Desk, TellsWishersApart) {
-  desk_.take(wishOf(1));
-  desk_.take(wishOf(1, "lab_mark"));
-  experiment_command_t other = wishOf(1);
+TEST_F(RequestLogTest, DistinguishesSenders) {
+  log_.take(requestOf(1));
+  log_.take(requestOf(1, "lab_mark"));
+  experiment_command_t other = requestOf(1);
   other.instance = 8;
-  desk_.take(other);
-  desk_.take(wishOf(2));
-  EXPECT_EQ(obeyed_.size(), 4U);
+  log_.take(other);
+  log_.take(requestOf(2));
+  EXPECT_EQ(executed_.size(), 4U);
 }
 
-TEST_F(Desk, AnswersARepetitionAsBeforeThoughOthersCameBetween) {
+TEST_F(RequestLogTest, RepeatsTheAnswerToARepetitionAfterOtherRequests) {
   refusal_ = "not now";
-  desk_.take(wishOf(1));
+  log_.take(requestOf(1));
   refusal_ = "";
-  desk_.take(wishOf(2));
+  log_.take(requestOf(2));
   EXPECT_EQ(answer().refusal, "");
-  desk_.take(wishOf(1));
+  log_.take(requestOf(1));
   EXPECT_EQ(answer().command_seq, 1);
   EXPECT_EQ(answer().refusal, "not now");
-  EXPECT_EQ(obeyed_.size(), 2U);
+  EXPECT_EQ(executed_.size(), 2U);
 }
 
-TEST_F(Desk, RefusesATextThatIsNoRemarkAndASenderWithoutAName) {
-  experiment_command_t wish = wishOf(1);
-  wish.text = "two\nlines";
-  desk_.take(wish);
+TEST_F(RequestLogTest, RefusesControlCharactersAndInvalidSenders) {
+  experiment_command_t request = requestOf(1);
+  request.text = "two\nlines";
+  log_.take(request);
   EXPECT_THAT(answer().refusal, HasSubstr("control characters"));
-  desk_.take(wishOf(2, ""));
+  log_.take(requestOf(2, ""));
   EXPECT_THAT(answer().refusal, HasSubstr("no name"));
-  desk_.take(wishOf(3, "bad\x1B[2J"));
+  log_.take(requestOf(3, "bad\x1B[2J"));
   EXPECT_THAT(answer().refusal, HasSubstr("no name"));
-  desk_.take(wishOf(4, std::string(65, 'x')));
+  log_.take(requestOf(4, std::string(65, 'x')));
   EXPECT_THAT(answer().refusal, HasSubstr("no name"));
-  EXPECT_TRUE(obeyed_.empty());
+  EXPECT_TRUE(executed_.empty());
 }
 
-TEST_F(Desk, KeepsTheLast256Answers) {
-  for (int seq = 0; seq < 1000; ++seq) desk_.take(wishOf(seq));
-  ASSERT_EQ(obeyed_.size(), 1000U);
-  desk_.take(wishOf(999 - 255));
-  EXPECT_EQ(obeyed_.size(), 1000U) << "still known";
-  desk_.take(wishOf(0));
-  EXPECT_EQ(obeyed_.size(), 1001U) << "forgotten: nobody repeats a wish for so long";
+TEST_F(RequestLogTest, KeepsTheLast256Answers) {
+  for (int seq = 0; seq < 1000; ++seq) log_.take(requestOf(seq));
+  ASSERT_EQ(executed_.size(), 1000U);
+  log_.take(requestOf(999 - 255));
+  EXPECT_EQ(executed_.size(), 1000U) << "still known";
+  log_.take(requestOf(0));
+  EXPECT_EQ(executed_.size(), 1001U) << "forgotten: no sender repeats a request for that long";
 }
 
 }  // namespace

@@ -32,7 +32,7 @@ tracked_pose_t at(double x, double y) {
   return pose;
 }
 
-TEST(ResumedExperiment, PutsTheRobotsWhereTheyWereSeen) {
+TEST(ResumedExperiment, PlacesTheRobotsAtTheirLastPoses) {
   const Experiment resumed = resumedExperiment(threeRobots(), {{2, at(0.3, 0.4)}}, 1);
   ASSERT_TRUE(resumed.robots[1].start);
   EXPECT_EQ(resumed.robots[1].start->x, 0.3);
@@ -40,14 +40,14 @@ TEST(ResumedExperiment, PutsTheRobotsWhereTheyWereSeen) {
   EXPECT_FALSE(resumed.robots[0].start) << "never seen: placed at random";
 }
 
-TEST(ResumedExperiment, DrawsOtherNumbersAtEachRestart) {
+TEST(ResumedExperiment, UsesAnotherSeedAtEachRestart) {
   const Experiment original = threeRobots();
   const std::uint64_t first = resumedExperiment(original, {}, 1).seed;
   EXPECT_NE(first, original.seed);
   EXPECT_NE(first, resumedExperiment(original, {}, 2).seed);
 }
 
-TEST(ResumedExperiment, MovesApartWhatNoiseMadeOverlapSoThatTheFileLoads) {
+TEST(ResumedExperiment, SeparatesPosesThatOverlapByNoise) {
   const Experiment resumed = resumedExperiment(
       threeRobots(), {{1, at(0.500, 0.4)}, {2, at(0.573, 0.4)}, {3, at(0.001, 0.899)}}, 1);
   const auto& robots = resumed.robots;

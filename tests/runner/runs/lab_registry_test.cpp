@@ -8,6 +8,7 @@
 #include <fstream>
 
 #include "runner/command_line/exit_code.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace lab::runner {
 namespace {
@@ -18,16 +19,12 @@ using testing::ThrowsMessage;
 
 class LabRegistry : public testing::Test {
  protected:
-  LabRegistry() {
-    fs::create_directories(folder);
-    setenv("XDG_RUNTIME_DIR", folder.c_str(), 1);
-  }
-  ~LabRegistry() override { fs::remove_all(folder); }
+  LabRegistry() { setenv("XDG_RUNTIME_DIR", folder.path().c_str(), 1); }
 
-  fs::path folder = fs::path(testing::TempDir()) / ("registry_test_" + std::to_string(getpid()));
+  TemporaryFolder folder;
 };
 
-TEST_F(LabRegistry, ASingleLabIsImpliedAndGoneWithItsRegistration) {
+TEST_F(LabRegistry, FindsTheOnlyLabUntilItsRegistrationEnds) {
   {
     const Registration dut({"abp-1", "udpm://x", getpid(), "/runs/abp-1", false});
     EXPECT_EQ(findLab("").name, "abp-1");
@@ -45,7 +42,7 @@ TEST_F(LabRegistry, OfSeveralLabsOneMustBeNamed) {
               ThrowsMessage<UserError>(HasSubstr("no lab named three")));
 }
 
-TEST_F(LabRegistry, NoTwoLabsThatRunHaveOneName) {
+TEST_F(LabRegistry, RunningLabsGetUniqueNames) {
   const fs::path mine = folder / "mine" / "abp-1";
   const fs::path yours = folder / "yours" / "abp-1";
   fs::create_directories(mine);
@@ -60,12 +57,12 @@ TEST_F(LabRegistry, NoTwoLabsThatRunHaveOneName) {
   EXPECT_EQ(third.name(), "abp-1-3");
   EXPECT_EQ(findLab("abp-1").url, "udpm://1");
   EXPECT_EQ(findLab("abp-1-2").url, "udpm://2");
-  EXPECT_EQ(findLab(yours.string() + "/").url, "udpm://2") << "its folder names it too";
+  EXPECT_EQ(findLab(yours.string() + "/").url, "udpm://2") << "a folder identifies its lab";
 }
 
-TEST_F(LabRegistry, ANameIsFreeAgainWithTheEndOfItsLab) {
+TEST_F(LabRegistry, ANameIsFreeAfterItsLabHasEnded) {
   { const Registration earlier({"abp-1", "udpm://1", getppid(), "", false}); }
-  // What a killed runner left, whose process id has come round to this one.
+  // The file of a killed runner with the process id of this process.
   std::ofstream(registryDirectory() / (std::to_string(getpid()) + ".json"))
       << R"({"name": "abp-1", "url": "udpm://0", "pid": )" << getpid()
       << R"(, "directory": "", "replay": false})";
@@ -75,9 +72,9 @@ TEST_F(LabRegistry, ANameIsFreeAgainWithTheEndOfItsLab) {
   EXPECT_EQ(dut.name(), "abp-1");
 }
 
-TEST_F(LabRegistry, ANameOfSeveralLabsIsRefusedWithTheirFolders) {
+TEST_F(LabRegistry, AnAmbiguousNameIsRefusedWithTheFolders) {
   const Registration first({"abp-1", "udpm://1", getppid(), "/a/abp-1", false});
-  // As versions without unique names register.
+  // As older versions without unique names registered.
   std::ofstream(registryDirectory() / "1.json")
       << R"({"name": "abp-1", "url": "udpm://2", "pid": 1, "directory": "/b/abp-1", "replay": false})";
 
@@ -89,16 +86,16 @@ TEST_F(LabRegistry, ANameOfSeveralLabsIsRefusedWithTheirFolders) {
 }
 
 TEST_F(LabRegistry, ForgetsLabsWhoseRunnerDied) {
-  constexpr int kNobody = 999'999'999;
+  constexpr int kUnusedPid = 999'999'999;
   const fs::path file = registryDirectory() / "999999999.json";
   fs::create_directories(registryDirectory());
-  std::ofstream(file) << R"({"name": "dead", "url": "udpm://d", "pid": )" << kNobody
+  std::ofstream(file) << R"({"name": "dead", "url": "udpm://d", "pid": )" << kUnusedPid
                       << R"(, "directory": "/runs/dead", "replay": false})";
   EXPECT_THAT(runningLabs(), testing::IsEmpty());
   EXPECT_FALSE(fs::exists(file));
 }
 
-TEST_F(LabRegistry, ClearsAwayWhatDeadRunnersKept) {
+TEST_F(LabRegistry, RemovesFilesOfDeadRunners) {
   fs::create_directories(registryDirectory());
   const fs::path mine = registryFile(".web.txt");
   std::ofstream(mine) << "";

@@ -64,7 +64,7 @@ TEST(DeliveryWatch, IsCompleteWhenTheLightIsShownAndEveryRobotActed) {
 TEST(DeliveryWatch, WaitsForTheSlowestRobot) {
   DeliveryWatch dut = watching(abp(), 2);
   dut.take(shown(2000));
-  EXPECT_FALSE(dut.complete()) << "no robot was heard yet";
+  EXPECT_FALSE(dut.complete()) << "no robot has reported yet";
   dut.take(running(1, abp(), 2010, 2020));
   EXPECT_FALSE(dut.complete());
   dut.take(running(2, program_t{}, 0, 2020));
@@ -75,7 +75,7 @@ TEST(DeliveryWatch, WaitsForTheSlowestRobot) {
   EXPECT_EQ(dut.event().last_acted_utime, 2040);
 }
 
-TEST(DeliveryWatch, ExpectsNothingOfARobotThatRanTheProgramAlready) {
+TEST(DeliveryWatch, DoesNotExpectARobotThatAlreadyRunsTheProgram) {
   DeliveryWatch dut = watching(abp());
   dut.take(running(1, abp(), 500, 1500));
   dut.take(shown(2000));
@@ -84,7 +84,7 @@ TEST(DeliveryWatch, ExpectsNothingOfARobotThatRanTheProgramAlready) {
   EXPECT_EQ(dut.event().robots_expected, 0);
 }
 
-TEST(DeliveryWatch, AnotherCommandsLightIsNotThisOne) {
+TEST(DeliveryWatch, IgnoresTheLightOfAnotherCommand) {
   DeliveryWatch dut = watching(std::nullopt);
   dut.take(shown(2000, kSeq - 1));
   EXPECT_FALSE(dut.complete());
@@ -98,7 +98,7 @@ light_seen_t seen(std::int64_t utime, std::int8_t sync) {
   return seen;
 }
 
-TEST(DeliveryWatch, IsSeenInTheFirstPictureThatShowsThePatchTurned) {
+TEST(DeliveryWatch, IsSeenInTheFirstPictureWithTheChangedPatch) {
   DeliveryWatch dut = watching(std::nullopt);
   dut.expectSeen();
   light_status_t first = shown(2000);
@@ -116,7 +116,7 @@ TEST(DeliveryWatch, IsSeenInTheFirstPictureThatShowsThePatchTurned) {
   EXPECT_EQ(dut.event().seen_utime, 2015);
 }
 
-TEST(DeliveryWatch, IsNotSeenWhenThePatchHasTurnedTwiceSince) {
+TEST(DeliveryWatch, IsNotSeenAfterThePatchHasChangedTwice) {
   DeliveryWatch dut = watching(std::nullopt);
   light_status_t first = shown(2000);
   first.utime = 2000;
@@ -126,7 +126,7 @@ TEST(DeliveryWatch, IsNotSeenWhenThePatchHasTurnedTwiceSince) {
   EXPECT_EQ(dut.event().seen_utime, 0);
 }
 
-TEST(DeliveryWatch, IsNotSeenByALaterTurnOfThePatch) {
+TEST(DeliveryWatch, IsNotSeenByALaterChangeOfThePatch) {
   DeliveryWatch dut = watching(std::nullopt);
   dut.expectSeen();
   light_status_t later = shown(2000);  // the first frame's status was lost
@@ -138,7 +138,7 @@ TEST(DeliveryWatch, IsNotSeenByALaterTurnOfThePatch) {
   EXPECT_EQ(dut.event().seen_utime, 0);
 }
 
-TEST(DeliveryWatch, UnderALightThatDependsOnPlaceNobodyIsExpectedToAct) {
+TEST(DeliveryWatch, ExpectsNoRobotToActUnderNonUniformLight) {
   DeliveryWatch dut = watching(std::nullopt);
   dut.take(running(1, program_t{}, 0, 2010));
   dut.take(shown(2000));

@@ -27,7 +27,7 @@ LightStep held(const char* label, double hold) {
   return step;
 }
 
-/// Until a robot is within 10 cm of the corner.
+/// A step that waits for a robot within 10 cm of the corner.
 LightStep corner(const char* label, double limit, IfNot if_not = IfNot::kNext) {
   LightStep step = held(label, limit);
   step.until.region = Region::kCircle;
@@ -64,116 +64,118 @@ tracked_frame_t frameAt(double seconds, double x) {
   return frame;
 }
 
-/// Plays to the end with timers alone, as a loop that is never late.
-std::vector<std::pair<double, std::size_t>> showings(const Experiment& experiment) {
+/// Plays to the end at the exact due times. @return time and index of every step; 99 for the end
+std::vector<std::pair<double, std::size_t>> playedSteps(const Experiment& experiment) {
   ScriptPlayer player(experiment);
   player.begin(kStart);
   std::vector<std::pair<double, std::size_t>> shown;
   while (const auto due = player.due()) {
-    EXPECT_FALSE(player.turn(*due - 1).has_value());
-    const auto turn = player.turn(*due);
-    if (!turn) {
-      ADD_FAILURE() << "nothing happened when it was due";
+    EXPECT_FALSE(player.nextTransition(*due - 1).has_value());
+    const auto transition = player.nextTransition(*due);
+    if (!transition) {
+      ADD_FAILURE() << "no transition when it was due";
       break;
     }
-    if (turn->kind != ScriptTransition::Kind::kStep) {
+    if (transition->kind != ScriptTransition::Kind::kStep) {
       shown.emplace_back(static_cast<double>(*due - kStart) * 1e-6, 99);
       continue;
     }
-    EXPECT_EQ(turn->number, static_cast<int>(shown.size()));
-    shown.emplace_back(static_cast<double>(*due - kStart) * 1e-6, turn->index);
+    EXPECT_EQ(transition->number, static_cast<int>(shown.size()));
+    shown.emplace_back(static_cast<double>(*due - kStart) * 1e-6, transition->index);
   }
   return shown;
 }
 
 TEST(ScriptPlayer, ShowsAPlannedScriptOnceAndKeepsItsLastStepToTheEnd) {
-  EXPECT_THAT(showings(experimentOf({planned(0), planned(2)}, 100)),
+  EXPECT_THAT(playedSteps(experimentOf({planned(0), planned(2)}, 100)),
               ElementsAre(std::pair(0.0, 0U), std::pair(2.0, 1U), std::pair(100.0, 99U)));
 }
 
 TEST(ScriptPlayer, RepeatsAPlannedScriptUntilTheRunEnds) {
-  EXPECT_THAT(showings(experimentOf({planned(0), planned(2)}, 12, true, 5)),
+  EXPECT_THAT(playedSteps(experimentOf({planned(0), planned(2)}, 12, true, 5)),
               ElementsAre(std::pair(0.0, 0U), std::pair(2.0, 1U), std::pair(5.0, 0U),
                           std::pair(7.0, 1U), std::pair(10.0, 0U), std::pair(12.0, 99U)));
 }
 
-TEST(ScriptPlayer, ALongRunOfPassesDoesNotDriftByTheMicrosecond) {
-  const auto shown = showings(experimentOf({planned(0)}, 700, true, 1.0 / 3));
+TEST(ScriptPlayer, ManyPassesAddNoRoundingError) {
+  const auto shown = playedSteps(experimentOf({planned(0)}, 700, true, 1.0 / 3));
   ASSERT_GT(shown.size(), 2000U);
   EXPECT_NEAR(shown[1800].first, 600, 1e-9);
 }
 
-TEST(ScriptPlayer, ShowsAGroupAsOftenAsItSaysAndEndsTheRunWithItsLastStep) {
+TEST(ScriptPlayer, RepeatsAGroupAndEndsTheRunWithTheLastStep) {
   EXPECT_THAT(
-      showings(
+      playedSteps(
           experimentOf({held("a", 1), held("b", 2), back(held("c", 3), "b", 2), held("d", 1)}, 20)),
       ElementsAre(std::pair(0.0, 0U), std::pair(1.0, 1U), std::pair(3.0, 2U), std::pair(6.0, 1U),
                   std::pair(8.0, 2U), std::pair(11.0, 3U), std::pair(12.0, 99U)));
 }
 
-TEST(ScriptPlayer, ShowsGroupsWithinGroupsAndAStepThatRepeatsItself) {
-  const auto shown = showings(
+TEST(ScriptPlayer, PlaysNestedGroupsAndARepeatedStep) {
+  const auto shown = playedSteps(
       experimentOf({held("a", 1), back(held("b", 1), "b", 2), back(held("c", 1), "a", 2)}, 100));
   std::vector<std::size_t> order;
   for (const auto& [when, index] : shown) order.push_back(index);
   EXPECT_THAT(order, ElementsAre(0U, 1U, 1U, 2U, 0U, 1U, 1U, 2U, 99U));
 }
 
-TEST(ScriptPlayer, AGroupBeginsAnewInEveryPass) {
-  const auto shown = showings(experimentOf({back(held("a", 1), "a", 3)}, 7, true, 3));
-  EXPECT_EQ(shown.size(), 8U);  // seven showings and the end
+TEST(ScriptPlayer, AGroupRestartsInEveryPass) {
+  const auto shown = playedSteps(experimentOf({back(held("a", 1), "a", 3)}, 7, true, 3));
+  EXPECT_EQ(shown.size(), 8U);  // seven steps and the end
 }
 
-TEST(ScriptPlayer, GoesOnAtOnceWhenTheConditionIsMetAndNamesTheSample) {
+TEST(ScriptPlayer, GoesOnAtOnceWhenTheConditionIsMetAndReportsTheSample) {
   const Experiment experiment = experimentOf({corner("go", 30), held("then", 5)}, 100);
   ScriptPlayer player(experiment);
   player.begin(kStart);
-  ASSERT_TRUE(player.turn(at(0)));
+  ASSERT_TRUE(player.nextTransition(at(0)));
   player.take(frameAt(1, 0.5));
-  EXPECT_EQ(player.turn(at(1.02)), std::nullopt);
+  EXPECT_EQ(player.nextTransition(at(1.02)), std::nullopt);
   player.take(frameAt(2, 0.05));
-  const auto turn = player.turn(at(2.02));
-  ASSERT_TRUE(turn);
-  EXPECT_EQ(turn->kind, ScriptTransition::Kind::kStep);
-  EXPECT_EQ(turn->index, 1U);
-  EXPECT_EQ(turn->ended_by, "a robot is in the circle of radius 10 cm around 0, 0 cm; sample " +
-                                std::to_string(at(2)));
-  EXPECT_EQ(turn->fault, "");
-  EXPECT_EQ(player.turn(at(2.02)), std::nullopt);
+  const auto transition = player.nextTransition(at(2.02));
+  ASSERT_TRUE(transition);
+  EXPECT_EQ(transition->kind, ScriptTransition::Kind::kStep);
+  EXPECT_EQ(transition->index, 1U);
+  EXPECT_EQ(
+      transition->ended_by,
+      "a robot is in the circle of radius 10 cm around 0, 0 cm; sample " + std::to_string(at(2)));
+  EXPECT_EQ(transition->fault, "");
+  EXPECT_EQ(player.nextTransition(at(2.02)), std::nullopt);
 }
 
-TEST(ScriptPlayer, ASampleOfBeforeTheStepDoesNotCount) {
+TEST(ScriptPlayer, IgnoresSamplesBeforeTheStep) {
   const Experiment experiment =
       experimentOf({corner("go", 30), corner("again", 30), held("then", 5)}, 100);
   ScriptPlayer player(experiment);
   player.begin(kStart);
-  ASSERT_TRUE(player.turn(at(0)));
+  ASSERT_TRUE(player.nextTransition(at(0)));
   player.take(frameAt(2, 0.05));
-  ASSERT_TRUE(player.turn(at(2.02)));
+  ASSERT_TRUE(player.nextTransition(at(2.02)));
   player.take(frameAt(2.01, 0.05));
-  EXPECT_EQ(player.turn(at(2.03)), std::nullopt);
+  EXPECT_EQ(player.nextTransition(at(2.03)), std::nullopt);
   player.take(frameAt(2.03, 0.05));
-  EXPECT_TRUE(player.turn(at(2.05)));
+  EXPECT_TRUE(player.nextTransition(at(2.05)));
 }
 
-TEST(ScriptPlayer, ALimitThatComesFirstIsAFaultWhateverFollows) {
+TEST(ScriptPlayer, AnUnmetConditionIsAFault) {
   for (const auto& [if_not, kind] : {std::pair(IfNot::kNext, ScriptTransition::Kind::kStep),
                                      std::pair(IfNot::kEnd, ScriptTransition::Kind::kEnd),
                                      std::pair(IfNot::kSafe, ScriptTransition::Kind::kSafe)}) {
     const Experiment experiment = experimentOf({corner("go", 30, if_not), held("then", 5)}, 100);
     ScriptPlayer player(experiment);
     player.begin(kStart);
-    ASSERT_TRUE(player.turn(at(0)));
+    ASSERT_TRUE(player.nextTransition(at(0)));
     player.take(frameAt(1, 0.5));
-    EXPECT_EQ(player.turn(at(29.999)), std::nullopt);
-    const auto turn = player.turn(at(30));
-    ASSERT_TRUE(turn);
-    EXPECT_EQ(turn->kind, kind);
-    EXPECT_THAT(turn->fault, HasSubstr("step 0 \"go\" waited 30 s in vain until a robot is in"));
-    EXPECT_THAT(turn->fault, HasSubstr("robot 1 came nearest, to 40.0 cm"));
-    EXPECT_THAT(turn->ended_by, HasSubstr("its limit of 30 s"));
+    EXPECT_EQ(player.nextTransition(at(29.999)), std::nullopt);
+    const auto transition = player.nextTransition(at(30));
+    ASSERT_TRUE(transition);
+    EXPECT_EQ(transition->kind, kind);
+    EXPECT_THAT(transition->fault,
+                HasSubstr("step 0 \"go\" waited 30 s in vain until a robot is in"));
+    EXPECT_THAT(transition->fault, HasSubstr("robot 1 came nearest, to 40.0 cm"));
+    EXPECT_THAT(transition->ended_by, HasSubstr("its limit of 30 s"));
     EXPECT_EQ(player.due().has_value(), if_not == IfNot::kNext);
-    EXPECT_EQ(player.turn(at(31)), std::nullopt);
+    EXPECT_EQ(player.nextTransition(at(31)), std::nullopt);
   }
 }
 
@@ -181,26 +183,26 @@ TEST(ScriptPlayer, TheLastStepsConditionEndsTheRun) {
   const Experiment experiment = experimentOf({corner("go", 30)}, 30);
   ScriptPlayer player(experiment);
   player.begin(kStart);
-  ASSERT_TRUE(player.turn(at(0)));
+  ASSERT_TRUE(player.nextTransition(at(0)));
   player.take(frameAt(3, 0));
-  const auto turn = player.turn(at(3));
-  ASSERT_TRUE(turn);
-  EXPECT_EQ(turn->kind, ScriptTransition::Kind::kOver);
-  EXPECT_THAT(turn->ended_by, HasSubstr("sample"));
+  const auto transition = player.nextTransition(at(3));
+  ASSERT_TRUE(transition);
+  EXPECT_EQ(transition->kind, ScriptTransition::Kind::kOver);
+  EXPECT_THAT(transition->ended_by, HasSubstr("sample"));
 }
 
-TEST(ScriptPlayer, ALimitThatFallsOnTheRunsEndIsAFaultToo) {
+TEST(ScriptPlayer, AnUnmetConditionAtTheEndOfTheRunIsAFault) {
   const Experiment experiment = experimentOf({corner("go", 30, IfNot::kSafe)}, 30);
   ScriptPlayer player(experiment);
   player.begin(kStart);
-  ASSERT_TRUE(player.turn(at(0)));
-  const auto turn = player.turn(at(30));
-  ASSERT_TRUE(turn);
-  EXPECT_EQ(turn->kind, ScriptTransition::Kind::kSafe);
-  EXPECT_THAT(turn->fault, HasSubstr("no robot was seen"));
+  ASSERT_TRUE(player.nextTransition(at(0)));
+  const auto transition = player.nextTransition(at(30));
+  ASSERT_TRUE(transition);
+  EXPECT_EQ(transition->kind, ScriptTransition::Kind::kSafe);
+  EXPECT_THAT(transition->fault, HasSubstr("no robot was seen"));
 }
 
-TEST(ScriptPlayer, LateCallsDoNotAddUp) {
+TEST(ScriptPlayer, DelaysOfCallsDoNotAccumulate) {
   const Experiment experiment =
       experimentOf({held("a", 1), back(held("b", 1), "a", 3), held("c", 1)}, 100);
   ScriptPlayer player(experiment);
@@ -208,20 +210,20 @@ TEST(ScriptPlayer, LateCallsDoNotAddUp) {
   double now = 0;
   while (player.due() && *player.due() < at(100)) {
     now = static_cast<double>(*player.due() - kStart) * 1e-6 + 0.01;  // each 10 ms late
-    ASSERT_TRUE(player.turn(at(now)));
+    ASSERT_TRUE(player.nextTransition(at(now)));
   }
   EXPECT_NEAR(now, 7.01, 1e-9);
 }
 
-TEST(ScriptPlayer, ARepeatingScriptIsCutByTheRunsEndWithoutAFault) {
+TEST(ScriptPlayer, TheEndOfTheRunEndsARepeatedScriptWithoutAFault) {
   const Experiment experiment = experimentOf({corner("go", 30, IfNot::kEnd)}, 10, true, 30);
   ScriptPlayer player(experiment);
   player.begin(kStart);
-  ASSERT_TRUE(player.turn(at(0)));
-  const auto turn = player.turn(at(10));
-  ASSERT_TRUE(turn);
-  EXPECT_EQ(turn->kind, ScriptTransition::Kind::kOver);
-  EXPECT_EQ(turn->fault, "");
+  ASSERT_TRUE(player.nextTransition(at(0)));
+  const auto transition = player.nextTransition(at(10));
+  ASSERT_TRUE(transition);
+  EXPECT_EQ(transition->kind, ScriptTransition::Kind::kOver);
+  EXPECT_EQ(transition->fault, "");
 }
 
 }  // namespace

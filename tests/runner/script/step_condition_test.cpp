@@ -82,7 +82,7 @@ analysis_t analysis(const Experiment& experiment, const char* program, std::int3
   return message;
 }
 
-TEST(StepCondition, AnyRobotInTheRectangleAndNoStrangerMeetsIt) {
+TEST(StepCondition, IsMetByAnyRobotOfTheExperimentInTheRectangle) {
   StepCondition dut(threeRobots(), rectangle(Who::kAny), {}, kBegin);
   dut.take(frame(kBegin, {{1, 1.21, 1}, {2, 1, 1.11}, {77, 1, 1}}));
   EXPECT_EQ(dut.met(), std::nullopt);
@@ -91,7 +91,7 @@ TEST(StepCondition, AnyRobotInTheRectangleAndNoStrangerMeetsIt) {
   EXPECT_EQ(dut.met(), kBegin + 20);
 }
 
-TEST(StepCondition, AllRobotsMustBeThereAtATimeThoughAFrameMayMissOne) {
+TEST(StepCondition, NeedsAllRobotsInsideAtATimeAllowingMissedFrames) {
   StepCondition dut(threeRobots(), rectangle(Who::kAll), {}, kBegin);
   dut.take(frame(kBegin, {{1, 1, 1}, {2, 1, 1}, {3, 0, 0}}));
   dut.take(frame(kBegin + 20'000, {{1, 0, 0}, {2, 1, 1}, {3, 1, 1}}));
@@ -101,14 +101,14 @@ TEST(StepCondition, AllRobotsMustBeThereAtATimeThoughAFrameMayMissOne) {
   EXPECT_EQ(dut.met(), kBegin + 40'000);
 }
 
-TEST(StepCondition, ARobotUnseenForLongIsNotCountedAsThere) {
+TEST(StepCondition, ARobotUnseenForLongIsNotInside) {
   StepCondition dut(threeRobots(), rectangle(Who::kAll), {}, kBegin);
   dut.take(frame(kBegin, {{3, 1, 1}}));
   dut.take(frame(kBegin + 600'000, {{1, 1, 1}, {2, 1, 1}}));
   EXPECT_EQ(dut.met(), std::nullopt);
 }
 
-TEST(StepCondition, OneRobotIsMeant) {
+TEST(StepCondition, CanConcernOneRobot) {
   Until until = rectangle(Who::kAny);
   until.robot = 2;
   StepCondition dut(threeRobots(), until, {}, kBegin);
@@ -118,7 +118,7 @@ TEST(StepCondition, OneRobotIsMeant) {
   EXPECT_EQ(dut.met(), kBegin + 1);
 }
 
-TEST(StepCondition, ListensToTheEstimateOfItsProgramAndPoolOnly) {
+TEST(StepCondition, UsesOnlyTheEstimateOfItsProgramAndPool) {
   const Experiment experiment = threeRobots();
   Until until;
   until.estimate = "D_r";
@@ -147,7 +147,7 @@ TEST(StepCondition, CountsTumblesSinceItsStepBegan) {
   until.tumbles = 3;
   StepCondition dut(threeRobots(), until, tumbles, kBegin);
   tumbles.take(status(3, 1, 47));
-  tumbles.take(status(4, 2, 1000));  // heard for the first time
+  tumbles.take(status(4, 2, 1000));  // its first status
   dut.take(tumbles);
   EXPECT_EQ(dut.met(), std::nullopt);
   EXPECT_EQ(dut.progress(), "2 tumbles, wanted 3");
@@ -156,12 +156,12 @@ TEST(StepCondition, CountsTumblesSinceItsStepBegan) {
   EXPECT_EQ(dut.met(), 5);
 }
 
-TEST(TumbleCount, GoesOnAcrossAWrapAndAReboot) {
+TEST(TumbleCount, HandlesAWrapAndAReboot) {
   TumbleCount dut;
   dut.take(status(1, 1, std::numeric_limits<std::int32_t>::max() - 1));
   dut.take(status(2, 1, std::numeric_limits<std::int32_t>::min()));
   EXPECT_EQ(dut.total(1), 2);
-  dut.take(status(3, 1, 4));  // rebooted, four tumbles ago
+  dut.take(status(3, 1, 4));  // four tumbles since a reboot
   EXPECT_EQ(dut.total(1), 6);
   dut.take(status(4, 1, 5));
   dut.take(status(2, 1, 4000));  // late on the network

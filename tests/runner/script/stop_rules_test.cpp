@@ -34,8 +34,8 @@ Experiment experimentWith(const std::vector<StopRule>& rules, StopOn on = StopOn
   return experiment;
 }
 
-analysis_t heard(const Experiment& experiment, double seconds, double d_r_error, double v_error,
-                 std::int32_t robot = analysis_t::POOL) {
+analysis_t analysis(const Experiment& experiment, double seconds, double d_r_error, double v_error,
+                    std::int32_t robot = analysis_t::POOL) {
   analysis_t message{};
   message.utime = kBegin + static_cast<std::int64_t>(seconds * kSecond);
   message.robot_id = robot;
@@ -55,76 +55,76 @@ TEST(StopRules, EndTheRunWhenTheEstimateIsKnown) {
   const Experiment experiment = experimentWith({rule("D_r", 0.05)});
   StopRules dut(experiment);
   EXPECT_TRUE(dut.given());
-  dut.take(heard(experiment, 50, 0.01, 1));  // before the script
+  dut.take(analysis(experiment, 50, 0.01, 1));  // before the script
   dut.begin(kBegin);
   EXPECT_FALSE(dut.met());
   EXPECT_EQ(dut.progress(), "D_r of abp not known yet, wanted to 5 %");
-  dut.take(heard(experiment, 100, 0.0999, 1));
+  dut.take(analysis(experiment, 100, 0.0999, 1));
   EXPECT_FALSE(dut.met());
   // Half the error needs four times the data: three times as long again.
   EXPECT_EQ(dut.progress(), "D_r of abp 9.99 %, wanted 5 %: about 5 min 00 s");
   EXPECT_EQ(dut.unmet(),
             "stop_when was not reached; D_r of abp is known to 5 %: relative error 0.0999, "
             "wanted 0.05");
-  dut.take(heard(experiment, 401, 0.0499, 1));
+  dut.take(analysis(experiment, 401, 0.0499, 1));
   EXPECT_EQ(dut.met(),
             "stop_when: D_r of abp is known to 5 %: relative error 0.0499 after 401 s, "
             "sample 402000000");
 }
 
-TEST(StopRules, AllOfThemHaveToHoldAtATime) {
+TEST(StopRules, AllMustHoldAtTheSameTime) {
   const Experiment experiment = experimentWith({rule("D_r", 0.05), rule("v", 0.01)});
   StopRules dut(experiment);
   dut.begin(kBegin);
-  dut.take(heard(experiment, 10, 0.04, 0.02));
+  dut.take(analysis(experiment, 10, 0.04, 0.02));
   EXPECT_FALSE(dut.met());
-  dut.take(heard(experiment, 11, 0.06, 0.009));  // what once was known no longer is
+  dut.take(analysis(experiment, 11, 0.06, 0.009));  // the first rule no longer holds
   EXPECT_FALSE(dut.met());
   EXPECT_THAT(dut.unmet(), HasSubstr("D_r of abp"));
   EXPECT_THAT(dut.unmet(), testing::Not(HasSubstr("v of abp")));
-  dut.take(heard(experiment, 12, 0.0499, 0.009));
+  dut.take(analysis(experiment, 12, 0.0499, 0.009));
   EXPECT_TRUE(dut.met());
 }
 
-TEST(StopRules, OneIsEnoughWhereAnyIs) {
+TEST(StopRules, OneIsEnoughWithStopOnAny) {
   const Experiment experiment = experimentWith({rule("D_r", 0.05), rule("v", 0.01)}, StopOn::kAny);
   StopRules dut(experiment);
   dut.begin(kBegin);
-  dut.take(heard(experiment, 10, 0.4, 0.02));
+  dut.take(analysis(experiment, 10, 0.4, 0.02));
   EXPECT_FALSE(dut.met());
   EXPECT_THAT(dut.progress(), HasSubstr(" or v of abp 2 %, wanted 1 %: about 30 s"));
-  dut.take(heard(experiment, 12, 0.4, 0.009));
+  dut.take(analysis(experiment, 12, 0.4, 0.009));
   ASSERT_TRUE(dut.met());
   EXPECT_THAT(*dut.met(), HasSubstr("v of abp is known to 1 %"));
   EXPECT_THAT(*dut.met(), testing::Not(HasSubstr("D_r")));
 }
 
-TEST(StopRules, CountNoSoonerThanTheyAreToldTo) {
+TEST(StopRules, HoldOnlyAfterTheirMinimumTime) {
   const Experiment experiment = experimentWith({rule("D_r", 0.05, 0, 60)});
   StopRules dut(experiment);
   dut.begin(kBegin);
-  dut.take(heard(experiment, 20, 0.01, 1));
+  dut.take(analysis(experiment, 20, 0.01, 1));
   EXPECT_FALSE(dut.met());
   EXPECT_THAT(dut.progress(), HasSubstr("about 40 s"));
   EXPECT_THAT(dut.unmet(), HasSubstr("relative error 0.01, wanted 0.05, but before 60 s"));
-  dut.take(heard(experiment, 60, 0.01, 1));
+  dut.take(analysis(experiment, 60, 0.01, 1));
   EXPECT_TRUE(dut.met());
 }
 
-TEST(StopRules, OneRobotMayBeMeantAndNoRulesEndNothing) {
+TEST(StopRules, CanConcernOneRobotAndNoRulesEndNoRun) {
   const Experiment experiment = experimentWith({rule("D_r", 0.05, 3)});
   StopRules dut(experiment);
   dut.begin(kBegin);
-  dut.take(heard(experiment, 20, 0.01, 1));
-  dut.take(heard(experiment, 20, 0.01, 1, 2));
+  dut.take(analysis(experiment, 20, 0.01, 1));
+  dut.take(analysis(experiment, 20, 0.01, 1, 2));
   EXPECT_FALSE(dut.met());
-  dut.take(heard(experiment, 20, 0.01, 1, 3));
+  dut.take(analysis(experiment, 20, 0.01, 1, 3));
   EXPECT_TRUE(dut.met());
 
   const Experiment plain = experimentWith({});
   StopRules none(plain);
   none.begin(kBegin);
-  none.take(heard(plain, 20, 0.01, 1));
+  none.take(analysis(plain, 20, 0.01, 1));
   EXPECT_FALSE(none.given());
   EXPECT_FALSE(none.met());
   EXPECT_EQ(none.progress(), "");

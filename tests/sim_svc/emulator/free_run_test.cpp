@@ -10,27 +10,12 @@
 #include <iterator>
 
 #include "tests/sim_svc/emulator/robot_on_chip.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace lab::emulator {
 namespace {
 
 constexpr std::int64_t kPatienceUs = 20'000'000;
-
-class Folder {
- public:
-  Folder()
-      : path_(std::filesystem::temp_directory_path() / ("free_run_" + std::to_string(getpid()))) {
-    std::filesystem::create_directories(path_);
-  }
-  ~Folder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
 
 /// A host on one of the lines, in the same loop as the robots.
 class Client {
@@ -83,7 +68,7 @@ class Client {
   std::uint8_t seq_ = 0;
 };
 
-FreeRunSettings settingsFor(const Folder& folder) {
+FreeRunSettings settingsFor(const TemporaryFolder& folder) {
   FreeRunSettings settings;
   settings.elf = LAB_FIRMWARE_ELF;
   settings.ports = folder.path() / "ports";
@@ -97,7 +82,7 @@ std::string pathOf(const FreeRunSettings& settings, const char* name) {
 }
 
 TEST(FreeRun, RobotsAnswerOnTheirPorts) {
-  const Folder folder;
+  const TemporaryFolder folder;
   AsioLoop loop;
   const FreeRunSettings settings = settingsFor(folder);
   FreeRun robots(loop, settings);
@@ -113,7 +98,7 @@ TEST(FreeRun, RobotsAnswerOnTheirPorts) {
 }
 
 TEST(FreeRun, OpeningALineCanResetTheChipAsDtrDoes) {
-  const Folder folder;
+  const TemporaryFolder folder;
   AsioLoop loop;
   FreeRunSettings settings = settingsFor(folder);
   settings.reset_on_open = true;
@@ -127,7 +112,7 @@ TEST(FreeRun, OpeningALineCanResetTheChipAsDtrDoes) {
 }
 
 TEST(FreeRun, EepromsAreKeptBetweenRuns) {
-  const Folder folder;
+  const TemporaryFolder folder;
   FreeRunSettings settings = settingsFor(folder);
   settings.eeproms = folder.path() / "eeproms";
   {
@@ -152,7 +137,7 @@ TEST(FreeRun, EepromsAreKeptBetweenRuns) {
 }
 
 TEST(FreeRun, ReportsAMissingFirmwareInOneLine) {
-  const Folder folder;
+  const TemporaryFolder folder;
   FreeRunSettings settings = settingsFor(folder);
   settings.elf = folder.path() / "none.elf";
   testing::internal::CaptureStderr();

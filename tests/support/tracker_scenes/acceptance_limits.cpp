@@ -8,8 +8,8 @@
 namespace lab::cases {
 namespace {
 
-constexpr double kRarely = 0.01;  // of the runs of a tracker that is exactly as good as its bar
-constexpr double kFreedoms = 3;   // of a pose
+constexpr double kSignificance = 0.01;   // for a tracker exactly at its limit
+constexpr double kDegreesOfFreedom = 3;  // of a pose
 
 __attribute__((format(printf, 1, 2))) std::string sentence(const char* format, ...) {
   char text[160];
@@ -23,7 +23,7 @@ __attribute__((format(printf, 1, 2))) std::string sentence(const char* format, .
 }  // namespace
 
 double allowedNees(const Tally& tally) {
-  return 0.1 + 3 * std::sqrt(2 / (kFreedoms * std::max(tally.surprises, 1)));
+  return 0.1 + 3 * std::sqrt(2 / (kDegreesOfFreedom * std::max(tally.nees_count, 1)));
 }
 
 double chanceOf(int count, double expected) {
@@ -36,30 +36,31 @@ double chanceOf(int count, double expected) {
   return std::max(0.0, 1 - fewer);
 }
 
-std::vector<Shortfall> shortOf(const AcceptanceLimits& bars, const Tally& tally) {
+std::vector<Shortfall> shortOf(const AcceptanceLimits& limits, const Tally& tally) {
   std::vector<Shortfall> out;
   const int missed = tally.robots - tally.found + tally.flipped;
-  if (chanceOf(missed, (1 - bars.recall) * tally.robots) < kRarely) {
+  if (chanceOf(missed, (1 - limits.recall) * tally.robots) < kSignificance) {
     out.push_back(
-        {sentence("%d of %d robots missed or turned round: %.2f %%, wanted %.2f %%", missed,
-                  tally.robots, 100.0 - 100.0 * missed / tally.robots, 100 * bars.recall),
-         chanceOf(missed, (1 - bars.recall_known) * tally.robots) >= kRarely});
+        {sentence("%d of %d robots missed or with a reversed heading: %.2f %%, wanted %.2f %%",
+                  missed, tally.robots, 100.0 - 100.0 * missed / tally.robots, 100 * limits.recall),
+         chanceOf(missed, (1 - limits.recall_known) * tally.robots) >= kSignificance});
   }
-  if (std::isfinite(bars.wrong) && chanceOf(tally.wrong, bars.wrong * tally.frames) < kRarely) {
-    out.push_back({sentence("%d wrong poses in %d pictures, allowed %.2f a picture", tally.wrong,
-                            tally.frames, bars.wrong)});
+  if (std::isfinite(limits.wrong) &&
+      chanceOf(tally.wrong, limits.wrong * tally.frames) < kSignificance) {
+    out.push_back({sentence("%d wrong poses in %d pictures, allowed %.2f per picture", tally.wrong,
+                            tally.frames, limits.wrong)});
   }
-  if (!(tally.position <= bars.position)) {
+  if (!(tally.position <= limits.position)) {
     out.push_back(
-        {sentence("positions off by %.4f px, allowed %.4f", tally.position, bars.position)});
+        {sentence("positions off by %.4f px, allowed %.4f", tally.position, limits.position)});
   }
-  if (!(tally.heading <= bars.heading)) {
+  if (!(tally.heading <= limits.heading)) {
     out.push_back(
-        {sentence("headings off by %.4f degrees, allowed %.4f", tally.heading, bars.heading)});
+        {sentence("headings off by %.4f degrees, allowed %.4f", tally.heading, limits.heading)});
   }
-  if (bars.honest && !(std::abs(tally.surprise - 1) <= allowedNees(tally))) {
-    out.push_back({sentence("errors squared %.3f times what is claimed, wanted 1 +- %.3f",
-                            tally.surprise, allowedNees(tally))});
+  if (limits.honest && !(std::abs(tally.nees - 1) <= allowedNees(tally))) {
+    out.push_back({sentence("normalised squared error (NEES) %.3f, wanted 1 +- %.3f", tally.nees,
+                            allowedNees(tally))});
   }
   return out;
 }

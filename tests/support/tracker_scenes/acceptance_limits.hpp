@@ -1,4 +1,4 @@
-// What a tracker has to reach in pictures of one kind, and whether it did.
+// Limits that a tracker must meet in pictures of one kind, and the comparison with its results.
 #pragma once
 
 #include <limits>
@@ -7,49 +7,47 @@
 
 namespace lab::cases {
 
-// Where nothing is stated, nothing is asked.
+// The defaults allow everything.
 struct AcceptanceLimits {
-  double recall = 0;  // [1] of the robots, at least; with their heading the right way round
-  double wrong = std::numeric_limits<double>::infinity();     // poses a picture, at most
-  double position = std::numeric_limits<double>::infinity();  // [px] root mean square, 2-D
-  double heading = std::numeric_limits<double>::infinity();   // [degrees] root mean square
-  bool honest = false;      // the mean error squared is what the covariance says
-  double recall_known = 2;  // [1] where `recall` is not reached yet: less than this is a failure,
-                            // what is between is said
+  double recall = 0;  // [1] least share of robots found, with a heading error below 90 degrees
+  double wrong = std::numeric_limits<double>::infinity();     // most wrong poses per picture
+  double position = std::numeric_limits<double>::infinity();  // [px] largest root mean square, 2-D
+  double heading = std::numeric_limits<double>::infinity();   // [degrees] largest root mean square
+  bool honest = false;      // the covariance must match the errors (NEES of 1)
+  double recall_known = 2;  // [1] if `recall` is not reached yet: below this is a failure, between
+                            // the two a known shortfall
 };
 
-// What was found in some pictures.
+// Results in a set of pictures.
 struct Tally {
   int frames = 0;
-  int robots = 0;       // that count
-  int found = 0;        // of them
-  int flipped = 0;      // of those, with the heading the wrong way round
+  int robots = 0;       // robots that count
+  int found = 0;        // of these, found
+  int flipped = 0;      // of these, with a heading error above 90 degrees
   int wrong = 0;        // poses where there is no robot
-  double position = 0;  // [px] root mean square of those not flipped, 2-D
-  double heading = 0;   // [degrees] root mean square of the same
-  double surprise = 0;  // [1] mean error squared over the covariance, 1 if that is right
-  int surprises = 0;    // poses it is a mean of
+  double position = 0;  // [px] root mean square without flipped ones, 2-D
+  double heading = 0;   // [degrees] root mean square of the same poses
+  double nees = 0;      // [1] normalised estimation error squared per degree of freedom; 1 is ideal
+  int nees_count = 0;   // number of poses in that mean
 };
 
-// How far `surprise` may be from 1: a tenth, and three standard errors of a mean square.
+// Allowed deviation of `nees` from 1: 0.1 plus three standard errors of the mean.
 double allowedNees(const Tally& tally);
 
-// The probability of `count` or more where `expected` are expected of things that are rare and
-// happen one by one (Poisson).
+// Poisson probability of `count` or more events if `expected` are expected.
 double chanceOf(int count, double expected);
 
-// A bar that was not reached.
+// A limit that was not met.
 struct Shortfall {
   std::string what;    // one sentence
-  bool known = false;  // and no failure
+  bool known = false;  // not a failure
 };
 
-// Which bars were not reached.
+// The limits that were not met.
 //
-// A share of robots, and a number of wrong poses, are counts of rare things: a tracker that is
-// exactly as good as its bar has more of them in half of all runs. A run fails where less than one
-// in a hundred runs of such a tracker has as many. A bar of 100 %, or of no wrong pose, has no such
-// room.
-std::vector<Shortfall> shortOf(const AcceptanceLimits& bars, const Tally& tally);
+// Missed robots and wrong poses are counts of rare events: a tracker exactly at its limit exceeds
+// it in half of all runs. A run fails if such a tracker would have as many in less than 1 % of
+// runs. A limit of 100 %, or of no wrong pose, has no such tolerance.
+std::vector<Shortfall> shortOf(const AcceptanceLimits& limits, const Tally& tally);
 
 }  // namespace lab::cases

@@ -1,4 +1,4 @@
-// The kinds of pictures that a tracker has to cope with, and how well.
+// The kinds of pictures for tests of the tracker, with the limits it must meet.
 #pragma once
 
 #include <span>
@@ -10,7 +10,7 @@ namespace lab::cases {
 
 enum class RobotPlacement { kAnywhere, kChains, kHexagons, kPairs, kAtWalls };
 
-// What light falls on a scene. `high` and `low` are its two levels, `size` its length.
+// The light of a scene, with the levels `high` and `low` and the length `size`.
 enum class SceneLight {
   kUniform,   // high
   kHalf,      // high on one side of a line through the middle third of the arena
@@ -27,7 +27,7 @@ enum class SceneLight {
 struct SceneKind {
   const char* name = "";
   int robots = 40;
-  int rows = 720;  // of a picture 16 : 9, or 4 : 3 for 480
+  int rows = 720;  // picture height; 16 : 9, or 4 : 3 for 480
   SceneLight shown = SceneLight::kUniform;
   double high = 1;
   double low = 0;
@@ -36,23 +36,23 @@ struct SceneKind {
   double blur = 0.75;       // [px]
   double read_noise = 1.2;  // [DN]
   double exposure = 0.01;   // [s]
-  double brightness = 1;    // [1] gain that makes up for nothing else: above 1 whites clip
+  double brightness = 1;    // [1] gain; above 1 white saturates
   double speed = 0;         // [m/s]
   double vignetting = 0.1;  // [1]
   int debris = 0;           // discs and strips on the floor
-  int decoys = 0;           // pairs of discs on the floor of another size or distance than a cap's
-  int floor_pairs = 0;      // pairs on the floor that look as a cap's do
+  int decoys = 0;       // pairs of discs on the floor with another size or distance than on a cap
+  int floor_pairs = 0;  // pairs on the floor that look like those of a cap
   int glares = 0;
-  double gamma = 1;      // of the grey steps, as Imaging::gamma
-  double sharpened = 0;  // [1] of what a blur of a pixel takes off, added, as webcams do
-  int jpeg = 0;  // quality of the pictures' JPEG, as webcams send them: 1 to 100, 0 for no JPEG
-  AcceptanceLimits bars = {};
+  double gamma = 1;      // as Imaging::gamma
+  double sharpened = 0;  // [1] strength of unsharp masking, as in webcams
+  int jpeg = 0;          // JPEG quality, 1 to 100; 0 for no JPEG
+  AcceptanceLimits limits = {};
 };
 
-// All of them.
+// All kinds.
 std::span<const SceneKind> kinds();
 
-// @throws std::out_of_range where there is none of that name
+// @throws std::out_of_range if the name is unknown
 const SceneKind& kindOf(std::string_view name);
 
 }  // namespace lab::cases

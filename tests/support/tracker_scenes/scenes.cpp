@@ -30,10 +30,10 @@ constexpr double kTouching = 0.0752;  // [m] between the axes of two robots in c
 constexpr double kSoft = 0.001;       // [m] of edges in the light
 constexpr int kDisksShown = 12;
 
-// The same everywhere, unlike the distributions of the standard library.
-class Dice {
+// The same numbers on every platform, unlike the distributions of the standard library.
+class PortableRandom {
  public:
-  Dice(const std::string& name, std::uint64_t seed) {
+  PortableRandom(const std::string& name, std::uint64_t seed) {
     std::vector<std::uint32_t> words(name.begin(), name.end());
     words.push_back(static_cast<std::uint32_t>(seed));
     words.push_back(static_cast<std::uint32_t>(seed >> 32));
@@ -56,11 +56,12 @@ bool isFree(const std::vector<PaintedRobot>& robots, double x, double y) {
   });
 }
 
-// Where the first of a group stands, and the others in contact with it.
-std::vector<PaintedRobot> groupOf(RobotPlacement places, Dice& dice) {
-  PaintedRobot first{dice.between(0.04, 1.16), dice.between(0.04, 0.86), dice.angle(), 0, 0, 0};
+// A group of robots in contact with each other.
+std::vector<PaintedRobot> groupOf(RobotPlacement places, PortableRandom& random) {
+  PaintedRobot first{
+      random.between(0.04, 1.16), random.between(0.04, 0.86), random.angle(), 0, 0, 0};
   std::vector<PaintedRobot> group;
-  const double along = dice.angle();
+  const double along = random.angle();
   const auto addAt = [&](double x, double y, double theta) {
     group.push_back({first.x + x * kTouching * std::cos(along) - y * kTouching * std::sin(along),
                      first.y + x * kTouching * std::sin(along) + y * kTouching * std::cos(along),
@@ -70,31 +71,32 @@ std::vector<PaintedRobot> groupOf(RobotPlacement places, Dice& dice) {
     case RobotPlacement::kAnywhere:
       return {first};
     case RobotPlacement::kAtWalls:
-      if (dice.between(0, 1) < 0.5) {
-        first.x = dice.between(0, 1) < 0.5 ? 0.0378 : kWidth - 0.0378;
+      if (random.between(0, 1) < 0.5) {
+        first.x = random.between(0, 1) < 0.5 ? 0.0378 : kWidth - 0.0378;
       } else {
-        first.y = dice.between(0, 1) < 0.5 ? 0.0378 : kHeight - 0.0378;
+        first.y = random.between(0, 1) < 0.5 ? 0.0378 : kHeight - 0.0378;
       }
       return {first};
     case RobotPlacement::kPairs:
-      for (int i = 0; i < 2; ++i) addAt(i, 0, dice.angle());
+      for (int i = 0; i < 2; ++i) addAt(i, 0, random.angle());
       return group;
-    case RobotPlacement::kChains:  // heads against heads: circles of two robots 3.9 cm apart
-      for (int i = 0; i < 5; ++i) addAt(i, 0, along + (i % 2) * kPi + dice.between(-0.1, 0.1));
+    case RobotPlacement::kChains:  // alternating headings: circles of two robots are 3.9 cm apart
+      for (int i = 0; i < 5; ++i) addAt(i, 0, along + (i % 2) * kPi + random.between(-0.1, 0.1));
       return group;
     case RobotPlacement::kHexagons:
-      addAt(0, 0, dice.angle());
-      for (int i = 0; i < 6; ++i) addAt(std::cos(i * kPi / 3), std::sin(i * kPi / 3), dice.angle());
+      addAt(0, 0, random.angle());
+      for (int i = 0; i < 6; ++i)
+        addAt(std::cos(i * kPi / 3), std::sin(i * kPi / 3), random.angle());
       return group;
   }
   return group;
 }
 
-std::vector<PaintedRobot> robotsOf(const SceneKind& kind, Dice& dice) {
+std::vector<PaintedRobot> robotsOf(const SceneKind& kind, PortableRandom& random) {
   std::vector<PaintedRobot> robots;
   for (int attempt = 0; static_cast<int>(robots.size()) < kind.robots && attempt < 100000;
        ++attempt) {
-    const std::vector<PaintedRobot> group = groupOf(kind.places, dice);
+    const std::vector<PaintedRobot> group = groupOf(kind.places, random);
     const bool free = std::ranges::all_of(
         group, [&](const PaintedRobot& one) { return isFree(robots, one.x, one.y); });
     if (free) robots.insert(robots.end(), group.begin(), group.end());
@@ -106,14 +108,15 @@ std::vector<PaintedRobot> robotsOf(const SceneKind& kind, Dice& dice) {
   return robots;
 }
 
-light::Field lightOf(const SceneKind& kind, const std::vector<PaintedRobot>& robots, Dice& dice) {
+light::Field lightOf(const SceneKind& kind, const std::vector<PaintedRobot>& robots,
+                     PortableRandom& random) {
   light::Field field;
   std::vector<Layer>& layers = field.layers;
   layers.push_back({.kind = LayerKind::kUniform,
                     .intensity = kind.shown == SceneLight::kUniform ? kind.high : kind.low});
-  Layer layer{.x = dice.between(0.4, 0.8),
-              .y = dice.between(0.3, 0.6),
-              .angle = dice.angle(),
+  Layer layer{.x = random.between(0.4, 0.8),
+              .y = random.between(0.3, 0.6),
+              .angle = random.angle(),
               .size = kind.size,
               .softness = kSoft,
               .intensity = kind.high,
@@ -145,22 +148,22 @@ light::Field lightOf(const SceneKind& kind, const std::vector<PaintedRobot>& rob
       break;
     case SceneLight::kNoise:
       layer.kind = LayerKind::kNoise;
-      layer.seed = static_cast<std::uint64_t>(dice.between(0, 1e9));
+      layer.seed = static_cast<std::uint64_t>(random.between(0, 1e9));
       break;
     case SceneLight::kDisks:
       layer.kind = LayerKind::kDisk;
       for (int i = 0; i < kDisksShown; ++i) {
-        layer.x = dice.between(0, kWidth);
-        layer.y = dice.between(0, kHeight);
-        layer.size = kind.size * dice.between(0.6, 1.4);
+        layer.x = random.between(0, kWidth);
+        layer.y = random.between(0, kHeight);
+        layer.size = kind.size * random.between(0.6, 1.4);
         layers.push_back(layer);
       }
       return field;
     case SceneLight::kRobots:
       layer.kind = LayerKind::kDisk;
-      for (std::size_t i = 0; i < robots.size(); i += 2) {  // late by a few frames
-        const double away = dice.between(0, 0.02);
-        const double angle = dice.angle();
+      for (std::size_t i = 0; i < robots.size(); i += 2) {  // displaced as if late by a few frames
+        const double away = random.between(0, 0.02);
+        const double angle = random.angle();
         layer.x = robots[i].x + away * std::cos(angle);
         layer.y = robots[i].y + away * std::sin(angle);
         layers.push_back(layer);
@@ -171,11 +174,11 @@ light::Field lightOf(const SceneKind& kind, const std::vector<PaintedRobot>& rob
   return field;
 }
 
-// Pairs of discs: `scale` of the radii and `spacing` of the distance that a cap's would have.
-void addPair(sim::PainterSettings& settings, double scale, double spacing, Dice& dice) {
-  const double x = dice.between(0.05, kWidth - 0.05);
-  const double y = dice.between(0.05, kHeight - 0.05);
-  const double angle = dice.angle();
+// Adds a pair of discs with the radii of a cap times `scale` and its spacing times `spacing`.
+void addPair(sim::PainterSettings& settings, double scale, double spacing, PortableRandom& random) {
+  const double x = random.between(0.05, kWidth - 0.05);
+  const double y = random.between(0.05, kHeight - 0.05);
+  const double angle = random.angle();
   const optics::CapGeometry& cap = settings.cap;
   for (const bool big : {true, false}) {
     const double offset = spacing * (big ? cap.big_offset : cap.small_offset);
@@ -184,33 +187,33 @@ void addPair(sim::PainterSettings& settings, double scale, double spacing, Dice&
   }
 }
 
-void addThings(const SceneKind& kind, sim::PainterSettings& settings, Dice& dice) {
+void addThings(const SceneKind& kind, sim::PainterSettings& settings, PortableRandom& random) {
   for (int i = 0; i < kind.debris; ++i) {
-    const double x = dice.between(0, kWidth);
-    const double y = dice.between(0, kHeight);
-    const double albedo = dice.between(0.04, 0.3);
+    const double x = random.between(0, kWidth);
+    const double y = random.between(0, kHeight);
+    const double albedo = random.between(0.04, 0.3);
     if (i % 2 == 0) {
-      settings.discs.push_back({x, y, dice.between(0.002, 0.016), albedo});
+      settings.discs.push_back({x, y, random.between(0.002, 0.016), albedo});
     } else {
-      const double angle = dice.angle();
-      const double length = dice.between(0.01, 0.10);
+      const double angle = random.angle();
+      const double length = random.between(0.01, 0.10);
       settings.strips.push_back({x, y, x + length * std::cos(angle), y + length * std::sin(angle),
-                                 dice.between(0.002, 0.018), albedo});
+                                 random.between(0.002, 0.018), albedo});
     }
   }
   for (int i = 0; i < kind.decoys; ++i) {
     const bool near = i % 2 == 0;
-    addPair(settings, near ? dice.between(0.9, 1.1) : dice.between(0.6, 1.5),
-            near ? dice.between(1.08, 1.3) : 1, dice);
+    addPair(settings, near ? random.between(0.9, 1.1) : random.between(0.6, 1.5),
+            near ? random.between(1.08, 1.3) : 1, random);
   }
-  // On the floor a pair looks 3 % smaller: as built, and so that it looks right.
+  // A pair on the floor looks 3 % smaller than on a cap: once unscaled, once scaled to compensate.
   for (int i = 0; i < kind.floor_pairs; ++i) {
     const double scale = i % 2 == 0 ? 1.0 : 1.03;
-    addPair(settings, scale, scale, dice);
+    addPair(settings, scale, scale, random);
   }
   for (int i = 0; i < kind.glares; ++i) {
-    settings.glares.push_back({dice.between(0.1, 1.1), dice.between(0.1, 0.8),
-                               dice.between(0.008, 0.025), dice.between(0.6, 2.5)});
+    settings.glares.push_back({random.between(0.1, 1.1), random.between(0.1, 0.8),
+                               random.between(0.008, 0.025), random.between(0.6, 2.5)});
   }
 }
 
@@ -218,7 +221,7 @@ optics::Place circleAt(const PaintedRobot& robot, double offset) {
   return {robot.x + offset * std::cos(robot.theta), robot.y + offset * std::sin(robot.theta)};
 }
 
-// [1] of a fully lit floor's light, on top.
+// Additional light of reflections, relative to a fully lit floor.
 double glareAt(const Scene& scene, double x, double y) {
   double glare = 0;
   for (const sim::GlareSpot& g : scene.settings.glares) {
@@ -228,7 +231,8 @@ double glareAt(const Scene& scene, double x, double y) {
   return glare;
 }
 
-// Whether most of the paint and the white beside it show in the picture what they are.
+// Whether reflections or saturation remove the contrast between black and white paint on at least
+// half of a circle.
 bool washedOut(const Scene& scene, const light::CompiledField& field, optics::Place at,
                double radius) {
   const sim::PainterSettings& s = scene.settings;
@@ -251,7 +255,7 @@ bool washedOut(const Scene& scene, const light::CompiledField& field, optics::Pl
   return 2 * lost >= all;
 }
 
-// An outline in a webcam's picture: brighter beside the dark, darker beside the bright.
+// Unsharp masking as in webcams: brighter beside dark pixels, darker beside bright ones.
 void sharpen(optics::GreyImage& image, double amount) {
   const optics::GreyImage from = image;
   const auto blurred = [](int before, int here, int after) { return before + 2 * here + after; };
@@ -268,21 +272,21 @@ void sharpen(optics::GreyImage& image, double amount) {
   }
 }
 
-// What is left of a picture that a webcam sends as JPEG.
+// Encodes and decodes the picture as JPEG.
 void passAsJpeg(optics::GreyImage& image, int quality) {
   tracker::RgbImage rgb(image.width, image.height);
   for (std::size_t i = 0; i < rgb.pixels.size(); ++i) rgb.pixels[i] = image.pixels[i / 3];
   const cameras::RawLayout layout{
       .fourcc = V4L2_PIX_FMT_MJPEG, .width = image.width, .height = image.height};
   if (!cameras::greyOfRaw(layout, tracker::jpegBytes(rgb, quality), image)) {
-    throw std::runtime_error("a JPEG of our own is not read");
+    throw std::runtime_error("the encoded JPEG cannot be decoded");
   }
 }
 
 }  // namespace
 
 Scene sceneOf(const SceneKind& kind, std::uint64_t seed) {
-  Dice dice(kind.name, seed);
+  PortableRandom random(kind.name, seed);
   Scene scene;
   scene.sharpened = kind.sharpened;
   scene.jpeg = kind.jpeg;
@@ -297,9 +301,9 @@ Scene sceneOf(const SceneKind& kind, std::uint64_t seed) {
   settings.gain = kind.brightness;
   settings.vignetting = kind.vignetting;
   settings.seed = seed;
-  scene.robots = robotsOf(kind, dice);
-  scene.light = lightOf(kind, scene.robots, dice);
-  addThings(kind, settings, dice);
+  scene.robots = robotsOf(kind, random);
+  scene.light = lightOf(kind, scene.robots, random);
+  addThings(kind, settings, random);
   const optics::CameraModel camera(settings.camera);
   const light::CompiledField field(scene.light);
   const optics::CapGeometry& cap = settings.cap;

@@ -1,4 +1,4 @@
-// Scenes of a kind, any number of each, with their truth: painted, and looked at by the detector.
+// Random scenes of a kind with ground truth, their pictures, and the results of the detector.
 #pragma once
 
 #include <cstdint>
@@ -22,25 +22,25 @@ struct Scene {
   std::vector<TrueRobot> truth;  // in the same order
 };
 
-// A function of both arguments alone.
+// Deterministic: depends only on the arguments.
 Scene sceneOf(const SceneKind& kind, std::uint64_t seed);
 
 optics::GreyImage paint(const Scene& scene);
 
-// What the detector makes of a scene, without any idea of where the robots are.
+// The detector's results in a scene, without prior knowledge of the robots' places.
 struct DetectedScene {
   Scene scene;
   optics::GreyImage image;
   std::vector<detector::Detection> poses;
-  std::vector<detector::Rejection> rejected;  // where asked for
+  std::vector<detector::Rejection> rejected;  // if requested
   Unmatched left;
 };
 
 // Paints a scene, runs the detector over it, and adds what it found to the score.
 DetectedScene look(const SceneKind& kind, std::uint64_t seed, bool with_rejected, Score& score);
 
-// What a scene's light does to a robot, in words: the range of it on both circles, and how far the
-// nearest edge is from their middles.
+// Describes the light on a robot: its range on both circles, and the distance of the nearest edge
+// from their centres.
 std::string lightOn(const Scene& scene, std::size_t robot);
 
 }  // namespace lab::cases

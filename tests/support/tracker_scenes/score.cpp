@@ -11,8 +11,8 @@
 namespace lab::cases {
 namespace {
 
-constexpr double kSame = 0.01;       // [m] between a pose and its robot
-constexpr double kDontCare = 0.025;  // [m] around a robot that does not count
+constexpr double kSame = 0.01;       // [m] largest distance between a pose and its robot
+constexpr double kDontCare = 0.025;  // [m] around a robot that does not count, poses are ignored
 
 }  // namespace
 
@@ -83,8 +83,8 @@ Unmatched Score::add(const std::vector<TrueRobot>& truth,
     if (c[0] > 0) {
       Eigen::Matrix3d covariance;
       covariance << c[0], c[1], c[2], c[1], c[3], c[4], c[2], c[4], c[5];
-      surprise_ += error.dot(covariance.ldlt().solve(error)) / 3;
-      ++surprises_;
+      nees_ += error.dot(covariance.ldlt().solve(error)) / 3;
+      ++nees_count_;
     }
   }
   Unmatched left;
@@ -107,17 +107,17 @@ Tally Score::tally() const {
           .wrong = wrong_,
           .position = std::sqrt(position_ / good),
           .heading = std::sqrt(heading_ / good) * 180 / std::numbers::pi,
-          .surprise = surprises_ > 0 ? surprise_ / surprises_ : 1,
-          .surprises = surprises_};
+          .nees = nees_count_ > 0 ? nees_ / nees_count_ : 1,
+          .nees_count = nees_count_};
 }
 
-bool Score::isSurprising() const {
+bool Score::isInconsistent() const {
   const Tally all = tally();
-  return all.surprises > 0 && std::abs(all.surprise - 1) > allowedNees(all);
+  return all.nees_count > 0 && std::abs(all.nees - 1) > allowedNees(all);
 }
 
 std::string Score::header() {
-  return "robots  recall%  wrong/frame  flips  position px  heading deg  surprise  ms/frame";
+  return "robots  recall%  wrong/frame  flips  position px  heading deg      NEES  ms/frame";
 }
 
 std::string Score::text() const {
@@ -127,7 +127,7 @@ std::string Score::text() const {
   std::snprintf(line, sizeof line, "%6d  %7.2f  %11.2f  %5d  %11.4f  %11.4f  %8s  %8.3f",
                 all.robots, all.robots > 0 ? 100.0 * all.found / all.robots : 100.0,
                 static_cast<double>(all.wrong) / frames, all.flipped, all.position, all.heading,
-                all.surprises > 0 ? std::to_string(all.surprise).substr(0, 5).c_str() : "-",
+                all.nees_count > 0 ? std::to_string(all.nees).substr(0, 5).c_str() : "-",
                 1e3 * fastest_ / frames);
   return line;
 }

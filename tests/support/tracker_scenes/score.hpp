@@ -1,4 +1,4 @@
-// What a tracker's poses are worth against truth.
+// Compares the poses of a tracker with the ground truth.
 #pragma once
 
 #include <cstddef>
@@ -16,30 +16,29 @@ struct TrueRobot {
   double x = 0;        // [m]
   double y = 0;        // [m]
   double theta = 0;    // [rad]
-  bool counts = true;  // both circles in view and not washed out by glare
+  bool counts = true;  // both circles visible and with contrast
 };
 
-// Frame by frame, from truth.csv.
+// The true robots of every frame, from truth.csv.
 std::map<int, std::vector<TrueRobot>> readTruth(const std::filesystem::path& file);
 
-// What a frame's poses and robots have left over, by their place in the lists.
+// Indices of robots and poses of a frame without a partner.
 struct Unmatched {
   std::vector<std::size_t> missed;  // robots that count
   std::vector<std::size_t> wrong;   // poses
 };
 
-// Adds up over frames.
+// Accumulates the results over frames.
 class Score {
  public:
-  // Poses without covariance count for everything but the surprise.
+  // Poses without covariance do not count for the NEES.
   Unmatched add(const std::vector<TrueRobot>& truth, const std::vector<detector::Detection>& poses,
                 const optics::CameraModel& camera, double height, double seconds);
 
   [[nodiscard]] Tally tally() const;
 
-  // Whether the mean normalised error squared, for each degree of freedom, is off by more than a
-  // tenth of what it should be and three of its standard errors.
-  [[nodiscard]] bool isSurprising() const;
+  // Whether the NEES deviates from 1 by more than allowedNees().
+  [[nodiscard]] bool isInconsistent() const;
 
   [[nodiscard]] std::string text() const;  // one line of the table
   [[nodiscard]] static std::string header();
@@ -52,8 +51,8 @@ class Score {
   int flipped_ = 0;
   double position_ = 0;  // [px^2]
   double heading_ = 0;   // [rad^2]
-  double surprise_ = 0;
-  int surprises_ = 0;
+  double nees_ = 0;
+  int nees_count_ = 0;
   double fastest_ = 0;  // [s] summed over frames
 };
 

@@ -1,4 +1,4 @@
-/// `lab calibrate camera EXPERIMENT.toml`: a lab is started and filmed, and its camera is found.
+/// `lab calibrate camera EXPERIMENT.toml`: starts and films a lab and calibrates its camera.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -82,7 +82,7 @@ TEST_F(CalibrateCamera, FindsTheCameraOfALabThatItStarts) {
   EXPECT_LT(rms, 2 * *found.residual);
   EXPECT_EQ(found.camera.width, 1280);
 
-  // The film that is left can be tracked: it has its times.
+  // The film that remains has times, so it can be tracked.
   const Finished film = run("sh -c 'cat " + runs().string() + "/*/calibration/film/frames.csv'");
   EXPECT_THAT(film.output, HasSubstr("frame,t_s\n0,0.000000\n1,0.5"));
   EXPECT_THAT(film.output, HasSubstr("\n59,29.5"));
@@ -92,7 +92,7 @@ TEST_F(CalibrateCamera, FindsTheCameraOfALabThatItStarts) {
   EXPECT_THAT(again.output, HasSubstr("is there already"));
 }
 
-TEST_F(CalibrateCamera, RefusesRobotsThatStand) {
+TEST_F(CalibrateCamera, RefusesAFilmOfRobotsAtRest) {
   const Finished finished = calibrate(
       "--virtual-time --film-s 5 --set programs.abp.v_cm_s=0 "
       "--set programs.abp.eta_rad_s=0");
@@ -101,7 +101,7 @@ TEST_F(CalibrateCamera, RefusesRobotsThatStand) {
   EXPECT_FALSE(fs::exists(out()));
 }
 
-TEST_F(CalibrateCamera, SaysThatALabWithoutACameraHasNone) {
+TEST_F(CalibrateCamera, ReportsAMissingCamera) {
   const Finished finished = run("lab calibrate camera " + experiment("swarm").string() +
                                 " --virtual-time --out " + out().string());
   EXPECT_EQ(finished.exit_code, 2) << finished.output;

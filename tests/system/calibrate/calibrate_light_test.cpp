@@ -17,9 +17,9 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 
-// A projector and sensors that are far from what is wanted.
+// A projector far from linear and uniform.
 constexpr double kGamma = 2.2;
-constexpr double kVignetting = 0.25;  // in the corners
+constexpr double kVignetting = 0.25;  // [1] at the corners
 
 constexpr const char* kDimLab = R"(
 fileversion = 1
@@ -75,7 +75,7 @@ class CalibrateLight : public testing::Test {
     return folder_.path() / ("run" + std::to_string(runs_));
   }
 
-  /// Share of the readings in the middle of each light during which a robot ran the wrong program.
+  /// Share of the status reports, in the middle of each light, with the wrong program.
   double wrongShare(const std::string& more) {
     ++runs_;
     const fs::path out = lastRun();
@@ -125,17 +125,18 @@ TEST_F(CalibrateLight, PredictsTheSensorsWithinTwoPercentOfFullScale) {
       const double b = 2 * y / 0.9 - 1;
       const double white = 1 - kVignetting * (a * a + b * b) / 2;
       for (const double value : {0.0, 0.25, 0.5, 0.75, 1.0}) {
-        // The mean of eight sensors' gains is only known to be near 1.
+        // The scale is undetermined: the mean gain of the sensors is only near 1.
         const double truth = white * std::pow(value, kGamma);
-        const double told = (found.ambient + found.scale * tone.light(value, {x, y})) / found.scale;
-        worst = std::max(worst, std::abs(told - truth));
+        const double predicted =
+            (found.ambient + found.scale * tone.light(value, {x, y})) / found.scale;
+        worst = std::max(worst, std::abs(predicted - truth));
       }
     }
   }
   EXPECT_LT(worst, 0.02) << "of full scale";
 }
 
-TEST_F(CalibrateLight, LooksThroughTheCameraToo) {
+TEST_F(CalibrateLight, AlsoMeasuresWithTheCamera) {
   const Finished finished = calibrate("--camera --rounds 2");
   ASSERT_EQ(finished.exit_code, 0) << finished.output;
   EXPECT_THAT(finished.output, HasSubstr("agrees with the robots' 2."));
@@ -145,12 +146,12 @@ TEST_F(CalibrateLight, LooksThroughTheCameraToo) {
   EXPECT_NEAR(std::stod(finished.output.substr(at + 15)), kGamma, 0.02);
 }
 
-TEST_F(CalibrateLight, MakesTheLightSelectTheProgramThatIsMeant) {
+TEST_F(CalibrateLight, MakesTheLightSelectTheIntendedProgram) {
   ASSERT_EQ(calibrate().exit_code, 0);
   EXPECT_GT(wrongShare(""), 0.5);
   EXPECT_EQ(wrongShare("--set 'projector.light_calibration=\"" + calibration().string() + "\"'"),
             0);
-  // The report of the second run, from its log alone.
+  // The report of the second run is made from its log alone.
   fs::rename(calibration(), calibration().string() + ".away");
   const fs::path folder = onlyRun(lastRun());
   ASSERT_EQ(run("lab analyze --no-figures --no-bootstrap " + folder.string()).exit_code, 0);
@@ -161,7 +162,7 @@ TEST_F(CalibrateLight, MakesTheLightSelectTheProgramThatIsMeant) {
     EXPECT_GT(band.at("margin_in_sigmas").get<double>(), 5);
     EXPECT_EQ(band.at("without_calibration").size(), 24U);
   }
-  // Without it, gamma turns the light 0.4 into less than the band holds, most so in the corners.
+  // Without the calibration, gamma moves the light 0.4 below the band, most in the corners.
   double in_corner = 0;
   double in_middle = 0;
   for (const auto& place : bands[0].at("without_calibration")) {
@@ -175,12 +176,12 @@ TEST_F(CalibrateLight, MakesTheLightSelectTheProgramThatIsMeant) {
   EXPECT_LT(in_corner, 0.9 * in_middle);
 }
 
-TEST_F(CalibrateLight, RefusesWhatCannotBeUsed) {
+TEST_F(CalibrateLight, RefusesAnExistingOutputWithoutForce) {
   EXPECT_THAT(calibrate("--rounds 1 --set duration_s=30").output, HasSubstr("rounds"));
   std::ofstream(calibration()) << "{}";
-  const Finished there = calibrate();
-  EXPECT_EQ(there.exit_code, 2);
-  EXPECT_THAT(there.output, HasSubstr("exists; --force replaces it"));
+  const Finished existing = calibrate();
+  EXPECT_EQ(existing.exit_code, 2);
+  EXPECT_THAT(existing.output, HasSubstr("exists; --force replaces it"));
 }
 
 }  // namespace

@@ -78,12 +78,12 @@ double number(const toml::table& table, const char* key) {
   return table[key].value<double>().value();
 }
 
-/// What the simulator hides: the same draws as in World::addRobot.
-struct Hidden {
+/// The true parameters of a simulated robot, from the same draws as in World::addRobot.
+struct TrueMotors {
   double gain_left, gain_right, wheel_base_cm;
 };
 
-Hidden hiddenOf(std::int64_t robot, std::uint64_t seed) {
+TrueMotors trueMotorsOf(std::int64_t robot, std::uint64_t seed) {
   const auto factor = [](Random& random, double error) { return 1 + error * random.normal(); };
   Random wheels(deriveSeed(seed, robot, "wheels"));
   Random base(deriveSeed(seed, robot, "wheel base"));
@@ -98,17 +98,17 @@ void expectCalibrated(const toml::table& file) {
   for (const toml::node& node : robots) {
     const toml::table& robot = *node.as_table();
     const auto id = robot["id"].value<std::int64_t>().value();
-    const Hidden hidden = hiddenOf(id, 5);
-    const auto pull = [&](const std::string& key, double truth) {
-      return std::fabs(number(robot, (key + "_fitted").c_str()) - truth) /
+    const TrueMotors truth = trueMotorsOf(id, 5);
+    const auto pull = [&](const std::string& key, double expected) {
+      return std::fabs(number(robot, (key + "_fitted").c_str()) - expected) /
              number(robot, (key + "_error").c_str());
     };
-    EXPECT_LT(pull("gain_left", hidden.gain_left), 4) << id;
-    EXPECT_LT(pull("gain_right", hidden.gain_right), 4) << id;
-    EXPECT_LT(pull("wheel_base_cm", hidden.wheel_base_cm), 4) << id;
+    EXPECT_LT(pull("gain_left", truth.gain_left), 4) << id;
+    EXPECT_LT(pull("gain_right", truth.gain_right), 4) << id;
+    EXPECT_LT(pull("wheel_base_cm", truth.wheel_base_cm), 4) << id;
     EXPECT_LT(pull("dead_band_left_percent", 8), 4) << id;
     EXPECT_LT(pull("dead_band_right_percent", 8), 4) << id;
-    // A robot holds whole duties: 20 of 255, or 21.
+    // A robot stores whole duty cycles: 20 or 21 of 255.
     const double duty = number(robot, "dead_band_left_percent") * 2.55;
     EXPECT_NEAR(duty, std::round(duty), 1e-3);
 
@@ -125,21 +125,21 @@ void expectCalibrated(const toml::table& file) {
   EXPECT_FALSE(file.contains("refused"));
 }
 
-TEST_F(CalibrateMotors, FindsWhatSimulatedRobotsHideAndStoresIt) {
+TEST_F(CalibrateMotors, FindsAndStoresTheTrueParameters) {
   const Finished lab = calibrate("");
   EXPECT_EQ(lab.exit_code, 0) << lab.output;
   EXPECT_THAT(lab.output, HasSubstr("robots   3"));
   expectCalibrated(motors());
 }
 
-TEST_F(CalibrateMotors, DoesSoOnTheWireAndAcrossALossyBus) {
+TEST_F(CalibrateMotors, WorksOnSerialLinesAndOnALossyBus) {
   const Finished lab = calibrate(
       "--set robots[0].body=wire --set robots[2].body=wire --set faults.message_loss=0.02");
   EXPECT_EQ(lab.exit_code, 0) << lab.output;
   expectCalibrated(motors());
 }
 
-TEST_F(CalibrateMotors, DoesSoWithTheFirmwareOnAChip) {
+TEST_F(CalibrateMotors, WorksWithTheFirmwareOnAChip) {
   if (!fs::exists(fs::path(LAB_PROGRAMS) / "robot_emulator")) {
     GTEST_SKIP() << "built without the emulator";
   }
@@ -148,7 +148,7 @@ TEST_F(CalibrateMotors, DoesSoWithTheFirmwareOnAChip) {
   expectCalibrated(motors());
 }
 
-TEST_F(CalibrateMotors, ARobotThatIsGivenItsCalibrationDrivesWell) {
+TEST_F(CalibrateMotors, ARobotWithItsCalibrationDrivesWell) {
   ASSERT_EQ(calibrate("").exit_code, 0);
   fs::copy_file(onlyRun(out()) / "calibration" / "motors.toml", file().parent_path() / "held.toml");
   const Finished again = calibrate("--set robot.motors=held.toml --set robots[1].body=wire");
@@ -162,7 +162,7 @@ TEST_F(CalibrateMotors, ARobotThatIsGivenItsCalibrationDrivesWell) {
   }
 }
 
-TEST_F(CalibrateMotors, IsTheSameToTheBit) {
+TEST_F(CalibrateMotors, IsBitIdenticalWhenRepeated) {
   ASSERT_EQ(calibrate("--robot 2").exit_code, 0);
   const std::string once = readFile(onlyRun(out()) / "calibration" / "motors.toml");
   const std::string log = readFile(onlyRun(out()) / "log.lcmlog");
@@ -172,7 +172,7 @@ TEST_F(CalibrateMotors, IsTheSameToTheBit) {
 }
 
 TEST_F(CalibrateMotors, RefusesARobotWithoutRoomAndCalibratesTheOthers) {
-  // A corner that robot 1 closes.
+  // Robot 2 is in a corner that robot 1 blocks.
   const Finished lab = calibrate(
       "--set robots[1].x_cm=5 --set robots[1].y_cm=5 --set robots[0].x_cm=12 "
       "--set robots[0].y_cm=12");
@@ -185,13 +185,13 @@ TEST_F(CalibrateMotors, RefusesARobotWithoutRoomAndCalibratesTheOthers) {
   EXPECT_EQ(file["robots"].as_array()->size(), 2U);
 }
 
-TEST_F(CalibrateMotors, RefusesARobotThatTheCameraHardlySees) {
+TEST_F(CalibrateMotors, RefusesARobotThatTheCameraRarelySees) {
   const Finished lab = calibrate("--robot 1 --set camera.dropout=0.6");
   EXPECT_EQ(lab.exit_code, 1) << lab.output;
   EXPECT_THAT(lab.output, HasSubstr("not seen by the tracker"));
 }
 
-TEST_F(CalibrateMotors, KnowsItsRobots) {
+TEST_F(CalibrateMotors, RefusesAnUnknownRobot) {
   const Finished lab = calibrate("--robot 7");
   EXPECT_EQ(lab.exit_code, 2);
   EXPECT_THAT(lab.output, HasSubstr("--robot 7: found no such robot"));

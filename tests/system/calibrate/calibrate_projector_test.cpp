@@ -1,4 +1,4 @@
-// lab calibrate projector against a simulated projector and camera, whose truth is known.
+// `lab calibrate projector` with a simulated projector and camera, whose true parameters are known.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -22,7 +22,6 @@ using testing::HasSubstr;
 constexpr double kWidth = 1.2;
 constexpr double kHeight = 0.9;
 
-// Robot 1 stands where the light says whether a disk is in its place: see the last test.
 constexpr const char* kExperiment = R"(
 fileversion = 1
 name = "bent"
@@ -51,7 +50,7 @@ optics::ProjectorModel truth() {
   return optics::simulatedProjector(kWidth, kHeight, 1920, 1080, {0.15, 0.08, 0, 0});
 }
 
-/// [m] rms over the arena between where light is wanted and where it falls.
+/// Root mean square distance over the arena between wanted and true places of the light [m].
 double trueError(const ProjectorCalibration& calibration) {
   const optics::ProjectorModel believed = calibration.model();
   double sum = 0;
@@ -83,8 +82,8 @@ class CalibrateProjector : public testing::Test {
   TemporaryFolder folder_;
 };
 
-TEST_F(CalibrateProjector, FindsTheLensAndSaysHowWell) {
-  // A camera that is known to some 0.2 mm, as good ones are, and says so.
+TEST_F(CalibrateProjector, FindsTheLensAndItsAccuracy) {
+  // A camera calibration with an error of about 0.2 mm, which it states.
   CameraCalibration camera;
   camera.camera = optics::simulatedCamera(640, 360, kWidth, kHeight);
   const optics::CameraModel real(camera.camera);
@@ -113,15 +112,16 @@ TEST_F(CalibrateProjector, FindsTheLensAndSaysHowWell) {
   EXPECT_LT(error, 0.5e-3);
   EXPECT_NEAR(*found.accuracy / error, 1, 0.2);
   EXPECT_TRUE(fs::exists(folder_.path() / "projector-residuals.png"));
-  // The lens alone is found far better than the camera is known.
+  // The residual of the projector's lens is far below the error of the camera.
   EXPECT_LT(*found.residual, 0.1e-3);
 }
 
-TEST_F(CalibrateProjector, AfterItADiskIsWhereItShouldBe) {
+TEST_F(CalibrateProjector, PutsLightInTheRightPlace) {
   const Finished done = calibrate();
   ASSERT_EQ(done.exit_code, 0) << done.output;
   EXPECT_LT(trueError(readProjectorFile(out())), 0.05e-3);
-  // What projector_ctl believes and what the projector is, together: a place by its light's source.
+  // The warp combines the calibration with the true projector: it maps a place to the place for
+  // which its light was meant.
   const Experiment experiment =
       loadExperiment(file(), {"projector.calibration=\"projector.json\"", "projector.sheet_cm=0"});
   const optics::ProjectorWarp calibrated(
@@ -134,7 +134,7 @@ TEST_F(CalibrateProjector, AfterItADiskIsWhereItShouldBe) {
   };
   EXPECT_GT(off(before), 0.01);
   EXPECT_LT(off(calibrated), 0.1e-3);
-  // lab check takes the file, and says what is wrong with another.
+  // lab check accepts the file and reports errors of others.
   const std::string check = "lab check " + file().string() + " --set projector.calibration=";
   EXPECT_EQ(run(check + "\\\"projector.json\\\"").exit_code, 0);
   EXPECT_THAT(run(check + "\\\"none.json\\\"").output, HasSubstr("none.json: cannot be read"));
@@ -142,7 +142,7 @@ TEST_F(CalibrateProjector, AfterItADiskIsWhereItShouldBe) {
               HasSubstr("expected 1280 x 1080"));
 }
 
-TEST_F(CalibrateProjector, RefusesTheBareFloorAndSaysWhatToDo) {
+TEST_F(CalibrateProjector, RefusesTheBareFloorWithAFix) {
   const Finished floor = calibrate("--set projector.sheet_cm=0");
   EXPECT_EQ(floor.exit_code, 2) << floor.output;
   EXPECT_THAT(floor.output, HasSubstr("--projector-cm x,y,z"));

@@ -1,6 +1,5 @@
-// The whole chain, without a shortcut: the firmware's binary on simulated chips, its PWM, the
-// arena, the tracker's frames, the serial lines, the bridge, the log and the analyzer's feed, held
-// against the exact laws. One program a run, in virtual time.
+// The whole chain against the exact laws: the firmware binary on simulated chips, PWM, arena,
+// tracker frames, serial lines, bridge, log and analysis. One program per run, in virtual time.
 #include <gmock/gmock.h>
 
 #include <cstdlib>
@@ -14,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Short in the CI tier, hours in the long one.
+/// Minutes in the CI tier, hours in the long tier.
 RunSize sizeOfRun() {
   if (std::getenv("LAB_LONG") != nullptr) return {8, 3600, 600};
   return {};
@@ -46,8 +45,8 @@ TEST_P(ChipChain, AgreesWithTheExactLaw) {
   EXPECT_THAT(lab.output, testing::Not(testing::HasSubstr("marked"))) << lab.output;
 
   const Measured measured = measure(onlyRun(folder.path() / "runs"), GetParam().table, size);
-  const double films = expectLaw(measured, GetParam().table, size.film);
-  EXPECT_GE(films, 0.8 * size.robots * size.duration / size.film) << "films";
+  const double recordings = expectLaw(measured, GetParam().table, size.film);
+  EXPECT_GE(recordings, 0.8 * size.robots * size.duration / size.film) << "recordings";
 }
 
 INSTANTIATE_TEST_SUITE_P(Programs, ChipChain,

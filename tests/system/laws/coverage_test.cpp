@@ -1,5 +1,5 @@
-// Short films, as a lab makes them, through the whole analysis: do the stated 95 % intervals hold
-// the programmed value in 95 % of them?
+// Coverage of the confidence intervals: short recordings through the whole analysis. The 95 %
+// intervals must contain the programmed value in about 95 % of them.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -21,8 +21,8 @@ namespace {
 using analysis::ProgramKind;
 using analysis::ProgramLaw;
 
-/// The same light everywhere, as a part of full scale.
-class EvenLight : public sim::LightSampler {
+/// Uniform light, relative to full scale.
+class UniformLight : public sim::LightSampler {
  public:
   void set(double level) { level_ = level; }
   [[nodiscard]] double at(double, double) const override { return level_; }
@@ -59,9 +59,9 @@ dynamics::CoreSettings settingsOf(const std::array<Step, 3>& steps) {
   return settings;
 }
 
-/// One film of 30 s in each program by a good tracker; the robot has exact wheels and a clock that
-/// is wrong by 0.5 %.
-std::vector<analysis::ProgramResult> filmSwitching(std::uint64_t seed) {
+/// One recording with 30 s of each program and a good tracker. The robot has exact wheels and a
+/// clock error of 0.5 %.
+std::vector<analysis::ProgramResult> recordSwitching(std::uint64_t seed) {
   constexpr std::int64_t kBoot = sim::kSecond;
   constexpr std::int64_t kStep = 30 * sim::kSecond;
   const std::array<Step, 3> steps = lightSwitching();
@@ -69,23 +69,23 @@ std::vector<analysis::ProgramResult> filmSwitching(std::uint64_t seed) {
   settings.pwm_steps = false;
   settings.seed = seed;
   sim::World world(settings, sim::robotAt(0.60, 0.45, 0));
-  EvenLight light;
+  UniformLight light;
   world.setLight(&light);
   world.advanceTo(kBoot);
   sim::startAll(world, settingsOf(steps));
 
   analysis::Analysis result{analysis::AnalysisConfig{}};
-  RecordingSettings film_settings;
-  film_settings.position_noise = 0.0003;
-  film_settings.heading_noise = 0.6 * std::numbers::pi / 180;
-  film_settings.noise_seed = deriveSeed(seed, 1, "tracker noise");
-  film_settings.start_us = kBoot;
-  WorldRecording film(world, film_settings);
+  RecordingSettings recording;
+  recording.position_noise = 0.0003;
+  recording.heading_noise = 0.6 * std::numbers::pi / 180;
+  recording.noise_seed = deriveSeed(seed, 1, "tracker noise");
+  recording.start_us = kBoot;
+  WorldRecording recorder(world, recording);
   std::int64_t end = kBoot;
   for (const Step& step : steps) {
     light.set(step.light);
     end += kStep;
-    film.recordUntil(
+    recorder.recordUntil(
         end,
         [&](const analysis::TrackPoint& p) {
           result.addFrame(
@@ -103,16 +103,15 @@ std::vector<analysis::ProgramResult> filmSwitching(std::uint64_t seed) {
 }
 
 struct Count {
-  int films = 0;  ///< Where the estimate could be determined.
-  int held = 0;   ///< Where its interval held the programmed value.
+  int recordings = 0;  ///< in which the estimate was determined
+  int covered = 0;     ///< whose interval contains the programmed value
 };
 
-/// By program and estimate.
-std::map<std::pair<ProgramKind, std::string>, Count> countIntervals(int films) {
+/// Counts by program and estimate.
+std::map<std::pair<ProgramKind, std::string>, Count> countIntervals(int recordings) {
   std::map<std::pair<ProgramKind, std::string>, Count> counts;
-  for (int film = 0; film < films; ++film) {
-    for (const analysis::ProgramResult& result :
-         filmSwitching(deriveSeed(1, film, "short films"))) {
+  for (int i = 0; i < recordings; ++i) {
+    for (const analysis::ProgramResult& result : recordSwitching(deriveSeed(1, i, "short films"))) {
       if (result.robot != analysis::kPool) {
         continue;
       }
@@ -121,17 +120,17 @@ std::map<std::pair<ProgramKind, std::string>, Count> countIntervals(int films) {
           continue;
         }
         Count& count = counts[{result.law.kind, estimate.name}];
-        ++count.films;
-        count.held += estimate.low95 <= estimate.theory && estimate.theory <= estimate.high95;
+        ++count.recordings;
+        count.covered += estimate.low95 <= estimate.theory && estimate.theory <= estimate.high95;
       }
     }
   }
   return counts;
 }
 
-TEST(ShortFilms, HoldTheProgrammedValuesInTheStatedIntervals) {
-  constexpr int kFilms = 500;
-  const auto counts = countIntervals(kFilms);
+TEST(Coverage, IntervalsContainTheProgrammedValues) {
+  constexpr int kRecordings = 500;
+  const auto counts = countIntervals(kRecordings);
   const std::map<ProgramKind, std::vector<std::string>> expected = {
       {ProgramKind::kBp, {"D_r", "v", "V", "D_t", "D"}},
       {ProgramKind::kAbp, {"D_r", "v", "D", "L_s"}},
@@ -139,10 +138,10 @@ TEST(ShortFilms, HoldTheProgrammedValuesInTheStatedIntervals) {
   for (const auto& [kind, names] : expected) {
     for (const std::string& name : names) {
       const Count count = counts.at({kind, name});
-      const double share = static_cast<double>(count.held) / count.films;
+      const double share = static_cast<double>(count.covered) / count.recordings;
       std::printf("program %d %-6s %d of %d intervals (%.1f %%)\n", static_cast<int>(kind),
-                  name.c_str(), count.held, count.films, 100 * share);
-      EXPECT_EQ(count.films, kFilms) << name;
+                  name.c_str(), count.covered, count.recordings, 100 * share);
+      EXPECT_EQ(count.recordings, kRecordings) << name;
       EXPECT_GE(share, 0.90) << name;
       EXPECT_LE(share, 0.98) << name;
     }

@@ -1,5 +1,5 @@
-// All exact tables: the dynamics alone, the arena with its walls, and real hardware in the arena.
-// Where the arena fails and free space does not, the stitching is to blame.
+// All exact tables: in free space, in the arena, and with real hardware in the arena. If only the
+// arena fails, the error is in the stitching of reversals.
 #include <gtest/gtest.h>
 
 #include <tuple>
@@ -19,8 +19,9 @@ class AllSimulatedHours : public testing::TestWithParam<std::tuple<Place, const 
 
 TEST_P(AllSimulatedHours, FollowTheExactLaw) {
   const auto& [place, table] = GetParam();
-  const HourRecordings films = {.table = table, .room = place.room, .hardware = place.hardware};
-  expectExactLaw(films, recordHours(films));
+  const HourRecordings recordings = {
+      .table = table, .room = place.room, .hardware = place.hardware};
+  expectExactLaw(recordings, recordHours(recordings));
 }
 
 INSTANTIATE_TEST_SUITE_P(

@@ -1,5 +1,5 @@
-// Simulated hours against the exact tables, through the code that a lab uses: the world, the
-// stitcher and the accumulator. ensemble_long_test.cpp does the other tables.
+// Simulated hours against the exact tables, through world, stitcher and accumulator. The other
+// tables are in ensemble_long_test.cpp.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -10,7 +10,8 @@
 namespace lab::system_test {
 namespace {
 
-/// The paper's formulas neglect epsilon: the same films must tell them from the exact laws.
+/// The paper's formulas neglect epsilon: the same recordings must distinguish them from the exact
+/// laws.
 void expectPaperFails(const HourCurves& curves) {
   std::vector<double> paper;
   for (const int lag : curves.set.lags) {
@@ -22,9 +23,9 @@ void expectPaperFails(const HourCurves& curves) {
 class SimulatedHours : public testing::TestWithParam<const char*> {};
 
 TEST_P(SimulatedHours, InTheArenaFollowTheExactLaw) {
-  const HourRecordings films = {.table = GetParam()};
-  const HourCurves dut = recordHours(films);
-  expectExactLaw(films, dut);
+  const HourRecordings recordings = {.table = GetParam()};
+  const HourCurves dut = recordHours(recordings);
+  expectExactLaw(recordings, dut);
   if (analysis::isHeldNoise(dut.set.law.kind)) {
     expectPaperFails(dut);
   }
@@ -38,11 +39,11 @@ INSTANTIATE_TEST_SUITE_P(Programs, SimulatedHours,
 class RealHardwareHours : public testing::TestWithParam<const char*> {};
 
 TEST_P(RealHardwareHours, InTheArenaFollowTheExactLawAtTheMeasuredSpeed) {
-  const HourRecordings films = {.table = GetParam(), .hardware = Hardware::kReal};
-  expectExactLaw(films, recordHours(films));
+  const HourRecordings recordings = {.table = GetParam(), .hardware = Hardware::kReal};
+  expectExactLaw(recordings, recordHours(recordings));
 }
 
-// The programs whose speed the steps of the wheels change.
+// The programs whose speed is changed by the quantisation of the wheel speeds.
 INSTANTIATE_TEST_SUITE_P(Programs, RealHardwareHours,
                          testing::Values("fig2b_ABP_v3_eps0.5_eta3", "fig4d_RTP_v5_gam1_tt0.5"),
                          [](const auto& parameter) { return testName(parameter.param); });

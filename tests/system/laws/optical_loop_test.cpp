@@ -1,6 +1,5 @@
-// The optical loop without a shortcut: robots, painted frames, detector, identities after the
-// handshake, log and the analyzer's feed, held against the exact laws. One program a run, in
-// virtual time.
+// The optical loop against the exact laws: robots, painted frames, detector, identities by
+// handshake, log and analysis. One program per run, in virtual time.
 #include <gmock/gmock.h>
 
 #include <cstdlib>
@@ -15,10 +14,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Walls and reversals leave a film fewer windows than it has frames.
+/// Because of walls and reversals a recording has fewer windows than frames.
 const RunSize kSize{3, 600, 120, 0.6};
 
-/// Each frame of the table in the long tier; in the CI tier ten a second or a few more.
+/// Every frame of the table in the long tier; at least ten per second in the CI tier.
 int thinning(double fps) {
   constexpr double kRate = 10;  // [1/s]
   if (std::getenv("LAB_LONG") != nullptr) return 1;
@@ -56,7 +55,7 @@ TEST_P(OpticalLoop, AgreesWithTheExactLaw) {
   std::cout << truth.compared << " poses against the truth: worst " << truth.worst * 1e3 << " mm, "
             << truth.worst_turn * 180 / std::numbers::pi << " degrees; " << truth.collisions
             << " collisions; spacing error " << truth.tracker.spacing_error * 1e6 << " um\n";
-  EXPECT_GT(truth.compared, 1000);  // some frames are of the instants of the truth
+  EXPECT_GT(truth.compared, 1000);  // poses at the times of the truth
   EXPECT_EQ(truth.swapped, 0);
   EXPECT_EQ(truth.flipped, 0);
   EXPECT_LT(truth.worst, 1e-3);
@@ -67,8 +66,8 @@ TEST_P(OpticalLoop, AgreesWithTheExactLaw) {
   EXPECT_EQ(truth.tracker.moved, 0) << truth.tracker.warning;
 
   const Measured measured = measure(run_folder, GetParam().table, kSize, thinned);
-  const double films = expectLaw(measured, GetParam().table, kSize.film);
-  EXPECT_GE(films, 0.8 * kSize.robots * kSize.duration / kSize.film) << "films";
+  const double recordings = expectLaw(measured, GetParam().table, kSize.film);
+  EXPECT_GE(recordings, 0.8 * kSize.robots * kSize.duration / kSize.film) << "recordings";
 }
 
 INSTANTIATE_TEST_SUITE_P(ABP, OpticalLoop, testing::Values(kAbpChain));

@@ -1,3 +1,4 @@
+/// The exact tables of tests/reference in SI units.
 #pragma once
 
 #include <cmath>
@@ -16,12 +17,12 @@ namespace lab::system_test {
 struct ReferenceSet {
   analysis::ProgramLaw law;
   double fps = 0;
-  std::vector<int> lags;            ///< Frames.
-  std::vector<double> msd;          ///< m^2.
-  std::vector<double> angular_msd;  ///< rad^2.
+  std::vector<int> lags;            ///< [frames]
+  std::vector<double> msd;          ///< [m^2]
+  std::vector<double> angular_msd;  ///< [rad^2]
 };
 
-/// The number after "name": in the first line of a table, 0 if it is not there.
+/// The number after "name": in the first line of a table; 0 if it is missing.
 inline double numberIn(const std::string& header, const std::string& name) {
   const std::string key = "\"" + name + "\": ";
   const auto at = header.find(key);
@@ -31,7 +32,7 @@ inline double numberIn(const std::string& header, const std::string& name) {
   return std::stod(header.substr(at + key.size()));
 }
 
-/// @throws std::runtime_error when there is no such table
+/// @throws std::runtime_error if the table does not exist
 inline ReferenceSet readReferenceSet(const std::string& name) {
   constexpr double kCentimetre = 0.01;
   std::ifstream file(std::string(LAB_REFERENCE_DIRECTORY) + "/" + name + ".csv");
@@ -63,7 +64,7 @@ inline ReferenceSet readReferenceSet(const std::string& name) {
   return set;
 }
 
-/// The program as the robot is told it.
+/// The program as the robot receives it.
 inline dynamics::ProgramParams paramsOf(const analysis::ProgramLaw& law) {
   const dynamics::ParamsResult result = dynamics::toProgramParams(law);
   if (!result.ok) {

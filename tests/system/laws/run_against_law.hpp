@@ -1,3 +1,4 @@
+/// Compares the log of a whole run with the exact law of its program.
 #pragma once
 
 #include <cmath>
@@ -17,10 +18,10 @@
 
 namespace lab::system_test {
 
-/// A whole run of one program, as a log, against the exact law of that program.
+/// A program and its exact table.
 struct Chain {
-  std::string table;    ///< of tests/reference
-  std::string program;  ///< the keys of the experiment file
+  std::string table;    ///< name of a table in tests/reference
+  std::string program;  ///< keys of the experiment file
 };
 
 inline const Chain kAbpChain{"fig2b_ABP_v3_eps0.5_eta3",
@@ -35,12 +36,12 @@ inline const Chain kRtpChain{"fig4d_RTP_v5_gam3_tt0.5",
 struct RunSize {
   int robots = 4;
   double duration = 600;  ///< [s]
-  double film = 120;      ///< [s] one robot's film is cut into so many equal ones
-  double least = 0.9;     ///< [1] of its windows that a film must have at the shortest lag
+  double film = 120;      ///< [s] the recording of a robot is cut into pieces of this length
+  double least = 0.9;     ///< [1] least share of the windows of a piece at the shortest lag
 };
 
-/// A robot's clock against the host's, from its own record of draws: what it held for how long, and
-/// when the next draw came.
+/// Rate of a robot's clock relative to the host's, from its step log: the duration of each step by
+/// the robot's clock, and the arrival of the next step by the host's.
 class ClockFromDraws {
  public:
   void take(const robot_step_t& step) {
@@ -58,7 +59,7 @@ class ClockFromDraws {
   double host_s_ = 0;
 };
 
-/// The program as a robot with this clock executes it.
+/// The law of the program executed with this clock rate.
 inline analysis::ProgramLaw withClock(analysis::ProgramLaw law, double rate) {
   law.epsilon /= rate;
   law.gamma *= rate;
@@ -66,14 +67,14 @@ inline analysis::ProgramLaw withClock(analysis::ProgramLaw law, double rate) {
   return law;
 }
 
-/// What a run has measured, and the law that its robots' clocks make of the program.
+/// The measured curves, and the exact law with the clock rates of the robots.
 struct Measured {
   HourCurves curves;
-  std::vector<double> msd;          ///< exact, mean over the films, m^2
-  std::vector<double> angular_msd;  ///< rad^2
+  std::vector<double> msd;          ///< exact, mean over the pieces [m^2]
+  std::vector<double> angular_msd;  ///< [rad^2]
 };
 
-/// Keeps what a film of 1 / `thinned` of the frames can show.
+/// Keeps the lags of a recording with every `thinned`-th frame.
 inline void thin(ReferenceSet& set, int thinned) {
   std::vector<int> lags;
   std::vector<double> msd;
@@ -90,25 +91,25 @@ inline void thin(ReferenceSet& set, int thinned) {
   set.fps /= thinned;
 }
 
-/// @param thinned the film shows only each so-manieth frame of the table
+/// @param thinned the recording has every `thinned`-th frame of the table
 inline Measured measure(const std::filesystem::path& run_folder, const std::string& table,
                         const RunSize& size, int thinned = 1) {
   Measured measured;
   HourCurves& curves = measured.curves;
   curves.set = readReferenceSet(table);
   thin(curves.set, thinned);
-  // Lags up to a fifth of a film: longer ones have too few windows for a mean over films.
+  // Lags up to a fifth of a piece: longer ones have too few windows for a mean over pieces.
   std::vector<int>& lags = curves.set.lags;
   std::erase_if(lags, [&](int lag) { return lag / curves.set.fps > size.film / 5; });
   curves.msd.resize(lags.size());
   curves.angular_msd.resize(lags.size());
 
-  std::map<std::pair<int, int>, analysis::MsdAccumulator> films;
+  std::map<std::pair<int, int>, analysis::MsdAccumulator> pieces;
   std::map<int, ClockFromDraws> clocks;
   analysis::AnalysisFeed feed(loadExperiment(run_folder / "experiment.toml"));
   feed.onSample([&](int robot, const analysis::Sample& sample) {
     const int number = static_cast<int>(sample.time / size.film);
-    films.try_emplace({robot, number}, lags, 1 / curves.set.fps).first->second.add(sample);
+    pieces.try_emplace({robot, number}, lags, 1 / curves.set.fps).first->second.add(sample);
   });
   readLog({run_folder / "log.lcmlog"}, [&](const Packet& packet) {
     tracked_frame_t frame{};
@@ -124,13 +125,13 @@ inline Measured measure(const std::filesystem::path& run_folder, const std::stri
 
   measured.msd.assign(lags.size(), 0);
   measured.angular_msd.assign(lags.size(), 0);
-  const auto rateOf = [&clocks](int robot) {  // without a record of draws its clock has no error
+  const auto rateOf = [&clocks](int robot) {  // a robot without a step log has an exact clock
     const auto clock = clocks.find(robot);
     return clock == clocks.end() ? 1.0 : clock->second.rate();
   };
-  for (const auto& [key, accumulator] : films) {
+  for (const auto& [key, accumulator] : pieces) {
     const analysis::BlockSums sums = accumulator.data().total();
-    // Films that were begun late or cut off; the shortest lag has a window for nearly every frame.
+    // Skips incomplete pieces. At the shortest lag nearly every frame has a window.
     if (sums.lags.front().windows < size.least * size.film * curves.set.fps) continue;
     const analysis::ExactLaw law(withClock(curves.set.law, rateOf(key.first)));
     for (std::size_t i = 0; i < lags.size(); ++i) {
@@ -151,7 +152,7 @@ inline Measured measure(const std::filesystem::path& run_folder, const std::stri
   return measured;
 }
 
-/// Expects both curves within max|z| < 4 of the law. @return how many films there were
+/// Expects max|z| < 4 for both curves. @return number of pieces
 inline double expectLaw(const Measured& measured, const std::string& table, double film) {
   constexpr double kSystematicFloor = 0.002;
   constexpr double kLargestZ = 4;
@@ -161,7 +162,7 @@ inline double expectLaw(const Measured& measured, const std::string& table, doub
   const Deviation translation = largestDeviation(curves.set, curves.msd, msd, kSystematicFloor);
   const Deviation rotation =
       largestDeviation(curves.set, curves.angular_msd, angular_msd, kSystematicFloor);
-  std::cout << table << ": " << curves.msd.front().n << " films of " << film << " s, MSD "
+  std::cout << table << ": " << curves.msd.front().n << " recordings of " << film << " s, MSD "
             << translation << ", angular MSD " << rotation << ", v "
             << 100 * (std::sqrt(factor) - 1) << " %\n";
   EXPECT_LT(std::abs(translation.z), kLargestZ) << translation;

@@ -1,3 +1,4 @@
+/// Records a simulated robot as the tracker and the telemetry would.
 #pragma once
 
 #include <cmath>
@@ -13,23 +14,22 @@ namespace lab::system_test {
 
 struct RecordingSettings {
   double fps = 50;
-  double status_rate = 50;    ///< Of the telemetry, 1/s.
-  double position_noise = 0;  ///< Of the tracker, per axis, m.
-  double heading_noise = 0;   ///< rad.
-  std::int64_t start_us = 0;  ///< World time of the first frame and the first telemetry.
+  double status_rate = 50;    ///< [1/s] rate of the telemetry
+  double position_noise = 0;  ///< [m] of the tracker, per axis
+  double heading_noise = 0;   ///< [rad] of the tracker
+  std::int64_t start_us = 0;  ///< world time of the first frame and telemetry [us]
   std::uint64_t noise_seed = 0;
 };
 
-/// Films the first robot of a world and listens to it, with the content and the times that sim_svc
-/// gives its messages; only the messages themselves are left out. `on_frame` is called with each
-/// TrackPoint, `on_telemetry` with each RobotTelemetry, whose program is the slot of the robot's
-/// light table (-1: standing). Film time is world time.
+/// Records the first robot of a world with the contents and times that sim_svc would put into its
+/// messages. Calls `on_frame` with each TrackPoint and `on_telemetry` with each RobotTelemetry,
+/// whose program is the slot in the light table (-1: none). Times are world times.
 class WorldRecording {
  public:
   WorldRecording(sim::World& world, const RecordingSettings& settings)
       : world_(world), settings_(settings), noise_(settings.noise_seed) {}
 
-  /// Goes on until the given world time, which is still filmed.
+  /// Records up to and including the given world time.
   template <class OnFrame, class OnTelemetry>
   void recordUntil(std::int64_t end_us, OnFrame on_frame, OnTelemetry on_telemetry) {
     for (;;) {
@@ -58,7 +58,7 @@ class WorldRecording {
            static_cast<std::int64_t>(std::llround(static_cast<double>(number) * 1e6 / rate));
   }
 
-  /// Messages count whole microseconds.
+  /// Messages have a resolution of 1 us.
   static double whole(double seconds) { return std::round(seconds * 1e6) * 1e-6; }
 
   analysis::TrackPoint frame() {

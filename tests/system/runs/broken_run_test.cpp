@@ -1,4 +1,4 @@
-/// Live runs in which something breaks, or somebody ends them.
+/// Live runs in which something fails or that the user ends.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -34,16 +34,17 @@ class BrokenRun : public testing::Test {
   [[nodiscard]] fs::path theRun() const { return onlyRun(runs()); }
 
   static bool waitUntilRunning(Background& lab) {
-    return waitFor([&] { return lab.output().find("running ") != std::string::npos; }, seconds(20));
+    return waitUntil([&] { return lab.output().find("running ") != std::string::npos; },
+                     seconds(20));
   }
 
-  /// One process of the lab.
+  /// The process id of a program of the lab; -1 if there is not exactly one.
   static pid_t processOf(const Background& lab, const std::string& name) {
     const std::vector<pid_t> found = childrenWith(lab.pid(), "/" + name);
     return found.size() == 1 ? found.front() : -1;
   }
 
-  /// What the run's logs hold of one kind of event.
+  /// The texts of the events of one kind in the logs of the run.
   [[nodiscard]] std::vector<std::string> recorded(std::int8_t kind) const {
     std::vector<fs::path> logs;
     for (const auto& entry : fs::directory_iterator(theRun())) {
@@ -60,7 +61,7 @@ class BrokenRun : public testing::Test {
   }
 
   static void pass(seconds time) {
-    waitFor([] { return false; }, time);
+    waitUntil([] { return false; }, time);
   }
 
   TemporaryFolder folder;
@@ -68,7 +69,7 @@ class BrokenRun : public testing::Test {
 
 class EndedByTheUser : public BrokenRun, public testing::WithParamInterface<int> {};
 
-TEST_P(EndedByTheUser, SaysHowFarItCame) {
+TEST_P(EndedByTheUser, ReportsTheElapsedTime) {
   Background lab(labRun(600));
   ASSERT_TRUE(waitUntilRunning(lab)) << lab.output();
   pass(seconds(2));
@@ -80,7 +81,7 @@ TEST_P(EndedByTheUser, SaysHowFarItCame) {
   EXPECT_THAT(ended.output, ContainsRegex("\nended by the user after [1-9] s of 600 s\n"));
 }
 
-TEST_P(EndedByTheUser, SaysSoInVirtualTimeToo) {
+TEST_P(EndedByTheUser, ReportsTheElapsedTimeInVirtualTime) {
   Background lab(labRun(100'000, "--virtual-time"));
   ASSERT_TRUE(waitUntilRunning(lab)) << lab.output();
   pass(seconds(1));
@@ -97,11 +98,11 @@ INSTANTIATE_TEST_SUITE_P(Each, EndedByTheUser, testing::Values(SIGINT, SIGTERM),
                            return parameter.param == SIGINT ? "CtrlC" : "Sigterm";
                          });
 
-/// The runner sleeps while its services get ready: it finds their last READY and the Ctrl-C at
-/// once.
-TEST_F(BrokenRun, ACtrlCTogetherWithTheLastReadyEndsIt) {
+/// The runner is halted while its services become ready, so that it receives their last READY and
+/// the SIGINT together.
+TEST_F(BrokenRun, EndsOnSigintTogetherWithTheLastReady) {
   Background lab(labRun(600));
-  ASSERT_TRUE(waitFor([&] { return processOf(lab, "sim_svc") > 0; }, seconds(20)));
+  ASSERT_TRUE(waitUntil([&] { return processOf(lab, "sim_svc") > 0; }, seconds(20)));
   lab.signal(SIGSTOP);
   pass(seconds(2));
 
@@ -114,8 +115,8 @@ TEST_F(BrokenRun, ACtrlCTogetherWithTheLastReadyEndsIt) {
   EXPECT_THAT(processesWith(runs().string()), IsEmpty());
 }
 
-/// So quickly that there is no time to close the run: nothing can be written any more.
-TEST_F(BrokenRun, ADiskThatIsFullAtOnceKeepsTheReason) {
+/// The disk fills so quickly that the run cannot be closed: nothing can be written any more.
+TEST_F(BrokenRun, ReportsTheReasonWhenTheDiskFillsAtOnce) {
   fs::create_directories(runs());
   const std::string disk = runs().string();
   const fs::path kept = folder.path() / "kept";
@@ -128,14 +129,14 @@ TEST_F(BrokenRun, ADiskThatIsFullAtOnceKeepsTheReason) {
   EXPECT_THAT(lab.output, HasSubstr("marked   the disk is full"));
   EXPECT_THAT(lab.output, ContainsRegex("no report: .*(disk is full|is the disk full)"));
   EXPECT_LT(lab.output.find("marked   the disk is full"), lab.output.find("no report: "))
-      << "the cause first";
+      << "the cause must be printed first";
   EXPECT_TRUE(fs::exists(kept / "log.lcmlog")) << lab.output;
   const fs::path provenance = kept / "provenance.json";
   EXPECT_TRUE(!fs::exists(provenance) || fs::file_size(provenance) > 0) << lab.output;
   EXPECT_FALSE(fs::exists(kept / "provenance.json.part"));
 }
 
-TEST_F(BrokenRun, AFolderThatIsTakenAwayClosesTheRun) {
+TEST_F(BrokenRun, ClosesTheRunWhenItsFolderIsDeleted) {
   Background lab(labRun(600));
   ASSERT_TRUE(waitUntilRunning(lab)) << lab.output();
   fs::remove_all(theRun());
@@ -147,7 +148,7 @@ TEST_F(BrokenRun, AFolderThatIsTakenAwayClosesTheRun) {
   EXPECT_THAT(processesWith(runs().string()), IsEmpty());
 }
 
-TEST_F(BrokenRun, ALogThatIsTakenAwayClosesTheRun) {
+TEST_F(BrokenRun, ClosesTheRunWhenItsLogIsDeleted) {
   Background lab(labRun(600));
   ASSERT_TRUE(waitUntilRunning(lab)) << lab.output();
   fs::remove(theRun() / "log.lcmlog");
@@ -158,7 +159,7 @@ TEST_F(BrokenRun, ALogThatIsTakenAwayClosesTheRun) {
   EXPECT_THAT(ended.output, HasSubstr("log.lcmlog is gone"));
 }
 
-TEST_F(BrokenRun, TheLoggersDeathIsInTheLogOfTheOneThatFollows) {
+TEST_F(BrokenRun, RecordsTheDeathOfTheLoggerInTheNextLog) {
   Background lab(labRun(8));
   ASSERT_TRUE(waitUntilRunning(lab)) << lab.output();
   const pid_t logger = processOf(lab, "lcm-logger");
@@ -173,7 +174,7 @@ TEST_F(BrokenRun, TheLoggersDeathIsInTheLogOfTheOneThatFollows) {
   EXPECT_THAT(recorded(experiment_event_t::FAULT), Contains(fault));
 }
 
-TEST_F(BrokenRun, AServiceThatHangsIsSaidAndThatItIsBackToo) {
+TEST_F(BrokenRun, ReportsAHangingServiceAndItsReturn) {
   Background lab(labRun(14));
   ASSERT_TRUE(waitUntilRunning(lab)) << lab.output();
   const pid_t simulator = processOf(lab, "sim_svc");
@@ -191,7 +192,7 @@ TEST_F(BrokenRun, AServiceThatHangsIsSaidAndThatItIsBackToo) {
   EXPECT_THAT(recorded(experiment_event_t::MARK), Contains(HasSubstr("sim_svc is heard of again")));
 }
 
-TEST_F(BrokenRun, AServiceThatHangsToTheEndIsKilledAndThatIsSaid) {
+TEST_F(BrokenRun, KillsAServiceThatHangsAtTheEnd) {
   Background lab(labRun(8));
   ASSERT_TRUE(waitUntilRunning(lab)) << lab.output();
   const pid_t analyzer = processOf(lab, "analyzer");
@@ -206,7 +207,7 @@ TEST_F(BrokenRun, AServiceThatHangsToTheEndIsKilledAndThatIsSaid) {
   EXPECT_THAT(recorded(experiment_event_t::FAULT), Contains(fault));
 }
 
-TEST_F(BrokenRun, ALoggerThatHangsIsSaid) {
+TEST_F(BrokenRun, ReportsAHangingLogger) {
   Background lab(labRun(8));
   ASSERT_TRUE(waitUntilRunning(lab)) << lab.output();
   const pid_t logger = processOf(lab, "lcm-logger");
@@ -219,8 +220,8 @@ TEST_F(BrokenRun, ALoggerThatHangsIsSaid) {
   EXPECT_THAT(ended.output, HasSubstr("marked   lcm-logger did not end when it was asked to"));
 }
 
-/// Its services are heard of as before once it looks again.
-TEST_F(BrokenRun, ARunnerThatWasHaltedBlamesNobody) {
+/// After SIGCONT the runner receives the heartbeats again.
+TEST_F(BrokenRun, AHaltedRunnerReportsNoSilentServices) {
   Background lab(labRun(12));
   ASSERT_TRUE(waitUntilRunning(lab)) << lab.output();
   lab.signal(SIGSTOP);

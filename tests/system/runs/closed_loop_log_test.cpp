@@ -1,5 +1,4 @@
-// The field of a run, worked out again from what was on its bus: the same bytes, in virtual time
-// and live.
+// Reconstructs the light of a run from its messages: bit-identical, in virtual time and live.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -30,7 +29,7 @@ struct Logged {
   std::vector<std::uint8_t> data;
 };
 
-/// The services of a lab and one who shows the first light step, each on a bus of its own.
+/// Simulator, projector and a sender that shows the first light step, each on its own bus.
 class Lab {
  public:
   Lab(const Experiment& experiment, Loop& loop, Bus& sim_bus, Bus& projector_bus, Bus& other_bus)
@@ -72,17 +71,17 @@ void logInto(std::vector<Logged>& log, Bus& bus) {
   });
 }
 
-struct Compared {
-  int statuses = 0;  ///< of the script
-  int same = 0;
-  int not_said = 0;
-  int brightest = 0;  ///< byte of a trail
+struct Comparison {
+  int statuses = 0;   ///< number of LIGHT_STATUS with the light of the script
+  int same = 0;       ///< reconstructed with identical bytes
+  int unknown = 0;    ///< could not be reconstructed
+  int brightest = 0;  ///< largest byte of a trail
 };
 
-Compared replay(const Experiment& experiment, const std::vector<Logged>& log) {
+Comparison replay(const Experiment& experiment, const std::vector<Logged>& log) {
   const projector::SceneContext scene_context = projector::sceneContextOf(experiment, {});
   projector::Replay dut(scene_context);
-  Compared compared;
+  Comparison comparison;
   for (const Logged& message : log) {
     light_command_t command{};
     tracked_frame_t frame{};
@@ -94,23 +93,23 @@ Compared replay(const Experiment& experiment, const std::vector<Logged>& log) {
     } else if (message.channel == channels::kLightStatus && decode(message.data, status)) {
       const auto found = dut.layersOf(projector::toShownRecord(status));
       if (status.commander.empty()) continue;
-      ++compared.statuses;
+      ++comparison.statuses;
       if (!found) {
-        ++compared.not_said;
+        ++comparison.unknown;
         continue;
       }
       light_status_t again = status;
       again.layers = toMessages(*found);
       again.num_layers = static_cast<std::int32_t>(again.layers.size());
-      if (encode(again) == encode(status)) ++compared.same;
+      if (encode(again) == encode(status)) ++comparison.same;
       for (const light_layer_t& layer : status.layers) {
         for (const std::uint8_t byte : layer.grid) {
-          compared.brightest = std::max<int>(compared.brightest, byte);
+          comparison.brightest = std::max<int>(comparison.brightest, byte);
         }
       }
     }
   }
-  return compared;
+  return comparison;
 }
 
 Experiment example(const std::string& name) {
@@ -129,12 +128,12 @@ TEST_P(ClosedLoopLog, GivesTheSameFieldInVirtualTime) {
   const Lab lab(experiment, loop, bus, bus, bus);
   loop.runUntil(loop.now() + 20'000'000);
 
-  const Compared compared = replay(experiment, log);
-  EXPECT_GT(compared.statuses, 19 * 55);
-  EXPECT_EQ(compared.not_said, 0);
-  EXPECT_EQ(compared.same, compared.statuses);
+  const Comparison comparison = replay(experiment, log);
+  EXPECT_GT(comparison.statuses, 19 * 55);
+  EXPECT_EQ(comparison.unknown, 0);
+  EXPECT_EQ(comparison.same, comparison.statuses);
   if (GetParam() == "pheromone") {
-    EXPECT_GT(compared.brightest, 50);
+    EXPECT_GT(comparison.brightest, 50);
   }
 }
 
@@ -156,10 +155,10 @@ TEST_P(ClosedLoopLog, GivesTheSameFieldLive) {
   loop.at(loop.now() + 4'000'000, [&loop] { loop.stop(); });
   loop.run();
 
-  const Compared compared = replay(experiment, log);
-  EXPECT_GT(compared.statuses, 50);  // a busy machine leaves frames out
-  EXPECT_EQ(compared.not_said, 0);
-  EXPECT_EQ(compared.same, compared.statuses);
+  const Comparison comparison = replay(experiment, log);
+  EXPECT_GT(comparison.statuses, 50);  // a busy machine skips frames
+  EXPECT_EQ(comparison.unknown, 0);
+  EXPECT_EQ(comparison.same, comparison.statuses);
 }
 
 INSTANTIATE_TEST_SUITE_P(Examples, ClosedLoopLog, testing::Values("follow_spot", "pheromone"));

@@ -1,5 +1,5 @@
-// A spot on a robot, through the whole chain in virtual time: world, camera, bus, prediction,
-// projector. The figures are printed.
+// Accuracy of a spot that follows a robot, through the whole chain in virtual time: world, camera,
+// bus, prediction, projector. Prints the results.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -51,7 +51,7 @@ heading_noise_deg = 0.6
                          "follow");
 }
 
-/// Robots, camera and projector, and one who commands them.
+/// Simulator, projector and a sender of commands.
 class Chain {
  public:
   explicit Chain(const light::Drive& drive) {
@@ -83,13 +83,13 @@ class Chain {
     loop_.runUntil(loop_.now() + static_cast<std::int64_t>(1e6 * duration_s));
   }
 
-  /// [m] between the middles of robot and spot.
+  /// Root mean square distance between the centres of robot and spot [m].
   [[nodiscard]] double rms() const { return std::sqrt(square_ / compared_); }
   [[nodiscard]] int compared() const { return compared_; }
 
  private:
   void compare(const sim_truth_t& truth) {
-    // What is on the arena now: the last status whose time has come.
+    // The light on the arena is that of the last status before this time.
     while (statuses_.size() > 1 && statuses_[1].utime <= truth.utime) statuses_.pop_front();
     const bool started = loop_.now() - VirtualLoop::kEpoch > 2'000'000;
     if (!started || statuses_.empty() || statuses_[0].layers.size() != kRobots) return;
@@ -115,7 +115,7 @@ class Chain {
   int compared_ = 0;
 };
 
-TEST(FollowSpot, SitsOnARobotOf10CmASecondWithPredictionAndLagsWithout) {
+TEST(FollowSpot, StaysOnARobotWithPredictionAndLagsWithout) {
   const double duration_s = std::getenv("LAB_LONG") != nullptr ? 600 : 60;
   double rms[2];
   for (const bool predict : {false, true}) {

@@ -8,7 +8,7 @@
 namespace lab::system_test {
 namespace {
 
-constexpr double kFrame_ms = 25;  // of the camera, at 40 fps
+constexpr double kFrame_ms = 25;  // camera at 40 fps
 constexpr double kDisplayFrame_ms = 1000.0 / 60;
 constexpr double kLatency_ms = 40;
 constexpr double kSensor_ms = 20;
@@ -60,7 +60,7 @@ height_px = 360
 exposure_ms = 10
 )";
 
-/// [ms] from the command.
+/// Time from the command to the event `key` [ms].
 double after(const nlohmann::json& step, const char* key) {
   return 1000 * (step.at(key).get<double>() - step.at("commanded_s").get<double>());
 }

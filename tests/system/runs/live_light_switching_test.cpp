@@ -12,18 +12,18 @@ namespace {
 namespace fs = std::filesystem;
 using std::chrono::seconds;
 
-/// The experiment of the README's first command, in real time.
-fs::path liveRun(const TemporaryFolder& folder, const std::string& more, seconds patience) {
+/// Runs the experiment of the first command in README.md in real time. @return the run folder
+fs::path liveRun(const TemporaryFolder& folder, const std::string& more, seconds timeout) {
   setenv("XDG_RUNTIME_DIR", folder.path().c_str(), 1);
   const fs::path runs = folder.path() / "runs";
   const Finished lab = run("exec lab run " + experiment("light_switching").string() + " --out " +
                                runs.string() + " " + more,
-                           patience);
+                           timeout);
   EXPECT_EQ(lab.exit_code, 0) << lab.output;
   return onlyRun(runs);
 }
 
-TEST(LiveLightSwitching, TakesItsNinetySecondsAndContradictsNoLaw) {
+TEST(LiveLightSwitching, TakesNinetySecondsAndAgreesWithTheLaws) {
   const TemporaryFolder folder;
   const fs::path directory = liveRun(folder, "", seconds(110));
   const auto summary = readJson(directory / "summary.json");
@@ -51,7 +51,7 @@ TEST(LiveLightSwitching, SwitchesAllRobotsWithinASensorPeriodAndAFrameAtP99) {
   }
   ASSERT_GE(latencies_ms.size(), 295U);
   std::sort(latencies_ms.begin(), latencies_ms.end());
-  constexpr double kSensorPeriod_ms = 20 * 1.02;  // by the robot's clock, which may be 2 % slow
+  constexpr double kSensorPeriod_ms = 20 * 1.02;  // the robot's clock may be 2 % slow
   constexpr double kFrame_ms = 1000.0 / 60;
   const double p99 = latencies_ms[latencies_ms.size() * 99 / 100];
   RecordProperty("p50_ms", std::to_string(latencies_ms[latencies_ms.size() / 2]));

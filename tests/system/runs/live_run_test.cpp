@@ -17,7 +17,7 @@ using std::chrono::seconds;
 using testing::HasSubstr;
 namespace fs = std::filesystem;
 
-/// Short live runs of the light-switching experiment: two steps a second and a half each.
+/// Short live runs of the light-switching experiment with steps of 1.5 s.
 class LiveRun : public testing::Test {
  protected:
   LiveRun() { setenv("XDG_RUNTIME_DIR", folder.path().c_str(), 1); }
@@ -32,10 +32,10 @@ class LiveRun : public testing::Test {
   [[nodiscard]] fs::path runs() const { return folder.path() / "runs"; }
   [[nodiscard]] fs::path theRun() const { return onlyRun(runs()); }
 
-  /// The bus that a running lab has printed.
+  /// The LCM URL that a running lab has printed.
   static std::string busOf(Background& lab) {
     std::string url;
-    waitFor(
+    waitUntil(
         [&] {
           const std::string output = lab.output();
           const auto at = output.find("udpm://");
@@ -49,7 +49,8 @@ class LiveRun : public testing::Test {
   }
 
   static bool waitUntilRunning(Background& lab) {
-    return waitFor([&] { return lab.output().find("running ") != std::string::npos; }, seconds(15));
+    return waitUntil([&] { return lab.output().find("running ") != std::string::npos; },
+                     seconds(15));
   }
 
   TemporaryFolder folder;
@@ -60,7 +61,7 @@ struct Stream {
   std::int64_t last_seq = 0;
 };
 
-/// By "channel sender".
+/// Message counts by "channel sender".
 std::map<std::string, Stream> streams(const fs::path& log) {
   std::map<std::string, Stream> all;
   readLog({log}, [&all](const Packet& packet) {
@@ -73,7 +74,7 @@ std::map<std::string, Stream> streams(const fs::path& log) {
   return all;
 }
 
-TEST_F(LiveRun, LeavesLogReportAndSummaryBehind) {
+TEST_F(LiveRun, WritesLogReportAndSummary) {
   const Finished lab = run(labRun(6));
   ASSERT_EQ(lab.exit_code, 0) << lab.output;
   for (const char* file : {"experiment.toml", "log.lcmlog", "summary.json", "report.html",
@@ -84,7 +85,7 @@ TEST_F(LiveRun, LeavesLogReportAndSummaryBehind) {
   EXPECT_THAT(processesWith(runs().string()), testing::IsEmpty());
 }
 
-TEST_F(LiveRun, StopAndLightByHandReachTheRobots) {
+TEST_F(LiveRun, StopAndLightCommandsReachTheRobots) {
   Background lab(labRun(12));
   ASSERT_TRUE(waitUntilRunning(lab)) << lab.output();
   const Finished light = run("lab light 0.9 --for 3");
@@ -101,22 +102,22 @@ TEST_F(LiveRun, StopAndLightByHandReachTheRobots) {
   EXPECT_EQ(lab.wait(seconds(60)).exit_code, 0) << lab.output();
 }
 
-TEST_F(LiveRun, AHandStartedLoggerHearsTheSameStreams) {
+TEST_F(LiveRun, AnotherLoggerReceivesTheSameStreams) {
   Background lab(labRun(6));
   const std::string url = busOf(lab);
-  const fs::path by_hand = folder.path() / "by_hand.lcmlog";
-  Background logger("exec lcm-logger -q '--lcm-url=" + url + "' " + by_hand.string());
+  const fs::path other_log = folder.path() / "other_log.lcmlog";
+  Background logger("exec lcm-logger -q '--lcm-url=" + url + "' " + other_log.string());
   ASSERT_EQ(lab.wait(seconds(60)).exit_code, 0) << lab.output();
   logger.signal(SIGTERM);
   logger.wait(seconds(10));
   const auto own = streams(theRun() / "log.lcmlog");
-  const auto heard = streams(by_hand);
+  const auto other = streams(other_log);
   EXPECT_GE(own.size(), 11U);
   for (const auto& [stream, last] : own) {
-    ASSERT_TRUE(heard.contains(stream)) << stream;
-    EXPECT_EQ(heard.at(stream).last_seq, last.last_seq) << stream;
-    // It may have begun a moment later than the lab's own.
-    EXPECT_NEAR(heard.at(stream).messages, last.messages, 0.1 * last.messages + 5) << stream;
+    ASSERT_TRUE(other.contains(stream)) << stream;
+    EXPECT_EQ(other.at(stream).last_seq, last.last_seq) << stream;
+    // The other logger may have started slightly later.
+    EXPECT_NEAR(other.at(stream).messages, last.messages, 0.1 * last.messages + 5) << stream;
   }
 }
 
@@ -141,7 +142,7 @@ TEST_F(LiveRun, AStopOutlastsARestartOfTheSimulator) {
   EXPECT_EQ(moving_after_restart, 0);
 }
 
-TEST_F(LiveRun, ANetworkThatGoesDownClosesTheRunWithItsData) {
+TEST_F(LiveRun, ClosesTheRunWithItsDataWhenTheNetworkGoesDown) {
   Background lab(
       "unshare -n bash -c 'ip link set lo up; ip route add 224.0.0.0/4 dev lo; "
       "{ sleep 5; ip link set lo down; } & " +
@@ -155,7 +156,7 @@ TEST_F(LiveRun, ANetworkThatGoesDownClosesTheRunWithItsData) {
 TEST_F(LiveRun, ARunEndedByTheUserKeepsItsData) {
   Background lab(labRun(60));
   ASSERT_TRUE(waitUntilRunning(lab)) << lab.output();
-  waitFor([] { return false; }, seconds(2));
+  waitUntil([] { return false; }, seconds(2));
   lab.signal(SIGINT);
   const Finished ended = lab.wait(seconds(30));
   EXPECT_EQ(ended.exit_code, 0) << ended.output;
@@ -163,7 +164,7 @@ TEST_F(LiveRun, ARunEndedByTheUserKeepsItsData) {
   EXPECT_THAT(processesWith(runs().string()), testing::IsEmpty());
 }
 
-TEST_F(LiveRun, ADiskThatFillsStopsTheRobotsAndClosesTheRun) {
+TEST_F(LiveRun, ClosesTheRunWhenTheDiskFills) {
   fs::create_directories(runs());
   const std::string disk = runs().string();
   const Finished lab = run("exec unshare -Urm bash -c 'mount -t tmpfs -o size=200m none " + disk +
@@ -178,7 +179,7 @@ TEST_F(LiveRun, KillingTheRunnerLeavesNoOrphans) {
   ASSERT_TRUE(waitUntilRunning(lab)) << lab.output();
   ASSERT_GE(processesWith(runs().string()).size(), 4U);
   lab.signal(SIGKILL);
-  EXPECT_TRUE(waitFor([&] { return processesWith(runs().string()).empty(); }, seconds(10)));
+  EXPECT_TRUE(waitUntil([&] { return processesWith(runs().string()).empty(); }, seconds(10)));
 }
 
 class KilledService : public LiveRun, public testing::WithParamInterface<const char*> {};
@@ -187,7 +188,7 @@ TEST_P(KilledService, IsRestartedAndTheRunIsMarked) {
   const std::string name = GetParam();
   Background lab(labRun(8));
   ASSERT_TRUE(waitUntilRunning(lab)) << lab.output();
-  waitFor([] { return false; }, seconds(2));
+  waitUntil([] { return false; }, seconds(2));
   const std::vector<pid_t> processes = childrenWith(lab.pid(), "/" + name);
   ASSERT_FALSE(processes.empty());
   for (const pid_t pid : processes) kill(pid, SIGKILL);
@@ -207,13 +208,13 @@ INSTANTIATE_TEST_SUITE_P(Each, KilledService,
                            return name;
                          });
 
-/// What must be refused before anything starts.
+/// Errors that are reported before anything starts.
 class Refusal : public LiveRun {
  protected:
   void expectRefused(const Finished& lab, const std::string& text) const {
     EXPECT_EQ(lab.exit_code, 2) << lab.output;
     EXPECT_THAT(lab.output, HasSubstr(text));
-    EXPECT_FALSE(fs::exists(runs())) << "a run was begun";
+    EXPECT_FALSE(fs::exists(runs())) << "a run was started";
     EXPECT_THAT(processesWith(runs().string()), testing::IsEmpty());
   }
 };
@@ -223,7 +224,7 @@ TEST_F(Refusal, WithoutAMulticastRoute) {
 }
 
 TEST_F(Refusal, WithoutLcmLogger) {
-  // A PATH with gnuplot and without lcm-logger.
+  // PATH contains gnuplot but not lcm-logger.
   const fs::path programs = folder.path() / "bin";
   fs::create_directories(programs);
   const std::string gnuplot = run("command -v gnuplot").output;
@@ -232,10 +233,10 @@ TEST_F(Refusal, WithoutLcmLogger) {
                 "lcm-logger is not installed: sudo apt-get install liblcm-bin");
 }
 
-TEST_F(Refusal, OnAPortOnWhichSomebodySpeaks) {
-  // A service started by hand beats once a second.
+TEST_F(Refusal, OnAPortWithTraffic) {
+  // A service that was started separately sends a heartbeat every second.
   Background analyzer("exec analyzer --lcm-url 'udpm://239.255.76.67:23457?ttl=0'");
-  ASSERT_TRUE(waitFor(
+  ASSERT_TRUE(waitUntil(
       [] {
         return run("lab spy --lcm-url 'udpm://239.255.76.67:23457?ttl=0' --seconds 1.5")
                    .output.find("analyzer") != std::string::npos;

@@ -1,4 +1,4 @@
-// Robots of every body that needs no hardware in one arena, one light, one log.
+// Robots of every kind of body that needs no hardware, in one lab.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -39,10 +39,10 @@ class MixedBodies : public testing::Test {
     return onlyRun(out);
   }
 
-  /// The script has begun: every robot has taken its light table.
+  /// Waits until the script begins: every robot has its light table.
   static bool waitUntilAllRun(Background& lab) {
-    return waitFor([&] { return lab.output().find("light half dark") != std::string::npos; },
-                   seconds(20));
+    return waitUntil([&] { return lab.output().find("light half dark") != std::string::npos; },
+                     seconds(20));
   }
 
   static bool alive(pid_t process) { return kill(process, 0) == 0; }
@@ -55,13 +55,13 @@ class MixedBodies : public testing::Test {
 
 const std::string kMixed = experiment("mixed_bodies").string();
 
-/// Who says what of which robot.
+/// What the log contains about each robot.
 struct Record {
   std::map<std::int32_t, std::set<std::string>> owners;
   std::map<std::int32_t, std::set<int>> origins;
   std::map<std::int32_t, std::set<std::int64_t>> uids;
   std::map<std::int32_t, double> last_left;
-  std::map<std::int32_t, int> moving;  ///< reports with turning wheels
+  std::map<std::int32_t, int> moving;  ///< status reports with turning wheels
   std::map<std::int32_t, int> frames;
   std::map<std::int32_t, int> steps;
 };
@@ -97,7 +97,7 @@ void expectNothingLost(const fs::path& directory) {
   }
 }
 
-TEST_F(MixedBodies, ShareOneArenaInVirtualTimeTheSameToTheBit) {
+TEST_F(MixedBodies, ShareOneArenaInVirtualTimeBitIdentically) {
   const std::string more = "--virtual-time --set duration_s=20";
   const fs::path a = labRun(kMixed, more);
   const fs::path b = labRun(kMixed, more);
@@ -122,7 +122,7 @@ TEST_F(MixedBodies, ShareOneArenaInVirtualTimeTheSameToTheBit) {
   EXPECT_EQ(on_wire, 2);
 }
 
-TEST_F(MixedBodies, RunLiveWithNothingLostAndNothingLeftRunning) {
+TEST_F(MixedBodies, RunLiveWithoutLossesAndWithoutOrphans) {
   const fs::path directory = labRun(kMixed, "--set duration_s=15");
   expectNothingLost(directory);
   const Record record = recordOf(directory);
@@ -142,7 +142,7 @@ TEST_F(MixedBodies, AStopReachesEveryBody) {
   lab.wait(seconds(30));
 }
 
-TEST_F(MixedBodies, AChipThatIsKilledIsRestartedAndStands) {
+TEST_F(MixedBodies, AKilledChipIsRestartedAndStands) {
   Background lab("exec lab run " + kMixed + " --no-report --set duration_s=12 --out " +
                  (folder.path() / "live").string());
   ASSERT_TRUE(waitUntilAllRun(lab)) << lab.output();
@@ -159,14 +159,15 @@ TEST_F(MixedBodies, AChipThatIsKilledIsRestartedAndStands) {
   EXPECT_THAT(processesWith(folder.path().string()), IsEmpty());
 }
 
-TEST_F(MixedBodies, AGhostDrivesAgainWhatItDrove) {
+TEST_F(MixedBodies, AReplayRobotRepeatsItsRecording) {
   const fs::path recorded = labRun(kMixed, "--virtual-time --no-report --set duration_s=20");
-  const fs::path file = folder.path() / "ghost.toml";
-  std::ofstream(file) << "fileversion = 1\nname = \"ghost\"\nduration_s = 10\nprogram = \"abp\"\n"
-                         "[[robots]]\nid = 1\n[[robots]]\nid = 7\nbody = \"replay\"\nlog = \""
-                      << recorded.string()
-                      << "\"\nrecorded_id = 1\n[programs.abp]\nmodel = \"abp\"\nv_cm_s = 3\n"
-                         "epsilon_s = 0.5\neta_rad_s = 3\n";
+  const fs::path file = folder.path() / "replayed.toml";
+  std::ofstream(file)
+      << "fileversion = 1\nname = \"replayed\"\nduration_s = 10\nprogram = \"abp\"\n"
+         "[[robots]]\nid = 1\n[[robots]]\nid = 7\nbody = \"replay\"\nlog = \""
+      << recorded.string()
+      << "\"\nrecorded_id = 1\n[programs.abp]\nmodel = \"abp\"\nv_cm_s = 3\n"
+         "epsilon_s = 0.5\neta_rad_s = 3\n";
   const fs::path replayed = labRun(file.string(), "--virtual-time");
   const Record record = recordOf(replayed);
   EXPECT_EQ(record.origins.at(7), std::set<int>{robot_state_t::REPLAY});

@@ -1,6 +1,6 @@
-// Twenty robots that cross and touch before the simulated camera, while the projector goes black
-// and frames are lost: which cap is which robot must never be told wrongly. A minute in the CI
-// tier, ten in the long one.
+// Twenty robots that touch and pass each other before the simulated camera, while the projector is
+// dark at times and frames are lost: identities must never be wrong. One minute in the CI tier, ten
+// in the long tier.
 #include <gmock/gmock.h>
 
 #include <cstdlib>
@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 
 bool isLong() { return std::getenv("LAB_LONG") != nullptr; }
 
-/// @param ambient [1] light in the room: what is left to see when the projector is black
+/// @param ambient ambient light [1], the only light while the projector is dark
 fs::path writeExperimentFile(const fs::path& folder, double ambient) {
   const double duration = isLong() ? 600 : 60;
   const fs::path file = folder / "crowd.toml";
@@ -48,15 +48,15 @@ TruthComparison runCrowd(double ambient) {
   EXPECT_THAT(lab.output, testing::Not(testing::HasSubstr("tracker saw no cap"))) << lab.output;
   const TruthComparison truth = compareWithTruth(onlyRun(folder.path() / "runs"));
   std::cout << truth.compared << " poses of known robots, " << truth.unidentified
-            << " sightings of unknown ones; worst " << truth.worst * 1e3 << " mm, "
+            << " detections without identity; worst " << truth.worst * 1e3 << " mm, "
             << truth.worst_turn * 180 / std::numbers::pi << " degrees; " << truth.collisions
             << " collisions, " << truth.tracker.bindings << " bindings, "
-            << truth.tracker.unbindings << " given up, " << truth.tracker.flips
+            << truth.tracker.unbindings << " released, " << truth.tracker.flips
             << " flips refused\n";
   return truth;
 }
 
-TEST(OpticalCrowd, KeepsEveryIdentityWhileTheProjectorIsBlack) {
+TEST(OpticalCrowd, KeepsEveryIdentityWhileTheProjectorIsDark) {
   const TruthComparison truth = runCrowd(0.03);
   EXPECT_EQ(truth.swapped, 0);
   EXPECT_EQ(truth.flipped, 0);
@@ -65,12 +65,12 @@ TEST(OpticalCrowd, KeepsEveryIdentityWhileTheProjectorIsBlack) {
   EXPECT_GT(truth.compared, isLong() ? 30'000 : 3'000);
 }
 
-TEST(OpticalCrowd, NeverTellsAWrongIdentityAfterBlackPictures) {
+TEST(OpticalCrowd, AssignsNoWrongIdentityAfterBlackPictures) {
   const TruthComparison truth = runCrowd(0);
   EXPECT_EQ(truth.swapped, 0);
   EXPECT_EQ(truth.flipped, 0);
   EXPECT_GT(truth.tracker.dark, 30);
-  // What had become doubtful is known again, by motion alone.
+  // Released identities are assigned again, by motion alone.
   EXPECT_GE(truth.tracker.bindings, 20 + truth.tracker.unbindings - 2);
   EXPECT_LE(truth.tracker.unbound, 2);
 }

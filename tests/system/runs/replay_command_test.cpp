@@ -17,7 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 using std::chrono::seconds;
 
-/// A short recorded run.
+/// Records a short run.
 class Replay : public testing::Test {
  protected:
   Replay() {
@@ -33,8 +33,8 @@ class Replay : public testing::Test {
   fs::path log;
 };
 
-/// The last ANALYSIS of every program and robot, by the analyzer whose instance is (or is not) 1,
-/// that of virtual time.
+/// The last ANALYSIS of every program and robot, from the analyzer in virtual time (instance 1) or
+/// from the other one.
 std::map<std::pair<int, int>, analysis_t> lastAnalyses(const fs::path& log, bool virtual_time) {
   std::map<std::pair<int, int>, analysis_t> last;
   readLog({log}, [&](const Packet& packet) {
@@ -46,15 +46,16 @@ std::map<std::pair<int, int>, analysis_t> lastAnalyses(const fs::path& log, bool
   return last;
 }
 
-TEST_F(Replay, StockLogplayerFeedsAHandStartedAnalyzerThatFindsTheSame) {
+TEST_F(Replay, AnAnalyzerFedByLcmLogplayerGivesTheSameResults) {
   const std::string url = "'udpm://239.255.76.67:24681?ttl=0&recv_buf_size=4194304'";
   const fs::path again = folder.path() / "again.lcmlog";
   Background logger("exec lcm-logger -q --lcm-url=" + url + " " + again.string());
   Background analyzer("exec analyzer --lcm-url " + url);
-  ASSERT_TRUE(waitFor([&] { return fs::exists(again) && fs::file_size(again) > 0; }, seconds(10)));
+  ASSERT_TRUE(
+      waitUntil([&] { return fs::exists(again) && fs::file_size(again) > 0; }, seconds(10)));
   const Finished player = run("lcm-logplayer -s 15 -l " + url + " " + log.string());
   ASSERT_EQ(player.exit_code, 0) << player.output;
-  waitFor([] { return false; }, seconds(2));  // the analyzer's last round
+  waitUntil([] { return false; }, seconds(2));  // the last update of the analyzer
   analyzer.signal(SIGTERM);
   EXPECT_EQ(analyzer.wait(seconds(10)).exit_code, 0);
   logger.signal(SIGTERM);
@@ -85,19 +86,19 @@ TEST_F(Replay, StockLogplayerFeedsAHandStartedAnalyzerThatFindsTheSame) {
   EXPECT_GE(compared, 14);
 }
 
-TEST_F(Replay, LabReplayPlaysAPartOnABusOfItsOwnAndSaysReplay) {
-  const fs::path heard = folder.path() / "heard.lcmlog";
+TEST_F(Replay, LabReplayPlaysAPartOnItsOwnBusAsReplay) {
+  const fs::path recorded = folder.path() / "heard.lcmlog";
   Background player("exec lab replay " + log.string() +
                     " --from 10 --to 40 --speed 10 --port 24683 --channel ROBOT_STATUS");
   Background logger("exec lcm-logger -q '--lcm-url=udpm://239.255.76.67:24683?ttl=0' " +
-                    heard.string());
+                    recorded.string());
   const Finished ended = player.wait(seconds(30));
   EXPECT_EQ(ended.exit_code, 0) << ended.output;
   logger.signal(SIGTERM);
   logger.wait(seconds(10));
   int messages = 0;
-  readLog({heard}, [&messages](const Packet& packet) {
-    // How the player stands is always said.
+  readLog({recorded}, [&messages](const Packet& packet) {
+    // The state of the player is always published.
     if (packet.channel == channels::kExperimentStatus) return;
     EXPECT_EQ(packet.channel, channels::kRobotStatus);
     robot_status_t status{};
@@ -105,7 +106,7 @@ TEST_F(Replay, LabReplayPlaysAPartOnABusOfItsOwnAndSaysReplay) {
     EXPECT_EQ(status.robots.at(0).origin, robot_state_t::REPLAY);
     ++messages;
   });
-  // 30 s at 50 Hz, less what was played before the logger listened.
+  // 30 s at 50 Hz, without the messages before the logger started.
   EXPECT_GT(messages, 1000);
   EXPECT_LE(messages, 1501);
 }

@@ -14,7 +14,7 @@ using testing::HasSubstr;
 using testing::Not;
 using testing::StartsWith;
 
-TEST(Reproduce, MakesPageAndPanelsOfAShortFilm) {
+TEST(Reproduce, WritesPageAndPanelsOfAShortRun) {
   const TemporaryFolder folder;
   const fs::path out = folder.path() / "out";
 
@@ -39,7 +39,7 @@ TEST(Reproduce, MakesPageAndPanelsOfAShortFilm) {
   EXPECT_FALSE(fs::exists(out / "films" / "abp_eps0.5_eta3" / "log.lcmlog"));
 }
 
-TEST(Reproduce, IsTheSameToTheByteHoweverManyFilmsAtATime) {
+TEST(Reproduce, IsByteIdenticalForAnyNumberOfJobs) {
   const TemporaryFolder folder;
   const std::string command = "lab reproduce --hours 0.01 --panels 3d --no-bootstrap --seed 3 ";
   const fs::path one = folder.path() / "one";
@@ -63,26 +63,26 @@ TEST(Reproduce, AveragesAnEnsemble) {
 
 TEST(Reproduce, RefusesBeforeItStarts) {
   const TemporaryFolder folder;
-  std::ofstream(folder.path() / "mine.txt") << "precious";
+  std::ofstream(folder.path() / "mine.txt") << "kept";
   const std::string out = " --out " + folder.path().string();
 
   const Finished full = run("lab reproduce" + out);
   EXPECT_EQ(full.exit_code, 2);
   EXPECT_THAT(full.output, HasSubstr("is no reproduction; choose another folder with --out"));
-  EXPECT_EQ(run("lab reproduce --force" + out).exit_code, 2) << "what is not its own stays";
+  EXPECT_EQ(run("lab reproduce --force" + out).exit_code, 2) << "files of others are not deleted";
 
   const Finished unknown = run("lab reproduce --panels 4a" + out + "/new");
   EXPECT_EQ(unknown.exit_code, 2);
   EXPECT_THAT(unknown.output, HasSubstr("4a is a drawing"));
   EXPECT_FALSE(fs::exists(folder.path() / "new"));
-  EXPECT_EQ(readFile(folder.path() / "mine.txt"), "precious");
+  EXPECT_EQ(readFile(folder.path() / "mine.txt"), "kept");
 }
 
 TEST(Reproduce, EndsCleanlyAtCtrlC) {
   const TemporaryFolder folder;
   const fs::path out = folder.path() / "out";
   Background lab("exec lab reproduce --hours 20 --panels 2b --out " + out.string());
-  ASSERT_TRUE(waitFor([&] { return fs::exists(out / "films"); }, std::chrono::seconds(20)));
+  ASSERT_TRUE(waitUntil([&] { return fs::exists(out / "films"); }, std::chrono::seconds(20)));
   lab.signal(SIGINT);
   const Finished dut = lab.wait(std::chrono::seconds(20));
   EXPECT_EQ(dut.exit_code, 1) << dut.output;

@@ -1,8 +1,7 @@
-// Scripts whose steps wait: each kind of condition met, and each declared answer where it is not.
+// Scripts with conditions: every kind of condition, and every `if_not` when it is not met.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <fstream>
 #include <lab/experiment_event_t.hpp>
 #include <lab/light_status_t.hpp>
 #include <lab/robot_status_t.hpp>
@@ -68,19 +67,19 @@ std::string step(const std::string& label, double light, const std::string& more
          "\n";
 }
 
-class WaitingScript : public testing::Test {
+class ConditionalScript : public testing::Test {
  protected:
   struct Run {
     Finished lab;
     fs::path directory;
-    std::vector<experiment_event_t> steps;  ///< in order, as recorded last
+    std::vector<experiment_event_t> steps;  ///< in order, the last record of each
     std::vector<std::string> faults;
     experiment_event_t end{};
   };
 
   Run play(const std::string& script, const std::string& more = "") {
     const fs::path file = folder_.path() / "waiting.toml";
-    writeFile(file, kHead + script);
+    support::writeFile(file, kHead + script);
     const fs::path out = folder_.path() / std::to_string(++runs_);
     Run played;
     played.lab = run("lab run " + file.string() + " --virtual-time --no-report --out " +
@@ -100,22 +99,17 @@ class WaitingScript : public testing::Test {
     return played;
   }
 
-  static void writeFile(const fs::path& file, const std::string& text) {
-    std::ofstream stream(file);
-    stream << text;
-  }
-
  private:
   TemporaryFolder folder_;
   int runs_ = 0;
 };
 
-/// [s] of the script at which a step was commanded.
+/// Time in the script at which a step was commanded [s].
 double begin(const experiment_event_t& step, const std::vector<experiment_event_t>& steps) {
   return static_cast<double>(step.commanded_utime - steps.front().commanded_utime) * 1e-6;
 }
 
-TEST_F(WaitingScript, GoesOnWhenARobotIsInTheRegion) {
+TEST_F(ConditionalScript, GoesOnWhenARobotIsInTheRegion) {
   const Run dut =
       play(step("go", 0.2,
                 "hold_s = 20\nuntil = {robot = 1, region = \"circle\", x_cm = 85, y_cm = 45, "
@@ -125,20 +119,20 @@ TEST_F(WaitingScript, GoesOnWhenARobotIsInTheRegion) {
   ASSERT_THAT(dut.steps, SizeIs(2));
   EXPECT_THAT(dut.steps[1].ended_by, StartsWith("robot 1 is in the circle of radius 10 cm around "
                                                 "85, 45 cm; sample "));
-  // 15 cm at 5 cm/s, some light and sensor delay first, the camera's delay at the end.
+  // 15 cm at 5 cm/s, plus the delays of light, sensor and camera.
   EXPECT_GT(begin(dut.steps[1], dut.steps), 3.0);
   EXPECT_LT(begin(dut.steps[1], dut.steps), 3.0 + 0.2);
   EXPECT_THAT(dut.faults, IsEmpty());
   EXPECT_EQ(dut.end.text, "the script is over");
 }
 
-TEST_F(WaitingScript, CountsTumblesOfAllRobotsExactlyOnce) {
+TEST_F(ConditionalScript, CountsTheTumblesOfAllRobotsOnce) {
   const Run dut = play(step("tumble", 0.5, "hold_s = 60\nuntil = {tumbles = 30}") +
                        step("then", 0, "hold_s = 2"));
   EXPECT_EQ(dut.lab.exit_code, 0) << dut.lab.output;
   ASSERT_THAT(dut.steps, SizeIs(2));
   EXPECT_THAT(dut.steps[1].ended_by, StartsWith("30 tumbles; sample "));
-  // What the log says: the counters of both robots when the next step was commanded.
+  // The counters of both robots in the log when the next step was commanded.
   std::map<int, int> tumbles;
   readLog({dut.directory / "log.lcmlog"}, [&](const Packet& packet) {
     robot_status_t status{};
@@ -149,7 +143,7 @@ TEST_F(WaitingScript, CountsTumblesOfAllRobotsExactlyOnce) {
   EXPECT_THAT(tumbles[1] + tumbles[2], testing::AllOf(testing::Ge(30), testing::Le(31)));
 }
 
-TEST_F(WaitingScript, EndsTheRunWhenTheLastStepsEstimateIsKnown) {
+TEST_F(ConditionalScript, EndsTheRunWhenTheLastStepsEstimateIsKnown) {
   const Run dut = play(
       step("measure", 0.8,
            "hold_s = 120\nuntil = {estimate = \"D_r\", program = \"abp\", relative_error = 0.2}"));
@@ -159,7 +153,7 @@ TEST_F(WaitingScript, EndsTheRunWhenTheLastStepsEstimateIsKnown) {
   EXPECT_LT(static_cast<double>(dut.end.utime - dut.steps.at(0).commanded_utime) * 1e-6, 119);
 }
 
-TEST_F(WaitingScript, StopRulesEndTheRunAsSoonAsTheyHold) {
+TEST_F(ConditionalScript, StopRulesEndTheRunAsSoonAsTheyHold) {
   const std::string rules =
       "[[stop_when]]\nestimate = \"D_r\"\nprogram = \"abp\"\nrelative_error_percent = 20\n"
       "[[stop_when]]\nestimate = \"v\"\nprogram = \"abp\"\nrelative_error_percent = 5\n"
@@ -175,7 +169,7 @@ TEST_F(WaitingScript, StopRulesEndTheRunAsSoonAsTheyHold) {
   EXPECT_LT(length, 119);
 }
 
-TEST_F(WaitingScript, ARunWhoseStopRulesAreNotReachedIsMarked) {
+TEST_F(ConditionalScript, ARunWhoseStopRulesAreNotReachedIsMarked) {
   const Run dut = play(step("measure", 0.8, "at_s = 0") +
                            "[[stop_when]]\nestimate = \"D_r\"\nprogram = \"abp\"\n"
                            "relative_error_percent = 0.1\n",
@@ -189,7 +183,7 @@ TEST_F(WaitingScript, ARunWhoseStopRulesAreNotReachedIsMarked) {
   EXPECT_THAT(dut.lab.output, HasSubstr("marked   stop_when was not reached"));
 }
 
-TEST_F(WaitingScript, GoesOnPastAConditionNeverMetAndSaysHowFarItGot) {
+TEST_F(ConditionalScript, GoesOnAfterAnUnmetConditionAndReportsItsProgress) {
   const Run dut =
       play(step("measure", 0.8,
                 "hold_s = 8\nuntil = {estimate = \"D_r\", program = \"abp\", relative_error = "
@@ -207,7 +201,7 @@ TEST_F(WaitingScript, GoesOnPastAConditionNeverMetAndSaysHowFarItGot) {
   EXPECT_THAT(dut.lab.output, HasSubstr("marked   step 0 \"measure\""));
 }
 
-TEST_F(WaitingScript, EndsARunWhoseConditionIsNeverMet) {
+TEST_F(ConditionalScript, EndsARunWithAnUnmetCondition) {
   const Run dut = play(step("tumble", 0.2, "hold_s = 4\nuntil = {tumbles = 1}\nif_not = \"end\"") +
                        step("then", 0, "hold_s = 2"));
   EXPECT_EQ(dut.lab.exit_code, 3) << dut.lab.output;
@@ -217,7 +211,7 @@ TEST_F(WaitingScript, EndsARunWhoseConditionIsNeverMet) {
   EXPECT_EQ(dut.end.text, dut.faults[0]);
 }
 
-TEST_F(WaitingScript, ShowsTheSafeLightToRobotsThatStandBeforeItEnds) {
+TEST_F(ConditionalScript, ShowsTheSafeLightToStoppedRobotsBeforeItEnds) {
   const Run dut = play(step("all", 0.2,
                             "hold_s = 4\nuntil = {robots = \"all\", region = \"circle\", x_cm = "
                             "85, y_cm = 45, radius_cm = 12}\nif_not = \"safe\"") +
@@ -246,7 +240,7 @@ TEST_F(WaitingScript, ShowsTheSafeLightToRobotsThatStandBeforeItEnds) {
   }
 }
 
-TEST_F(WaitingScript, RepeatsAGroupAndIsTheSameToTheBitEachTime) {
+TEST_F(ConditionalScript, RepeatsAGroupBitIdentically) {
   const std::string script = step("tumble", 0.5, "hold_s = 30\nuntil = {tumbles = 5}") +
                              step("rest", 0, "hold_s = 1\nback_to = \"tumble\"\ntimes = 3");
   const Run a = play(script);
@@ -255,7 +249,7 @@ TEST_F(WaitingScript, RepeatsAGroupAndIsTheSameToTheBitEachTime) {
   for (const auto& event : a.steps) labels.push_back(event.label);
   EXPECT_THAT(labels, ElementsAre("tumble", "rest", "tumble", "rest", "tumble", "rest"));
   EXPECT_TRUE(readFile(a.directory / "log.lcmlog") == readFile(b.directory / "log.lcmlog"));
-  // What was run is an experiment file that says the same.
+  // The experiment file in the run folder has the same script.
   const Finished again = run("lab check " + (a.directory / "experiment.toml").string());
   EXPECT_EQ(again.exit_code, 0) << again.output;
   EXPECT_THAT(again.output, HasSubstr("until 5 tumbles, at most 30 s, if not: the script goes on"));

@@ -1,4 +1,4 @@
-// docs/scripting.md: what it shows is what the files hold, and both programs work on a live lab.
+// docs/scripting.md contains the example programs, and both work with a live lab.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -18,7 +18,7 @@ using testing::HasSubstr;
 
 const fs::path kRoot = LAB_ROOT;
 
-/// The intensities that one sender showed, in order.
+/// The intensities that one sender has shown, in order.
 std::vector<double> shownBy(const std::string& commander, const fs::path& log) {
   std::vector<double> shown;
   readLog({log}, [&](const Packet& packet) {
@@ -35,12 +35,13 @@ class Scripting : public testing::Test {
  protected:
   Scripting() { setenv("XDG_RUNTIME_DIR", folder_.path().c_str(), 1); }
 
-  /// A live lab, its script's light overruled by `program` with the bus's URL behind it.
-  Finished overrule(const std::string& program) {
+  /// Runs a live lab, and `program` with the LCM URL as argument, which overrides the light of the
+  /// script.
+  Finished overrideLight(const std::string& program) {
     Background lab("exec lab run " + experiment("light_switching").string() +
                    " --no-report --set duration_s=12 --out " + (folder_.path() / "runs").string());
-    if (!waitFor([&lab] { return lab.output().find("running") != std::string::npos; },
-                 milliseconds(15'000))) {
+    if (!waitUntil([&lab] { return lab.output().find("running") != std::string::npos; },
+                   milliseconds(15'000))) {
       ADD_FAILURE() << lab.output();
       return {};
     }
@@ -59,25 +60,25 @@ class Scripting : public testing::Test {
   TemporaryFolder folder_;
 };
 
-TEST(ScriptingPage, ShowsTheProgramsAsTheyAre) {
+TEST(ScriptingPage, ContainsTheExamplePrograms) {
   const std::string page = readFile(kRoot / "docs" / "scripting.md");
   for (const char* file :
        {"docs/examples/light_switching.sh", "docs/examples/light_switching.py"}) {
     EXPECT_TRUE(page.find(readFile(kRoot / file)) != std::string::npos)
-        << file << " must stand in docs/scripting.md word by word";
+        << file << " must be contained in docs/scripting.md verbatim";
   }
 }
 
 TEST_F(Scripting, TheShellScriptShowsItsLights) {
   const std::string script = (kRoot / "docs/examples" / "light_switching.sh").string();
-  const Finished shell = overrule("LAB=lab sh " + script + " 1 #");
+  const Finished shell = overrideLight("LAB=lab sh " + script + " 1 #");
   EXPECT_EQ(shell.exit_code, 0) << shell.output;
   EXPECT_THAT(shownBy("lab_light", log()), testing::ElementsAre(0.2, 0.5, 0.9));
 }
 
-TEST_F(Scripting, ThePythonProgramShowsItsLightsAndHearsTheRobots) {
+TEST_F(Scripting, ThePythonProgramShowsItsLightsAndReceivesRobotStatus) {
   if (run("python3 -c 'import socket, struct'").exit_code != 0) {
-    GTEST_SKIP() << "no python3 here: apt-get install python3-minimal";
+    GTEST_SKIP() << "python3 is not installed: apt-get install python3-minimal";
   }
   const fs::path types = folder() / "python";
   fs::create_directories(types);
@@ -85,11 +86,11 @@ TEST_F(Scripting, ThePythonProgramShowsItsLightsAndHearsTheRobots) {
       run("lcm-gen -p --ppath " + types.string() + " " + (kRoot / "lcmtypes").string() + "/*.lcm");
   ASSERT_EQ(generated.exit_code, 0) << generated.output;
   const Finished python =
-      overrule("PYTHONPATH=" + types.string() + " PYTHONDONTWRITEBYTECODE=1 python3 " +
-               (kRoot / "docs/examples" / "light_switching.py").string() + " --hold 1.5");
+      overrideLight("PYTHONPATH=" + types.string() + " PYTHONDONTWRITEBYTECODE=1 python3 " +
+                    (kRoot / "docs/examples" / "light_switching.py").string() + " --hold 1.5");
   EXPECT_EQ(python.exit_code, 0) << python.output;
   EXPECT_THAT(shownBy("light_switching.py", log()), testing::ElementsAre(0.2, 0.5, 0.9));
-  // Models as program_t numbers them: BP 3, ABP 1, RTP 4.
+  // Kinds of program_t: BP 3, ABP 1, RTP 4.
   EXPECT_THAT(python.output, HasSubstr("dim: BP: shown after"));
   for (const int model : {3, 1, 4}) {
     std::string all;

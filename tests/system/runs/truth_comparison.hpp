@@ -1,3 +1,4 @@
+/// Compares the poses of the tracker in a log with the true poses of the simulator.
 #pragma once
 
 #include <algorithm>
@@ -16,17 +17,17 @@
 namespace lab::system_test {
 
 struct TruthComparison {
-  double worst = 0;       ///< [m] largest distance of a pose from its own robot, but for swaps
-  double worst_turn = 0;  ///< [rad] but for flips
+  double worst = 0;       ///< [m] largest distance of a pose from its robot, without swaps
+  double worst_turn = 0;  ///< [rad] largest heading error, without flips
   std::int64_t compared = 0;
-  std::int64_t swapped = 0;       ///< poses that are another robot's
-  std::int64_t flipped = 0;       ///< poses whose heading is off by more than a right angle
-  std::int64_t unidentified = 0;  ///< caps that were seen and not known
+  std::int64_t swapped = 0;       ///< poses at the place of another robot
+  std::int64_t flipped = 0;       ///< poses with a heading error above 90 degrees
+  std::int64_t unidentified = 0;  ///< caps without identity
   std::int64_t collisions = 0;
   tracker_status_t tracker{};
 };
 
-/// Poses against SIM_TRUTH, where both are of the same instant: 10 Hz.
+/// Compares TRACKED_FRAME with SIM_TRUTH (10 Hz) where both have the same time.
 inline TruthComparison compareWithTruth(const std::filesystem::path& run_folder) {
   constexpr double kOtherRobot = 0.03;  // [m] two robots cannot be nearer than 7.5 cm
   TruthComparison result;

@@ -33,7 +33,7 @@ class VirtualRun : public testing::Test {
   int runs_ = 0;
 };
 
-TEST_F(VirtualRun, IsTheSameToTheBitForOneSeed) {
+TEST_F(VirtualRun, IsBitIdenticalForTheSameSeed) {
   const fs::path a = labRun("swarm", "--set duration_s=20");
   const fs::path b = labRun("swarm", "--set duration_s=20");
   for (const char* file : {"log.lcmlog", "summary.json", "trajectories.csv", "report.html"}) {
@@ -68,7 +68,7 @@ TEST_F(VirtualRun, TheDefaultExperimentEndsWithAVerdictForEveryProgram) {
   }
 }
 
-/// The wheel speeds that robot 1's program asked for, report by report.
+/// The wheel speeds of the program of robot 1 in every status report.
 std::vector<std::pair<double, double>> drawsOfRobotOne(const fs::path& directory) {
   std::vector<std::pair<double, double>> draws;
   readLog({directory / "log.lcmlog"}, [&draws](const Packet& packet) {
@@ -81,7 +81,7 @@ std::vector<std::pair<double, double>> drawsOfRobotOne(const fs::path& directory
   return draws;
 }
 
-TEST_F(VirtualRun, AnotherRobotChangesNoDrawOfTheFirst) {
+TEST_F(VirtualRun, AddingRobotsDoesNotChangeTheDrawsOfTheFirst) {
   const std::string alone = "--no-report --set reversal.on=never --set duration_s=60 ";
   const auto draws = drawsOfRobotOne(labRun("swarm", alone + "--set robots[0].count=1"));
   const auto among_others = drawsOfRobotOne(labRun("swarm", alone + "--set robots[0].count=12"));
@@ -92,7 +92,7 @@ TEST_F(VirtualRun, AnotherRobotChangesNoDrawOfTheFirst) {
 TEST_F(VirtualRun, EverySwitchOfTheLightReachesAllRobotsWithinASensorPeriodAndAFrame) {
   const fs::path directory = labRun("light_switching", "--set duration_s=1800");
   const auto summary = readJson(directory / "summary.json");
-  constexpr double kSensorPeriod_ms = 20 * 1.02;  // by the robot's clock, which may be 2 % slow
+  constexpr double kSensorPeriod_ms = 20 * 1.02;  // the robot's clock may be 2 % slow
   constexpr double kFrame_ms = 1000.0 / 60;
   const auto& steps = summary.at("steps");
   EXPECT_GE(steps.size(), 60U);
@@ -107,10 +107,10 @@ TEST_F(VirtualRun, EverySwitchOfTheLightReachesAllRobotsWithinASensorPeriodAndAF
   }
 }
 
-TEST_F(VirtualRun, FiveLostInAHundredAreCountedToTheMessage) {
+TEST_F(VirtualRun, LostMessagesAreCountedExactly) {
   const fs::path directory =
       labRun("light_switching", "--set duration_s=300 --set faults.message_loss=0.05");
-  // The camera numbers its frames, so the log itself says how many there were.
+  // Frames are numbered by the camera, so the log shows how many there were.
   std::int64_t frames = 0;
   std::int64_t last_frame = -1;
   std::map<std::string, std::int64_t> logged;
@@ -136,14 +136,14 @@ TEST_F(VirtualRun, FiveLostInAHundredAreCountedToTheMessage) {
     EXPECT_LT(std::abs(lost - expected), 4 * std::sqrt(expected) + 1) << name << ": not 5 %";
     if (stream.at("channel") == "TRACKED_FRAME") {
       ++compared;
-      // The last frames may be among the lost.
+      // The last frames may be lost too.
       EXPECT_NEAR(lost, static_cast<double>(last_frame + 1 - frames), 3);
     }
   }
   EXPECT_EQ(compared, 1);
 }
 
-TEST_F(VirtualRun, LostMessagesBiasNoEstimate) {
+TEST_F(VirtualRun, LostMessagesDoNotBiasTheEstimates) {
   const fs::path directory = labRun("abp", "--set faults.message_loss=0.05");
   const auto summary = readJson(directory / "summary.json");
   const auto& pool = summary.at("programs").at(0).at("pool");
@@ -157,9 +157,9 @@ TEST_F(VirtualRun, LostMessagesBiasNoEstimate) {
   }
 }
 
-TEST_F(VirtualRun, ALogThatCannotGrowClosesTheRunMarked) {
+TEST_F(VirtualRun, ClosesTheRunMarkedWhenTheLogCannotGrow) {
   const TemporaryFolder folder;
-  // No file may grow beyond 2 MB, as on a disk that is full.
+  // Files are limited to 2 MB, which acts like a full disk.
   const Finished lab =
       run("trap '' XFSZ; ulimit -f 2000; exec lab run " + experiment("light_switching").string() +
           " --virtual-time --out " + folder.path().string());
@@ -169,7 +169,7 @@ TEST_F(VirtualRun, ALogThatCannotGrowClosesTheRunMarked) {
   EXPECT_TRUE(fs::exists(onlyRun(folder.path()) / "provenance.json"));
 }
 
-TEST_F(VirtualRun, SaysWhatIsWrongWithAnExperimentAndStartsNothing) {
+TEST_F(VirtualRun, ReportsAnInvalidExperimentAndStartsNothing) {
   const TemporaryFolder folder;
   const fs::path out = folder.path() / "runs";
   const Finished lab = run("lab run " + experiment("abp").string() + " --virtual-time --out " +

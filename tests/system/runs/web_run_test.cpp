@@ -1,4 +1,4 @@
-// The page in a browser beside a run and beside a replay, and wishes from the command line.
+// The dashboard during a run and a replay, and requests from the command line.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -31,7 +31,7 @@ class WebRun : public testing::Test {
   }
   [[nodiscard]] fs::path runs() const { return folder.path() / "runs"; }
 
-  /// The page's address, as printed; empty: it is not.
+  /// The printed address of the dashboard; empty if there is none.
   static std::string addressIn(const std::string& output) {
     const auto at = output.find("web      http://");
     const auto end = output.find('\n', at);
@@ -41,11 +41,11 @@ class WebRun : public testing::Test {
   }
 
   static std::string addressOf(Background& lab) {
-    waitFor([&] { return !addressIn(lab.output()).empty(); }, seconds(20));
+    waitUntil([&] { return !addressIn(lab.output()).empty(); }, seconds(20));
     return addressIn(lab.output());
   }
 
-  /// Whether somebody serves the page there.
+  /// Whether the dashboard answers at this address.
   static bool answers(const std::string& address) {
     return run("python3 -c 'import sys, urllib.request as u; "
                "sys.exit(b\"<html\" not in u.urlopen(sys.argv[1], timeout=2).read().lower())' '" +
@@ -53,7 +53,7 @@ class WebRun : public testing::Test {
                .exit_code == 0;
   }
 
-  /// What the runner keeps for a page that is there.
+  /// The dashboard's files in the registry folder.
   [[nodiscard]] std::set<std::string> leftInRegistry() const {
     std::set<std::string> names;
     for (const auto& entry : fs::directory_iterator(folder.path() / "active-lab")) {
@@ -97,15 +97,15 @@ Record recordOf(const fs::path& log) {
   return record;
 }
 
-TEST_F(WebRun, AnswersObeysWishesAndComesAgainWhenItIsKilled) {
+TEST_F(WebRun, AnswersExecutesRequestsAndIsRestartedWhenKilled) {
   const fs::path copy = folder.path() / "address";
   Background lab(labRun("--web --web-address-file " + copy.string()));
   ASSERT_TRUE(
-      waitFor([&] { return lab.output().find("running ") != std::string::npos; }, seconds(20)))
+      waitUntil([&] { return lab.output().find("running ") != std::string::npos; }, seconds(20)))
       << lab.output();
   const std::string address = addressOf(lab);
   ASSERT_THAT(address, HasSubstr("http://127.0.0.1:28480/#token=")) << lab.output();
-  EXPECT_TRUE(waitFor([&] { return readFile(copy) == address + "\n"; }, seconds(5)));
+  EXPECT_TRUE(waitUntil([&] { return readFile(copy) == address + "\n"; }, seconds(5)));
   EXPECT_EQ(fs::status(copy).permissions(), fs::perms::owner_read | fs::perms::owner_write);
   EXPECT_TRUE(answers(address));
 
@@ -121,10 +121,10 @@ TEST_F(WebRun, AnswersObeysWishesAndComesAgainWhenItIsKilled) {
   EXPECT_EQ(run("lab light 0.5 --for 1").exit_code, 0);
 
   for (const pid_t pid : childrenWith(lab.pid(), "/dashboard")) kill(pid, SIGKILL);
-  ASSERT_TRUE(waitFor(
+  ASSERT_TRUE(waitUntil(
       [&] { return lab.output().find("dashboard died (killed by signal 9)") != std::string::npos; },
       seconds(10)));
-  EXPECT_TRUE(waitFor([&] { return answers(address); }, seconds(20))) << "on the same port";
+  EXPECT_TRUE(waitUntil([&] { return answers(address); }, seconds(20))) << "on the same port";
 
   const Finished end = run("lab end seen enough");
   EXPECT_EQ(end.exit_code, 0) << end.output;
@@ -142,15 +142,15 @@ TEST_F(WebRun, AnswersObeysWishesAndComesAgainWhenItIsKilled) {
   EXPECT_THAT(record.marks, Contains(testing::StartsWith("script resumed by lab_resume after ")));
   EXPECT_THAT(record.marks, Contains("lab_mark: robot 1 lost a wheel"));
   EXPECT_THAT(record.marks, Contains("dashboard died (killed by signal 9) and was restarted"));
-  EXPECT_EQ(record.statuses, record.last_status) << "all of them are in the log";
+  EXPECT_EQ(record.statuses, record.last_status) << "the log contains all of them";
   EXPECT_THAT(record.phases, testing::IsSupersetOf({static_cast<int>(experiment_status_t::PAUSED),
                                                     static_cast<int>(experiment_status_t::ENDED)}));
   EXPECT_TRUE(readJson(done / "provenance.json").at("interrupted"));
   EXPECT_GT(fs::file_size(done / "report.html"), 100U);
-  EXPECT_THAT(ended.output, Not(HasSubstr("last count"))) << "commands by hand say theirs";
+  EXPECT_THAT(ended.output, Not(HasSubstr("last count"))) << "the commands report their own counts";
 }
 
-TEST_F(WebRun, HasAPageInRealTimeUnlessItIsDeniedOrNobodyLooks) {
+TEST_F(WebRun, RunsADashboardInRealTimeUnlessDisabled) {
   const std::string brief = labRun("--no-report --set duration_s=1");
 
   const Finished by_itself = run("unset CI; " + brief);
@@ -160,7 +160,7 @@ TEST_F(WebRun, HasAPageInRealTimeUnlessItIsDeniedOrNobodyLooks) {
   EXPECT_EQ(addressIn(run("export CI=1; " + brief).output), "");
 }
 
-TEST_F(WebRun, ReplaysOnAPageAndSaysThatNobodyObeys) {
+TEST_F(WebRun, ReplaysWithADashboardAndRefusesOtherRequests) {
   ASSERT_EQ(run(labRun("--virtual-time --no-report --set duration_s=20")).exit_code, 0);
   EXPECT_EQ(run(labRun("--virtual-time --web")).exit_code, 2);
   const Finished no_page = run(labRun("--no-web --web-address-file " + (runs() / "a").string()));
@@ -175,9 +175,9 @@ TEST_F(WebRun, ReplaysOnAPageAndSaysThatNobodyObeys) {
   EXPECT_EQ(mark.exit_code, 1);
   EXPECT_THAT(mark.output, HasSubstr("a recorded run"));
   EXPECT_EQ(run("lab resume").exit_code, 0);
-  EXPECT_TRUE(waitFor([&] { return replay.output().find("paused (space") != std::string::npos; },
-                      seconds(20)))
-      << "it stands at its end";
+  EXPECT_TRUE(waitUntil([&] { return replay.output().find("paused (space") != std::string::npos; },
+                        seconds(20)))
+      << "it pauses at its end";
   EXPECT_TRUE(replay.running());
   EXPECT_EQ(run("lab end").exit_code, 0);
   const Finished ended = replay.wait(seconds(10));

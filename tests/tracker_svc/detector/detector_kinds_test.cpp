@@ -30,7 +30,7 @@ TEST_P(FewPictures, MeetTheLimitsOfTheirKind) {
   const SceneKind& kind = kindOf(GetParam().kind);
   Score score;
   for (std::uint64_t seed = 1; seed <= GetParam().seeds; ++seed) look(kind, seed, false, score);
-  EXPECT_EQ(textOf(kind.bars, score.tally()), "") << Score::header() << '\n' << score.text();
+  EXPECT_EQ(textOf(kind.limits, score.tally()), "") << Score::header() << '\n' << score.text();
 }
 
 INSTANTIATE_TEST_SUITE_P(Kinds, FewPictures,
@@ -51,8 +51,8 @@ TEST_P(OddLight, HasTheErrorsOfItsCovariance) {
   Score score;
   look(kindOf(GetParam()), 1, false, score);
   const Tally tally = score.tally();
-  EXPECT_GT(tally.surprises, 30) << score.text();
-  EXPECT_NEAR(tally.surprise, 1, allowedNees(tally)) << score.text();
+  EXPECT_GT(tally.nees_count, 30) << score.text();
+  EXPECT_NEAR(tally.nees, 1, allowedNees(tally)) << score.text();
 }
 
 INSTANTIATE_TEST_SUITE_P(Kinds, OddLight,
@@ -74,11 +74,11 @@ TEST(AcceptanceLimits, AllowForChance) {
 
 TEST(AcceptanceLimits, TestErrorsAndCovariances) {
   const AcceptanceLimits bars{.position = 0.012, .heading = 0.03, .honest = true};
-  Tally tally{.position = 0.012, .heading = 0.03, .surprise = 1.18, .surprises = 800};
+  Tally tally{.position = 0.012, .heading = 0.03, .nees = 1.18, .nees_count = 800};
   EXPECT_EQ(textOf(bars, tally), "");
-  tally.surprise = 0.8;  // limits 1 +- (0.1 + 3 sqrt(2 / 2400)): 0.813 to 1.187
+  tally.nees = 0.8;  // limits 1 +- (0.1 + 3 sqrt(2 / 2400)): 0.813 to 1.187
   EXPECT_EQ(shortOf(bars, tally).size(), 1U);
-  tally = {.position = 0.0121, .heading = 0.031, .surprise = 1.19, .surprises = 800};
+  tally = {.position = 0.0121, .heading = 0.031, .nees = 1.19, .nees_count = 800};
   EXPECT_EQ(shortOf(bars, tally).size(), 3U);
   EXPECT_EQ(textOf({}, tally), "");
 }

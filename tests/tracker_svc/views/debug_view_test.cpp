@@ -9,6 +9,8 @@
 #include <string>
 #include <thread>
 
+#include "tests/support/wait_until.hpp"
+
 namespace lab::tracker {
 namespace {
 
@@ -51,12 +53,7 @@ std::string get(const std::string& path, const std::string& host = "localhost:80
 
 /// Waits until the view wants a picture. The timeout is long for slow machines.
 bool becomesWanted(const DebugView& view) {
-  const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(1);
-  while (!view.wanted()) {
-    if (std::chrono::steady_clock::now() > end) return false;
-    std::this_thread::yield();
-  }
-  return true;
+  return waitUntil([&] { return view.wanted(); }, std::chrono::minutes(1));
 }
 
 RgbImage flat(int width, int height) { return {width, height}; }

@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "tests/support/experiment_samples.hpp"
+#include "tests/support/text_file.hpp"
 
 namespace lab::keys {
 namespace {
@@ -14,7 +15,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
 TEST(KeyTable, IsContainedInTheManual) {
-  const std::string docs = readText(std::filesystem::path(LAB_ROOT) / "docs" / "experiments.md");
+  const std::string docs = support::readFile(std::filesystem::path(LAB_ROOT) / "docs" / "experiments.md");
 
   EXPECT_TRUE(docs.find(keyTables()) != std::string::npos)
       << "docs/experiments.md must contain, in place of its tables:\n\n"
