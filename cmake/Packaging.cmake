@@ -7,7 +7,8 @@ set(staged "${CMAKE_BINARY_DIR}/packaging")
 set(CMAKE_SKIP_INSTALL_ALL_DEPENDENCY ON)
 
 # Programs are not in PATH but for the one command; each finds the others beside itself.
-install(TARGETS lab analyzer projector_ctl robot_bridge sim_svc tracker_svc
+install(TARGETS lab lab-analyze lab-calibrate lab-doctor lab-preview lab-reproduce lab-run-virtual
+  lab-track analyzer projector_ctl robot_bridge sim_svc tracker_svc
   RUNTIME DESTINATION ${programs} COMPONENT main)
 if(TARGET dashboard)
   install(TARGETS dashboard RUNTIME DESTINATION ${programs} COMPONENT main)

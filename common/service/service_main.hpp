@@ -55,9 +55,6 @@ struct ServiceDescription {
   ServiceFactory make;
   std::function<void(CLI::App&)> add_options{};  ///< what its command line has beyond the others'
   bool uses_ports = false;                       ///< its command line has --ports
-  /// Whether an experiment has work for it.
-  std::function<bool(const Experiment&)> wanted = [](const Experiment&) { return true; };
-  bool real_time_only = false;  ///< it has no place in a lab in virtual time
 };
 
 /// Parses --experiment and --lcm-url, joins the bus, runs the service until SIGINT or SIGTERM, and

@@ -12,11 +12,10 @@
 
 #include "analyzer/reproduction_page.hpp"
 #include "common/experiment/experiment_file.hpp"
+#include "runner/analyze/analyze_commands.hpp"
 #include "runner/command_line/progress_bar.hpp"
-#include "runner/commands/commands.hpp"
 #include "runner/doctor/machine.hpp"
 #include "runner/live/launch.hpp"
-#include "runner/runs/disk_need.hpp"
 #include "runner/runs/run_directory.hpp"
 #include "runner/virtual_time/run_virtual.hpp"
 

@@ -17,7 +17,7 @@
 #include "common/experiment/experiment_file.hpp"
 #include "common/experiment/experiment_messages.hpp"
 #include "common/math/units.hpp"
-#include "runner/commands/commands.hpp"
+#include "runner/analyze/analyze_commands.hpp"
 
 namespace lab::runner {
 namespace {

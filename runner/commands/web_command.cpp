@@ -11,10 +11,10 @@
 #include "common/experiment/service_placement.hpp"
 #include "common/loop/asio_loop.hpp"
 #include "runner/command_line/exit_code.hpp"
+#include "runner/command_line/print_line.hpp"
 #include "runner/commands/commands.hpp"
 #include "runner/doctor/machine.hpp"
 #include "runner/live/dashboard_process.hpp"
-#include "runner/live/progress_line.hpp"
 #include "runner/runs/lab_registry.hpp"
 #include "runner/runs/network.hpp"
 

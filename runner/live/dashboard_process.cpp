@@ -11,7 +11,7 @@
 #include "common/experiment/service_placement.hpp"
 #include "common/process/installation.hpp"
 #include "runner/command_line/exit_code.hpp"
-#include "runner/live/progress_line.hpp"
+#include "runner/command_line/print_line.hpp"
 
 namespace lab::runner {
 namespace fs = std::filesystem;

@@ -14,13 +14,12 @@
 #include "common/experiment/service_placement.hpp"
 #include "common/loop/asio_loop.hpp"
 #include "runner/command_line/exit_code.hpp"
+#include "runner/command_line/print_line.hpp"
 #include "runner/hosts/remote_hosts.hpp"
 #include "runner/live/dashboard_process.hpp"
-#include "runner/live/progress_line.hpp"
 #include "runner/live/resumed_experiment.hpp"
 #include "runner/live/supervisor.hpp"
 #include "runner/runs/lab_registry.hpp"
-#include "tracker_svc/camera_devices.hpp"
 
 namespace lab::runner {
 namespace fs = std::filesystem;
@@ -40,7 +39,7 @@ constexpr int kBusSettles_ms = 500;
 class LiveRun {
  public:
   LiveRun(const PreparedRun& run, const LiveOptions& options, const ShowProgress& show,
-          const ProcedureFactory& pilot)
+          const ProcedureFactory& procedure)
       : run_(run),
         options_(options),
         show_(show),
@@ -49,9 +48,10 @@ class LiveRun {
         controller_({node_, loop_, run.experiment, run.directory}, run.effective,
                     [this](Ending ending, const std::string& why) { over(ending, why); }),
         supervisor_(run, options) {
-    if (pilot) {
-      seat_.emplace(bus_, loop_, cameras_, run, loop_.now(), pilot, controller_,
-                    [this] { finish(kProcedureDone); });
+    if (procedure) {
+      if (options.cameras) cameras_ = options.cameras(loop_, run.directory / files::kPorts);
+      procedure_.emplace(bus_, loop_, cameras_ ? *cameras_ : noCameras(), run, loop_.now(),
+                         procedure, controller_, [this] { finish(kProcedureDone); });
     }
     node_.subscribe<service_status_t>(channels::kServiceStatus, [this](const auto& status) {
       supervisor_.noteHeartbeat(status.sender, status.pid, status.state == service_status_t::READY);
@@ -119,7 +119,7 @@ class LiveRun {
                 return (ended.empty() ? "not ready: " + supervisor_.missing() : ended) + lookInto();
               });
     node_.start();
-    if (seat_) seat_->begin();
+    if (procedure_) procedure_->begin();
     started_ = true;
   }
 
@@ -272,7 +272,7 @@ class LiveRun {
   void end() {
     show_(controller_.progress());
     supervisor_.endServices([this](const std::string& what) { controller_.fault(what); });
-    if (seat_) seat_->end();
+    if (procedure_) procedure_->end();
     node_.close();
     page_.reset();  // it has shown how the run ended
     for (int waited = 0; waited < kBusSettles_ms; waited += kTick_ms) {
@@ -287,10 +287,10 @@ class LiveRun {
   const ShowProgress& show_;
   AsioLoop loop_;
   LcmBus bus_;
-  CameraDevices cameras_{loop_, run_.directory / files::kPorts};
+  std::unique_ptr<Cameras> cameras_;  ///< for the procedure
   Node node_;
   ExperimentController controller_;
-  std::optional<ProcedureNode> seat_;
+  std::optional<ProcedureNode> procedure_;
   Supervisor supervisor_;
   std::optional<DashboardProcess> page_;
   RunOutcome outcome_;
@@ -304,8 +304,8 @@ class LiveRun {
 }  // namespace
 
 RunOutcome runLive(const PreparedRun& run, const LiveOptions& options, const ShowProgress& show,
-                   const ProcedureFactory& pilot) {
-  return LiveRun(run, options, show, pilot).execute();
+                   const ProcedureFactory& procedure) {
+  return LiveRun(run, options, show, procedure).execute();
 }
 
 }  // namespace lab::runner

@@ -12,7 +12,6 @@
 #include "common/experiment/service_placement.hpp"
 #include "runner/hosts/host_files.hpp"
 #include "runner/hosts/remote_hosts.hpp"
-#include "runner/virtual_time/services.hpp"
 
 namespace lab::runner {
 namespace fs = std::filesystem;
@@ -77,11 +76,9 @@ void Supervisor::startGateways() {
 }
 
 void Supervisor::startServices() {
-  for (const ServiceDescription& description : labServices(run_.experiment)) {
-    if (joinsBuses() && description.name == kGatewayService) continue;
-    const std::string host =
-        options_.hosts == nullptr ? "" : hostOf(run_.experiment, description.name);
-    add(description.name, host, description.uses_ports);
+  for (const std::string& name : neededServices(run_.experiment)) {
+    if (joinsBuses() && name == kGatewayService) continue;
+    add(name, options_.hosts == nullptr ? "" : hostOf(run_.experiment, name), usesPorts(name));
   }
 }
 

@@ -11,6 +11,7 @@
 #include "common/calibration/motor_file.hpp"
 #include "common/calibration/projector_file.hpp"
 #include "common/experiment/experiment_file.hpp"
+#include "common/experiment/experiment_log_size.hpp"
 #include "common/experiment/light_messages.hpp"
 #include "light/field/image.hpp"
 #include "light/optics/simulated_camera.hpp"
@@ -195,6 +196,15 @@ void writeNewFile(const fs::path& path, const std::string& text) {
                   (fs::is_directory(path.parent_path().empty() ? "." : path.parent_path(), error)
                        ? ": is the disk full?"
                        : ": its folder is gone"));
+}
+
+std::int64_t diskNeed_bytes(const Experiment& experiment) {
+  constexpr double kTrajectoryRow = 90;  // bytes of a line in trajectories.csv
+  constexpr double kReserve = 100e6;     // bytes
+  const double rows =
+      static_cast<double>(experiment.robots.size()) * experiment.camera.fps * experiment.duration;
+  return static_cast<std::int64_t>(kReserve + static_cast<double>(expectedLogBytes(experiment)) +
+                                   rows * kTrajectoryRow);
 }
 
 PreparedRun prepareRun(Experiment experiment, const fs::path& source, const fs::path& parent,

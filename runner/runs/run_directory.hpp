@@ -1,6 +1,7 @@
 /// The folder that a run leaves behind.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 
@@ -44,6 +45,10 @@ void writeNewFile(const std::filesystem::path& path, const std::string& text);
 /// @throws ExperimentError, UserError when it cannot be read or is of pictures of another size.
 [[nodiscard]] std::string cameraInForce(const Experiment& experiment,
                                         const std::filesystem::path& source);
+
+/// Disk space that a run of this experiment needs, with a margin: log, trajectories, figures, and a
+/// reserve that stays free [bytes].
+[[nodiscard]] std::int64_t diskNeed_bytes(const Experiment& experiment);
 
 /// The experiment file as run, for the folder and the record.
 struct PreparedRun {

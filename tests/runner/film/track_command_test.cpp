@@ -15,7 +15,7 @@
 #include "common/experiment/experiment_file.hpp"
 #include "light/field/image.hpp"
 #include "runner/command_line/exit_code.hpp"
-#include "runner/commands/commands.hpp"
+#include "runner/film/film_commands.hpp"
 #include "runner/film/movie_writer.hpp"
 #include "tests/runner/../tracker_svc/painted_film.hpp"
 #include "tests/support/temporary_folder.hpp"
