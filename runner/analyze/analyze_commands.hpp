@@ -18,12 +18,12 @@ struct AnalyzeOptions {
   std::optional<std::filesystem::path> out;
   bool figures = true;
   bool stitch = true;     ///< join the motion around reversals
-  bool bootstrap = true;  ///< fits of the exact law, whose intervals need simulated films
-  /// Of a file of poses alone:
-  std::string program;             ///< model that all robots ran, empty: not known
+  bool bootstrap = true;  ///< fit the exact law; its intervals need simulated recordings
+  /// For a file of poses only:
+  std::string program;             ///< model that all robots ran; empty: not known
   std::vector<std::string> set;    ///< key=value: its parameters
   std::optional<double> scale_cm;  ///< one unit of its columns x and y [cm]
-  std::optional<double> fps;       ///< where it has no times [1/s]
+  std::optional<double> fps;       ///< [1/s] if the file has no times
 };
 ExitCode analyze(const AnalyzeOptions& options);
 
@@ -36,11 +36,11 @@ struct TheoryOptions {
   std::string program;            ///< abp, noisy_abp, bp, rtp
   std::vector<std::string> set;   ///< key=value: its parameters, as in experiment files
   std::string lags;               ///< [s] separated by commas, empty: 0.01 to 1000
-  double exposure_ms = 0;         ///< of a frame
+  double exposure_ms = 0;         ///< of a camera frame
   double noise_cm = 0;            ///< localisation noise per axis
   double noise_deg = 0;           ///< of the heading
-  std::optional<double> phase_s;  ///< from a window's begin to the next draw
-  std::optional<int> phases;      ///< frames fall on so many phases of the hold
+  std::optional<double> phase_s;  ///< from the begin of a window to the next draw
+  std::optional<int> phases;      ///< number of phases of the hold on which frames fall
   std::string turning_deg;        ///< LOW,HIGH of an RTP's turning angles, empty: -180,180
   bool kurtosis = false;          ///< one more column (BP)
 };
@@ -48,15 +48,15 @@ ExitCode theory(const TheoryOptions& options);
 
 struct ReproduceOptions {
   std::filesystem::path out = "reproduction";
-  double hours = 1;  ///< of each film but the paper's short one
+  double hours = 1;  ///< of each recording, except the short one of the paper
   std::uint64_t seed = 1;
   std::string panels;           ///< "2b,3d"; empty: all
-  int ensemble = 1;             ///< films of each set
+  int ensemble = 1;             ///< recordings of each set
   std::string through = "sim";  ///< or "firmware": simulated chips
-  int jobs = 0;                 ///< films at a time; 0: as many as there are cores
+  int jobs = 0;                 ///< recordings at a time; 0: one per core
   bool bootstrap = true;        ///< fits of the exact law
   bool keep_logs = false;
-  bool force = false;  ///< replaces what is in the folder
+  bool force = false;  ///< replace an earlier reproduction in the folder
 };
 ExitCode reproduce(const ReproduceOptions& options);
 

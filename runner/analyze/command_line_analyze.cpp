@@ -16,17 +16,20 @@ void addAnalyze(CLI::App& app, Chosen& chosen) {
   command->add_option("--out", options->out, "Folder for the results (default: beside the input)");
   command->add_flag("--figures,!--no-figures", options->figures, "Draw the figures (default: yes)");
   command->add_flag("--bootstrap,!--no-bootstrap", options->bootstrap,
-                    "Fit the exact laws, with intervals from simulated films (default: yes)");
+                    "Fit the exact laws, with intervals from simulated recordings (default: yes)");
   command->add_flag("--stitch,!--no-stitch", options->stitch,
-                    "Join the motion around reversals; else they cut (default: yes)");
+                    "Join the motion before and after reversals (default: yes)");
   command->add_option("--program", options->program,
-                      "Poses: what all robots ran: abp, noisy_abp, bp, rtp (default: not known)");
+                      "Poses: program of all robots: abp, noisy_abp, bp, rtp (default: not known)");
   command
-      ->add_option("--set", options->set, "Poses: key=value of the program, v_cm_s=3 (repeatable)")
+      ->add_option("--set", options->set,
+                   "Poses: parameter of the program, as v_cm_s=3 (repeatable)")
       ->allow_extra_args(false);
-  command->add_option("--scale-cm", options->scale_cm, "Poses: one unit of columns x and y in cm")
+  command
+      ->add_option("--scale-cm", options->scale_cm,
+                   "Poses: length in cm of one unit of columns x and y")
       ->check(between(1e-9, 1e9));
-  command->add_option("--fps", options->fps, "Poses: frames a second, where there are no times")
+  command->add_option("--fps", options->fps, "Poses: frames per second, if the file has no times")
       ->check(between(1e-6, 1e6));
   command->callback([&chosen, options] { chosen = [options] { return analyze(*options); }; });
 }
@@ -46,23 +49,26 @@ void addTheory(CLI::App& app, Chosen& chosen) {
   command->add_option("KEY=VALUE", options->set,
                       "Its keys as in experiment files (v_cm_s=3 epsilon_s=0.25 eta_rad_s=6), and "
                       "diameter_cm, the wheel base");
-  command->add_option("--lags", options->lags, "s, separated by commas (default: 0.01 to 1000)");
-  command->add_option("--exposure-ms", options->exposure_ms, "Of a frame: positions are means")
+  command->add_option("--lags", options->lags,
+                      "Lags in s, separated by commas (default: 0.01 to 1000)");
+  command
+      ->add_option("--exposure-ms", options->exposure_ms,
+                   "Exposure of a frame: positions are averaged over it")
       ->check(between(0, 60000));
   command->add_option("--noise-cm", options->noise_cm, "Localisation noise per axis")
       ->check(between(0, 100));
   command->add_option("--noise-deg", options->noise_deg, "Noise of the heading")
       ->check(between(0, 360));
   command->add_option("--phase-s", options->phase_s,
-                      "Locked clocks: from a window's begin to the next draw");
+                      "Locked clocks: time from the begin of a window to the next draw");
   command
       ->add_option("--phases", options->phases,
-                   "Locked clocks: frames fall on so many phases of the hold, one of them "
-                   "--phase-s before a draw (default: at one)")
+                   "Locked clocks: number of phases of the hold on which frames fall, one of them "
+                   "--phase-s before a draw (default: 1)")
       ->check(CLI::Range(1, 100000));
   command->add_option("--turning-deg", options->turning_deg,
                       "LOW,HIGH of an rtp's turning angles (default: -180,180)");
-  command->add_flag("--kurtosis", options->kurtosis, "One more column (bp)");
+  command->add_flag("--kurtosis", options->kurtosis, "Add a column with the kurtosis (bp)");
   command->callback([&chosen, options] { chosen = [options] { return theory(*options); }; });
 }
 

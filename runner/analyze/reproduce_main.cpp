@@ -11,16 +11,17 @@ void addReproduce(CLI::App& app, Chosen& chosen) {
   CLI::App* command = app.add_subcommand("reproduce", summaryOf("reproduce"));
   command->add_option("--out", options->out, "Folder for the page, the panels and the runs")
       ->capture_default_str();
-  command->add_option("--hours", options->hours, "Length of each film (4b,c: always 3 minutes)")
+  command
+      ->add_option("--hours", options->hours, "Length of each recording (4b,c: always 3 minutes)")
       ->check(between(0.005, 200))
       ->capture_default_str();
   command->add_option("--seed", options->seed, "All random numbers derive from it")
       ->check(CLI::Range(0, 1'000'000'000))
       ->capture_default_str();
-  command->add_option("--panels", options->panels, "Only these: 2b,3d or whole figures: 4");
+  command->add_option("--panels", options->panels, "Only these panels: 2b,3d or whole figures: 4");
   command
       ->add_option("--ensemble", options->ensemble,
-                   "Films of each set: means with the errors of their scatter, and no fits")
+                   "Recordings of each set: means with errors from their scatter, and no fits")
       ->check(CLI::Range(1, 999))
       ->capture_default_str();
   command
@@ -28,12 +29,13 @@ void addReproduce(CLI::App& app, Chosen& chosen) {
                    "What drives the robots: sim, or firmware on simulated chips")
       ->check(CLI::IsMember({"sim", "firmware"}))
       ->capture_default_str();
-  command->add_option("--jobs", options->jobs, "Films at a time (default: one a core)")
+  command->add_option("--jobs", options->jobs, "Recordings at a time (default: one per core)")
       ->check(CLI::Range(1, 256));
   command->add_flag("--bootstrap,!--no-bootstrap", options->bootstrap,
-                    "Fit the exact laws, with intervals from simulated films (default: yes)");
-  command->add_flag("--keep-logs", options->keep_logs, "Keep the logs: 150 MB an hour of film");
-  command->add_flag("--force", options->force, "Replace what is in the folder");
+                    "Fit the exact laws, with intervals from simulated recordings (default: yes)");
+  command->add_flag("--keep-logs", options->keep_logs,
+                    "Keep the logs: 150 MB per hour of recording");
+  command->add_flag("--force", options->force, "Replace an earlier reproduction in the folder");
   command->callback([&chosen, options] { chosen = [options] { return reproduce(*options); }; });
 }
 

@@ -27,15 +27,17 @@ namespace lab::runner {
 namespace {
 
 constexpr std::array<ProgramCommand, 7> kProgramCommands{{
-    {"preview", "lab-preview", "The light script as pictures, without running anything"},
-    {"calibrate", "lab-calibrate", "Measure robots, camera, projector and light"},
+    {"preview", "lab-preview", "Draw the light script as pictures, without a run"},
+    {"calibrate", "lab-calibrate", "Calibrate camera, projector, light or motors"},
     {"analyze", "lab-analyze",
-     "Summary, report, trajectories, figures from a log or a file of poses"},
-    {"theory", "lab-analyze", "The exact laws of a program as CSV, beside the paper's formula"},
-    {"track", "lab-track", "Poses of all robots in a movie or in pictures, without a lab"},
+     "Make summary, report, trajectories and figures from a log or a file of poses"},
+    {"theory", "lab-analyze",
+     "Print the exact laws of a program as CSV, beside the paper's formula"},
+    {"track", "lab-track", "Track all robots in a movie or in pictures, without a lab"},
     {"reproduce", "lab-reproduce",
-     "Every panel of the paper's figures 2, 3, 4, in virtual time, on one page"},
-    {"doctor", "lab-doctor", "What is wrong with this machine, and the line that fixes it"},
+     "Reproduce the paper's figures 2, 3, 4 in virtual time, on one page"},
+    {"doctor", "lab-doctor",
+     "Check this machine; for each problem print the command that fixes it"},
 }};
 
 }  // namespace

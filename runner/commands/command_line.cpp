@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 void addRun(CLI::App& app, Chosen& chosen, char** argv) {
   auto options = std::make_shared<RunOptions>();
   options->programs = installation().programs;
-  CLI::App* command = app.add_subcommand("run", "Run an experiment: services, script, log, report");
+  CLI::App* command = app.add_subcommand("run", "Run an experiment and make its report");
   addRunOptions(*command, *options);
   command->callback([&chosen, options, argv] {
     chosen = [options, argv]() -> int {
@@ -38,9 +38,9 @@ void addRun(CLI::App& app, Chosen& chosen, char** argv) {
 void addCheck(CLI::App& app, Chosen& chosen) {
   auto file = std::make_shared<fs::path>();
   auto set = std::make_shared<std::vector<std::string>>();
-  CLI::App* command = app.add_subcommand("check", "Validate an experiment; say what would start");
+  CLI::App* command = app.add_subcommand("check", "Check an experiment file and describe the run");
   addExperiment(*command, *file);
-  command->add_option("--set", *set, "key=value: instead of the file's (repeatable)")
+  command->add_option("--set", *set, "key=value: replaces a key of the file (repeatable)")
       ->allow_extra_args(false);
   command->callback([&chosen, file, set] { chosen = [=] { return check(*file, *set); }; });
 }
@@ -49,42 +49,42 @@ void addReplay(CLI::App& app, Chosen& chosen, const fs::path& programs) {
   auto options = std::make_shared<ReplayOptions>();
   options->programs = programs;
   CLI::App* command =
-      app.add_subcommand("replay", "Play a log onto a bus of its own; space pauses");
+      app.add_subcommand("replay", "Play a log onto a separate bus; the space bar pauses");
   command->add_option("LOG", options->log, "Log, or folder of a run")->required();
   command->add_option("--from", options->from, "s since the log began")->check(between(0, 1e9));
   command->add_option("--to", options->to, "s since the log began")->check(between(1e-3, 1e9));
-  command->add_option("--speed", options->speed, "Log seconds a second")
+  command->add_option("--speed", options->speed, "Seconds of the log per second")
       ->check(between(1e-3, 1e4))
       ->capture_default_str();
-  command->add_flag("--loop", options->loop, "Begin again at the end");
-  command->add_option("--channel", options->channels, "Only these (repeatable)")
+  command->add_flag("--loop", options->loop, "Start again at the end");
+  command->add_option("--channel", options->channels, "Only this channel (repeatable)")
       ->allow_extra_args(false);
   command->add_option("--port", options->port, "UDP port of the bus (default: a free one)")
       ->check(CLI::Range(1024, 65535));
-  command->add_flag("--web", options->web, "On a page in a browser, with a slider");
+  command->add_flag("--web", options->web, "With the dashboard, which has a time slider");
   command->callback([&chosen, options] { chosen = [options] { return replay(*options); }; });
 }
 
 void addLight(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<LightOptions>();
-  CLI::App* command = app.add_subcommand("light", "Set the light of a running lab by hand");
+  CLI::App* command = app.add_subcommand("light", "Set the light of a running lab");
   CLI::Option* layers = command->add_option(
       "LAYER", options->layers,
       "An intensity 0..1, or layers as in experiment files: "
       "'{kind = \"disk\", x_cm = 60, y_cm = 45, radius_cm = 20, intensity = 1}'");
-  command->add_flag("--release", options->release, "Give the light back to the script")
+  command->add_flag("--release", options->release, "Return to the light of the script")
       ->excludes(layers);
-  command->add_option("--ramp", options->ramp, "s of cross-fade")->check(between(0, 3600));
-  command->add_option("--for", options->hold, "s, then the script's light returns")
+  command->add_option("--ramp", options->ramp, "Cross-fade in s")->check(between(0, 3600));
+  command->add_option("--for", options->hold, "Duration in s, then the light of the script returns")
       ->check(between(1e-3, 1e9));
-  command->add_option("--lab", options->lab, "Which lab, when several run");
+  command->add_option("--lab", options->lab, "Name of the lab, if several run");
   command->callback([&chosen, options] { chosen = [options] { return light(*options); }; });
 }
 
 void addStop(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<StopOptions>();
-  CLI::App* command = app.add_subcommand("stop", "Every robot of every lab stops, now");
-  command->add_flag("--clear", options->clear, "Release the stop: robots go on");
+  CLI::App* command = app.add_subcommand("stop", "Stop every robot of every lab at once");
+  command->add_flag("--clear", options->clear, "Release the stop: robots continue");
   command->add_option("--lab", options->lab, "Only this lab");
   command->callback([&chosen, options] { chosen = [options] { return stop(*options); }; });
 }
@@ -100,10 +100,10 @@ struct RequestCommand {
 };
 
 constexpr RequestCommand kRequests[] = {
-    {"pause", "The script's clock stands; light and robots go on as they are", pauseScript},
-    {"resume", "The script goes on where it was paused", resumeScript},
-    {"mark", "Writes a remark into the run's record", markRun, "TEXT", "The remark", true},
-    {"end", "Ends the run as Ctrl-C does: data kept, report written", endRun, "WHY",
+    {"pause", "Pause the clock of the script; light and robots stay as they are", pauseScript},
+    {"resume", "Continue the script where it was paused", resumeScript},
+    {"mark", "Write a remark into the record of the run", markRun, "TEXT", "The remark", true},
+    {"end", "End the run as Ctrl-C does: data are kept, the report is made", endRun, "WHY",
      "Reason, for the record"},
 };
 
@@ -115,7 +115,7 @@ void addRequest(CLI::App& app, Chosen& chosen, const RequestCommand& request) {
     command->add_option(request.argument, *words, request.argument_summary)
         ->required(request.argument_required);
   }
-  command->add_option("--lab", options->lab, "Which lab, when several run");
+  command->add_option("--lab", options->lab, "Name of the lab, if several run");
   command->callback([&chosen, options, words, send = request.send] {
     options->text = fmt::format("{}", fmt::join(*words, " "));
     chosen = [options, send] { return send(*options); };
@@ -130,38 +130,41 @@ void addWeb(CLI::App& app, Chosen& chosen, const fs::path& programs) {
   auto options = std::make_shared<WebOptions>();
   options->programs = programs;
   CLI::App* command = app.add_subcommand(
-      "web", "The page in a browser without a lab: past runs, comparisons, starting an experiment");
-  command->add_option("--port", options->port, "The first one tried (default: 8480)")
+      "web", "The dashboard without a running lab: past runs, comparisons, starting experiments");
+  command->add_option("--port", options->port, "First port tried (default: 8480)")
       ->check(CLI::Range(1024, 65535));
   command->add_option("--runs", options->runs, "Folder of past runs")->capture_default_str();
-  command->add_flag("--open", options->open, "Show it in your browser");
+  command->add_flag("--open", options->open, "Open it in your browser");
   command->callback([&chosen, options] { chosen = [options] { return web(*options); }; });
 }
 
 void addFlash(CLI::App& app, Chosen& chosen, const fs::path& programs) {
   auto options = std::make_shared<FlashOptions>();
   options->programs = programs;
-  CLI::App* command = app.add_subcommand("flash", "The firmware onto a robot");
+  CLI::App* command = app.add_subcommand("flash", "Write the firmware to a robot");
   command->add_option("--port", options->port, "The robot's serial line, as /dev/serial/by-id/...")
       ->required();
   command->add_option("--baud", options->baud, "Speed of its bootloader")->capture_default_str();
   CLI::Option* isp = command->add_option(
       "--isp", options->isp,
-      "Programmer as avrdude names it (usbasp, avrisp2): no bootloader, sets the fuses too");
-  command->add_option("--isp-port", options->isp_port, "The programmer's line, if it has one")
+      "Programmer as avrdude names it (usbasp, avrisp2): needs no bootloader, also sets the fuses");
+  command
+      ->add_option("--isp-port", options->isp_port, "Serial port of the programmer, if it has one")
       ->needs(isp);
   command->add_option("--robot-baud", options->robot_baud, "Speed of the robot's program")
       ->capture_default_str();
-  command->add_option("--firmware", options->firmware, "Another .hex")->check(CLI::ExistingFile);
+  command->add_option("--firmware", options->firmware, "Another .hex file")
+      ->check(CLI::ExistingFile);
   command->callback([&chosen, options] { chosen = [options] { return flash(*options); }; });
 }
 
 void addSpy(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<SpyOptions>();
-  CLI::App* command = app.add_subcommand("spy", "Channels of a running lab: rates, ages, gaps");
-  command->add_option("--lab", options->lab, "Which lab, when several run");
-  command->add_option("--lcm-url", options->url, "Any bus, instead of a lab's");
-  command->add_option("--seconds", options->seconds, "End after this long")
+  CLI::App* command =
+      app.add_subcommand("spy", "Show the channels of a running lab: rates, ages, lost messages");
+  command->add_option("--lab", options->lab, "Name of the lab, if several run");
+  command->add_option("--lcm-url", options->url, "URL of a bus, instead of a lab");
+  command->add_option("--seconds", options->seconds, "End after this time in s")
       ->check(between(1e-3, 1e9));
   command->callback([&chosen, options] { chosen = [options] { return spy(*options); }; });
 }

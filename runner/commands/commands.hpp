@@ -19,12 +19,12 @@ struct ReplayOptions {
   std::filesystem::path log;  ///< or the folder of a run
   double from = 0;            ///< [s] since the log's first event
   std::optional<double> to;   ///< [s]
-  double speed = 1;           ///< log seconds a second
+  double speed = 1;           ///< seconds of the log per second
   bool loop = false;
   std::vector<std::string> channels;  ///< empty: all
   int port = 0;                       ///< 0: a free one
-  bool web = false;                   ///< on a page in a browser
-  std::filesystem::path programs;     ///< folder of the page's program
+  bool web = false;                   ///< with the dashboard
+  std::filesystem::path programs;     ///< folder of the lab's programs
 };
 ExitCode replay(const ReplayOptions& options);
 
@@ -39,14 +39,14 @@ ExitCode light(const LightOptions& options);
 
 struct StopOptions {
   std::string lab;     ///< empty: every lab
-  bool clear = false;  ///< release the latch instead
+  bool clear = false;  ///< release the stop instead
 };
 ExitCode stop(const StopOptions& options);
 
 /// A request to a running experiment or to a log that is played.
 struct RequestOptions {
   std::string lab;   ///< empty: the only one
-  std::string text;  ///< a remark, or why
+  std::string text;  ///< a remark, or a reason
 };
 ExitCode pauseScript(const RequestOptions& options);
 ExitCode resumeScript(const RequestOptions& options);
@@ -54,28 +54,28 @@ ExitCode markRun(const RequestOptions& options);
 ExitCode endRun(const RequestOptions& options);
 
 struct WebOptions {
-  int port = 0;                         ///< the first one tried, 0: the usual one
+  int port = 0;                         ///< first port tried, 0: the default
   std::filesystem::path runs = "runs";  ///< folder of past runs
-  std::filesystem::path programs;       ///< folder of the page's program
-  bool open = false;                    ///< in the user's browser
+  std::filesystem::path programs;       ///< folder of the lab's programs
+  bool open = false;                    ///< open it in the user's browser
 };
 ExitCode web(const WebOptions& options);
 
 struct FlashOptions {
   std::string port;
   int baud = 57600;                ///< of the bootloader
-  int robot_baud = 38400;          ///< of the program, as it was built
-  std::string isp;                 ///< avrdude's name of a programmer, empty: by the bootloader
-  std::string isp_port;            ///< of the programmer, empty: it needs none
-  std::filesystem::path firmware;  ///< a .hex, empty: the one of this lab
+  int robot_baud = 38400;          ///< of the robot's program
+  std::string isp;                 ///< avrdude's name of a programmer, empty: use the bootloader
+  std::string isp_port;            ///< port of the programmer, empty: it needs none
+  std::filesystem::path firmware;  ///< a .hex, empty: the one that this lab has built
   std::filesystem::path programs;  ///< folder of the programs and the firmware
 };
 ExitCode flash(const FlashOptions& options);
 
 struct SpyOptions {
   std::string lab;
-  std::string url;                ///< instead of a registered lab
-  std::optional<double> seconds;  ///< then end; until Ctrl-C when not given
+  std::string url;                ///< of a bus, instead of a registered lab
+  std::optional<double> seconds;  ///< then ends; not given: runs until Ctrl-C
 };
 ExitCode spy(const SpyOptions& options);
 

@@ -143,17 +143,19 @@ std::vector<std::string> programsOfRun(const RunOptions& options) {
 
 void addRunOptions(CLI::App& command, RunOptions& options) {
   addExperiment(command, options.file);
-  command.add_flag("--virtual-time", options.virtual_time,
-                   "One process, as fast as the machine allows, the same to the bit");
-  command.add_option("--seed", options.seed, "Instead of the file's seed")->check(wholeNumber());
-  command.add_option("--out", options.out, "Where run folders are made")->capture_default_str();
-  command.add_option("--set", options.set, "key=value: instead of the file's (repeatable)")
+  command.add_flag(
+      "--virtual-time", options.virtual_time,
+      "Simulate in one process, as fast as possible; the same seed gives the same log");
+  command.add_option("--seed", options.seed, "Replaces the seed of the file")->check(wholeNumber());
+  command.add_option("--out", options.out, "Folder for the folders of runs")->capture_default_str();
+  command.add_option("--set", options.set, "key=value: replaces a key of the file (repeatable)")
       ->allow_extra_args(false);
-  command.add_flag("!--no-report", options.report, "Keep the log, analyse later");
+  command.add_flag("!--no-report", options.report,
+                   "Keep the log only; lab analyze makes the report later");
   addChoice(command, "--web,!--no-web", options.web,
-            "A page in a browser (default: in real time, where CI is not set)");
+            "The dashboard in a browser (default: in real time, unless CI is set)");
   command.add_option("--web-address-file", options.web_address,
-                     "Where the page's address is written too, for you alone");
+                     "File for the address of the dashboard, readable by you only");
 }
 
 }  // namespace lab::runner

@@ -24,21 +24,22 @@ void addDoctor(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<DoctorOptions>();
   CLI::App* command = app.add_subcommand("doctor", summaryOf("doctor"));
   auto file = std::make_shared<std::string>();
-  command->add_option("--out", options->runs, "Where run folders are made")->capture_default_str();
-  command->add_option("FILE", *file, "Experiment: its hosts are visited too")
+  command->add_option("--out", options->runs, "Folder for the folders of runs")
+      ->capture_default_str();
+  command->add_option("FILE", *file, "Experiment: its other hosts are checked too")
       ->transform([](const std::string& named) {
         return findExperiment(named, installation().experiments).string();
       });
   command->callback([&chosen, options, file] {
     chosen = [options, file] {
-      constexpr int kListen_ms = 1200;  // whoever is there says so every second
+      constexpr int kListen_ms = 1200;  // participants announce themselves once per second
       const Experiment experiment = file->empty() ? Experiment{} : loadExperiment(*file);
       options->registrations = registryDirectory();
       std::vector<Finding> findings = examine(*options);
       const auto add = [&findings](std::vector<Finding> more) {
         std::ranges::move(more, std::back_inserter(findings));
       };
-      // DDS shares its ports with DDS, and with nobody else.
+      // DDS participants share ports with each other, LCM does not.
       add(judgePorts(
           experiment, [](int port) { return portIsFree(port); },
           [](int port) { return portIsFree(port, Sharing::kShared); }));

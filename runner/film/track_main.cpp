@@ -11,22 +11,26 @@ void addTrack(CLI::App& app, Chosen& chosen) {
   CLI::App* command = app.add_subcommand("track", summaryOf("track"));
   command->add_option("SOURCE", options->source, "Movie, folder or pattern of pictures")
       ->required();
-  command->add_option("--calibration", options->calibration, "Of the camera")->required();
+  command->add_option("--calibration", options->calibration, "Calibration of the camera")
+      ->required();
   command->add_option("--out", options->out, "File of poses (CSV)")->required();
-  command->add_option("--overlay", options->overlay,
-                      "What was found and refused: NAME.png a contact sheet; .mp4, .mkv, .avi a "
-                      "movie; else a folder of pictures");
-  command->add_option("--every", options->every, "Only each so many-th frame")
+  command->add_option(
+      "--overlay", options->overlay,
+      "Draw the found and the refused caps: NAME.png a contact sheet; .mp4, .mkv, .avi a "
+      "movie; else a folder of pictures");
+  command->add_option("--every", options->every, "Use only every N-th frame")
       ->check(CLI::Range(1, 1'000'000))
       ->capture_default_str();
   command
       ->add_option(
           "--fps", options->fps,
-          "Frames a second: of pictures without frames.csv, and of a movie instead of its own")
+          "Frames per second, for pictures without frames.csv, or to replace the rate of a movie")
       ->check(between(0.001, 100'000));
-  command->add_option("--robots", options->robots, "How many there are: the best so many are taken")
+  command
+      ->add_option("--robots", options->robots,
+                   "Number of robots: at most this many, the best, are taken")
       ->check(CLI::Range(1, 100'000));
-  command->add_flag("--force", options->force, "Replace files that are there");
+  command->add_flag("--force", options->force, "Replace existing files");
   command->callback([&chosen, options] { chosen = [options] { return track(*options); }; });
 }
 

@@ -63,7 +63,8 @@ void warnUnpinned() {
 
 RunOutcome execute(const LaunchOptions& options, const PreparedRun& run, const std::string& name,
                    const std::string& url, const fs::path& logger, RemoteHosts* hosts,
-                   const ShowProgress& show, const ProcedureFactory& procedure) {
+                   const std::function<void()>& announce, const ShowProgress& show,
+                   const ProcedureFactory& procedure) {
   if (!options.run_virtual) {
     return runLive(run,
                    {.name = name,
@@ -74,9 +75,11 @@ RunOutcome execute(const LaunchOptions& options, const PreparedRun& run, const s
                     .port = run.experiment.network.port,
                     .web = options.web,
                     .web_address = options.web_address,
-                    .cameras = options.cameras},
+                    .cameras = options.cameras,
+                    .announce = announce},
                    show, procedure);
   }
+  announce();
   std::signal(SIGINT, [](int) { interrupted = 1; });
   std::signal(SIGTERM, [](int) { interrupted = 1; });
   return options.run_virtual(
@@ -162,22 +165,26 @@ Launched launch(const LaunchOptions& options, Experiment experiment, const ShowP
   const std::int64_t start = wallClock();
   const PreparedRun prepared =
       prepareRun(std::move(experiment), options.file.parent_path(), options.out, start);
-  fmt::print("run      {}\n", prepared.directory.string());
   std::optional<Registration> registration;
   std::string name = prepared.directory.filename().string();
+  std::string head = fmt::format("run      {}\n", prepared.directory.string());
   if (!virtual_time) {
-    fmt::print("bus      {}\n", url);
-    if (hosts) fmt::print("{}", hosts->describe());
+    head += fmt::format("bus      {}\n", url);
+    if (hosts) head += hosts->describe();
     registration.emplace(
         RunningLab{name, url, getpid(), fs::absolute(prepared.directory).string()});
     if (registration->name() != name) {
-      fmt::print("lab      {} (another one that runs is named {})\n", registration->name(), name);
+      head += fmt::format("lab      {} (another running lab is named {})\n", registration->name(),
+                          name);
     }
     name = registration->name();
   }
-  std::fflush(stdout);
-  RunOutcome outcome =
-      execute(options, prepared, name, url, logger, hosts ? &*hosts : nullptr, show, procedure);
+  const auto announce = [&head] {
+    fmt::print("{}", head);
+    std::fflush(stdout);
+  };
+  RunOutcome outcome = execute(options, prepared, name, url, logger, hosts ? &*hosts : nullptr,
+                               announce, show, procedure);
   registration.reset();
   // The report takes seconds; Ctrl-C must not leave it half-written.
   std::signal(SIGINT, SIG_IGN);

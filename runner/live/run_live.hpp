@@ -24,15 +24,18 @@ using MakeCameras =
     std::function<std::unique_ptr<Cameras>(AsioLoop& loop, const std::filesystem::path& folder)>;
 
 struct LiveOptions {
-  std::string name;                        ///< of the lab, as registered
-  std::string url;                         ///< of the bus
-  std::filesystem::path programs;          ///< folder of the services' programs
-  std::filesystem::path lcm_logger;        ///< stock lcm-logger
-  RemoteHosts* hosts = nullptr;            ///< other hosts, connected; nullptr: none
-  int port = 0;                            ///< of the bus
-  bool web = false;                        ///< starts the dashboard
-  std::filesystem::path web_address;       ///< a second file for its address, empty: none
-  MakeCameras cameras{};                   ///< empty: a procedure has no camera
+  std::string name;                   ///< of the lab, as registered
+  std::string url;                    ///< of the bus
+  std::filesystem::path programs;     ///< folder of the services' programs
+  std::filesystem::path lcm_logger;   ///< stock lcm-logger
+  RemoteHosts* hosts = nullptr;       ///< other hosts, connected; nullptr: none
+  int port = 0;                       ///< of the bus
+  bool web = false;                   ///< starts the dashboard
+  std::filesystem::path web_address;  ///< a second file for its address, empty: none
+  MakeCameras cameras{};              ///< empty: a procedure has no camera
+  /// Prints the head of the run (its folder, its bus). Called once, after the dashboard's address
+  /// has been printed; at the latest when the script starts or when the run cannot start.
+  std::function<void()> announce{};
   std::int64_t disk_reserve = 50'000'000;  ///< [bytes] the run is closed when less is left
 };
 

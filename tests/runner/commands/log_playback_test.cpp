@@ -72,7 +72,7 @@ class Deck : public testing::Test {
     experiment_command_t command{};
     command.action = action;
     command.value = value;
-    return playback_.obey(command, now_);
+    return playback_.execute(command, now_);
   }
 
   std::vector<LogEvent> events_ = film();
@@ -222,7 +222,7 @@ TEST(DeckOfAFullLog, PlaysItInPortionsAndLeavesNothingOut) {
   experiment_command_t seek{};
   seek.action = experiment_command_t::SEEK;
   seek.value = dut.length();
-  ASSERT_EQ(dut.obey(seek, late), "");
+  ASSERT_EQ(dut.execute(seek, late), "");
   sent.clear();
   EXPECT_EQ(play(), 2000U);
   EXPECT_EQ(play(), 2000U) << "what came before a jump's place too";
