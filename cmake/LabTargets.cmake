@@ -17,32 +17,27 @@ if(LAB_SANITIZE)
   target_link_options(lab_options INTERFACE -fsanitize=${LAB_SANITIZE})
 endif()
 
-# Most of a compiler's time goes into headers that the sources of a library, or of tests, share: sixteen
-# of them at a time take a third of it. Sanitizers and a compiler's cache (ccache) get every source by itself, and
-# so see that each includes what it uses.
-set(batches ON)
-if(LAB_SANITIZE OR CMAKE_CXX_COMPILER_LAUNCHER)
-  set(batches OFF)
-endif()
-option(LAB_BATCHES "Compile the sources of a library, and of tests, several at a time" ${batches})
+# Most of a compiler's time goes into headers that the sources of a library share. A unity build compiles
+# sixteen sources at a time and takes a third of the time. ./lab uses it for a first build. Developers
+# build without it: a change compiles one source, and a missing include shows.
+option(LAB_UNITY_BUILD "Compile the sources of a library, and of tests, sixteen at a time" OFF)
 
 function(lab_unity_build target)
-  if(LAB_BATCHES)
+  if(LAB_UNITY_BUILD)
     set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 16)
     # To this warning every source of a batch is a header.
     target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
   endif()
 endfunction()
 
-# What reads a file or a command line once and then waits: half of the compiler's time.
+# For code that reads a file or a command line once and then waits: -Og halves the compile time.
 function(lab_debug_optimised target)
   target_compile_options(${target} PRIVATE $<$<CONFIG:Release,RelWithDebInfo>:-Og>)
 endfunction()
 
 # lab_library(name [NUMBERS|SHELL] SOURCES a.cpp... [LINK target...])
-# NUMBERS is for inner loops and what promises its bits: every source is compiled by itself. Those of
-# other libraries may meet in a batch: what they name in namespaces without a name differs.
-# SHELL is for what others work for: it is optimised less.
+# NUMBERS is for inner loops and for results that must be equal to the bit: every source is compiled by
+# itself, fully optimised. SHELL is for code outside of any inner loop: it is optimised less.
 function(lab_library name)
   cmake_parse_arguments(ARG "NUMBERS;SHELL" "" "SOURCES;LINK" ${ARGN})
   add_library(${name} STATIC ${ARG_SOURCES})
