@@ -177,7 +177,7 @@ void addHostAgent(CLI::App& app, Chosen& chosen, const fs::path& programs) {
 
 /// Commands of the script `./lab` at the root of a clone: says so to those who look for them here.
 void addCloneOnly(CLI::App& app, Chosen& chosen) {
-  for (const char* name : {"test", "package"}) {
+  for (const char* name : {"test", "package", "build"}) {
     CLI::App* command = app.add_subcommand(name, "")->group("")->prefix_command();
     command->callback([&chosen, name] {
       chosen = [name]() -> int {

@@ -19,7 +19,7 @@ namespace {
 
 constexpr int kMostPageRestarts = 5;  // as for the services
 constexpr int kPatience_ms = 2000;
-constexpr const char* kBuild = "build the lab again (./lab --version)";
+constexpr const char* kBuild = "build the lab again (./lab build)";
 
 }  // namespace
 
