@@ -31,6 +31,8 @@ constexpr std::int64_t kDiskEvery_us = 1'000'000;
 constexpr std::int64_t kReadyTimeout_us = 10'000'000;
 constexpr std::int64_t kAttend_us = 50'000;
 constexpr std::int64_t kJoinTimeout_us = 20'000'000;
+// The script starts without waiting longer for the dashboard's address, which is printed first.
+constexpr std::int64_t kDashboardTimeout_us = 3'000'000;
 constexpr int kTick_ms = 20;
 constexpr int kRobotsStop_ms = 500;
 constexpr int kBusSettles_ms = 500;
@@ -128,12 +130,16 @@ class LiveRun {
     if (hosts() != nullptr) joinBuses();
     startDashboard();
     supervisor_.startServices();
-    waitUntil([this] { return supervisor_.missing().empty(); }, [] {},
-              [this] {
-                const std::string ended = supervisor_.endedWith();
-                return (ended.empty() ? "not ready: " + supervisor_.missing() : ended) +
-                       whereToLook();
-              });
+    const std::int64_t give_up_utime = loop_.now() + kDashboardTimeout_us;
+    waitUntil(
+        [&] {
+          return supervisor_.missing().empty() && (announced_ || loop_.now() > give_up_utime);
+        },
+        [] {},
+        [this] {
+          const std::string ended = supervisor_.endedWith();
+          return (ended.empty() ? "not ready: " + supervisor_.missing() : ended) + whereToLook();
+        });
     node_.start();
     if (procedure_) procedure_->begin();
     started_ = true;
