@@ -6,8 +6,6 @@
 
 namespace lab::runner {
 
-namespace fs = std::filesystem;
-
 std::unique_ptr<FilmReader> openFilm(const std::string& source, double fps) {
   if (source.find("://") != std::string::npos) {
     throw UserError(fmt::format(
