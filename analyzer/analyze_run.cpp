@@ -9,6 +9,7 @@
 #include "analyzer/report/html/report_page.hpp"
 #include "analyzer/report/record/run_record.hpp"
 #include "analyzer/report/sections/segments.hpp"
+#include "analyzer/report/summary/diffusion_sentence.hpp"
 #include "analyzer/report/summary/findings.hpp"
 #include "analyzer/report/summary/summary.hpp"
 #include "analyzer/report/summary/trajectories.hpp"
@@ -106,6 +107,8 @@ AnalyzedRun writeResults(const RunRecord& record, const fs::path& out, bool with
   }
   analyzed.report = out / "report.html";
   analyzed.headline = headlines(record);
+  const std::string diffusion = diffusionSentence(record);
+  if (!diffusion.empty()) analyzed.headline.push_back(diffusion);
   return analyzed;
 }
 

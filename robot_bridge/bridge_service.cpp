@@ -8,6 +8,7 @@
 #include <lab/robot_steps_t.hpp>
 
 #include "common/bus/channels.hpp"
+#include "common/experiment/service_placement.hpp"
 #include "common/math/units.hpp"
 
 namespace lab::bridge {
@@ -231,10 +232,7 @@ ServiceDescription serviceDescription() {
   description.make = [](const ServiceContext& context) -> std::unique_ptr<Service> {
     return std::make_unique<BridgeService>(context);
   };
-  description.uses_ports = true;
-  description.isNeededFor = [](const Experiment& experiment) {
-    return std::any_of(experiment.robots.begin(), experiment.robots.end(), isServed);
-  };
+  description.uses_ports = usesPorts(description.name);
   return description;
 }
 

@@ -7,6 +7,7 @@
 #include <lab/tracked_frame_t.hpp>
 
 #include "common/bus/channels.hpp"
+#include "common/experiment/service_placement.hpp"
 #include "common/math/units.hpp"
 #include "light/field/layer.hpp"
 #include "sim_svc/bodies/chip_robots.hpp"
@@ -255,13 +256,7 @@ ServiceDescription serviceDescription() {
           .make = [](const ServiceContext& context) -> std::unique_ptr<Service> {
             return std::make_unique<SimService>(context);
           },
-          .uses_ports = true,
-          .isNeededFor =
-              [](const Experiment& experiment) {
-                return std::ranges::any_of(experiment.robots, [](const RobotSpec& robot) {
-                  return robot.body != Body::kSerial;
-                });
-              }};
+          .uses_ports = usesPorts("sim_svc")};
 }
 
 }  // namespace lab::sim

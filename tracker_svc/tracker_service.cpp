@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "common/bus/channels.hpp"
+#include "common/experiment/service_placement.hpp"
 #include "common/math/units.hpp"
 #include "light/optics/simulated_camera.hpp"
 #include "tracker_svc/camera_devices.hpp"
@@ -364,11 +365,7 @@ ServiceDescription serviceDescription() {
           .make = [](const ServiceContext& context) -> std::unique_ptr<Service> {
             return std::make_unique<TrackerService>(context);
           },
-          .uses_ports = true,
-          .isNeededFor =
-              [](const Experiment& experiment) {
-                return experiment.camera.tracker == Tracker::kCamera;
-              }};
+          .uses_ports = usesPorts("tracker_svc")};
 }
 
 }  // namespace lab::tracker

@@ -1,13 +1,13 @@
 #!/usr/bin/env bash
-# Makes a man page from the --help of a program, so that both have the same content.
+# Makes a man page from the --help of a program.
 #   man_page.sh NAME VERSION SOURCE PROGRAM NAME.1.gz
 # Each subcommand gets a section. The date is that of the commit in SOURCE.
 set -euo pipefail
 name=$1 version=$2 source=$3 program=$4
 date=$(git -C "$source" log -1 --format=%cs 2>/dev/null) || date=
 
-# Converts CLI11's help to roff: its first line is the summary, lines indented by two spaces are options,
-# and further indented lines describe them.
+# CLI11's help as roff: its first line is the summary, lines with two spaces are options, and lines that
+# are indented further describe them.
 format() {  # whole|part
   awk -v mode="$1" '
     function escaped(text) {
@@ -44,11 +44,11 @@ format() {  # whole|part
     }'
 }
 
-print_help() {  # words: the help of a subcommand, without text that differs between users
+say_help() {  # words: the help of a subcommand, without parts that depend on the user
   env -u LCM_DEFAULT_URL "$program" "$@" --help | sed -E "s#active-lab-ports-[0-9]+#active-lab-ports-UID#; s#\{false\}##g"
 }
 
-subcommands() {  # prints the names of the subcommands in the help on stdin
+subcommands() {  # names of subcommands, from the help on stdin
   sed -n '/^Subcommands:/,$ s/^  \([a-z-]*\) .*/\1/p'
 }
 

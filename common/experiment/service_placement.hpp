@@ -1,4 +1,4 @@
-/// The hosts of an experiment's services.
+/// The services that an experiment needs, and the host of each.
 #pragma once
 
 #include <array>
@@ -10,23 +10,41 @@
 
 namespace lab {
 
-/// The services that may be placed on other hosts.
+/// Every service that may be placed on a host, in the order of starting and ending: receivers start
+/// before senders, and robot_bridge ends before the robots it commands.
 inline constexpr std::array<std::string_view, 6> kServiceNames{
     "analyzer", "projector_ctl", "robot_bridge", "tracker_svc", "sim_svc", "dds_gateway"};
 
-/// The service that only observes; a run does not depend on it.
+/// The dashboard only observes: a lab runs without it too.
 inline constexpr std::string_view kObserverService = "dashboard";
 
-/// The host of a service as written in the file; empty: this machine.
+/// Whether the experiment needs this service.
+[[nodiscard]] bool isNeeded(const Experiment& experiment, std::string_view service);
+
+/// The services that the experiment needs, in the order of kServiceNames.
+[[nodiscard]] std::vector<std::string> neededServices(const Experiment& experiment);
+
+/// Whether the command line of the service has --ports.
+[[nodiscard]] bool usesPorts(std::string_view service);
+
+/// Whether the service runs in virtual time: dds_gateway connects the lab to other programs and
+/// hosts, which run in real time.
+[[nodiscard]] bool runsInVirtualTime(std::string_view service);
+
+/// The other hosts on which the experiment places services that it needs, each once, sorted.
+[[nodiscard]] std::vector<std::string> hostsInUse(const Experiment& experiment);
+
+/// The host on which the experiment file places the service; "": this machine.
 [[nodiscard]] std::string hostOf(const Experiment& experiment, std::string_view service);
 
-/// The other hosts that run services, each once, sorted by name.
+/// The other hosts on which the file places services, needed or not, each once, sorted.
 [[nodiscard]] std::vector<std::string> otherHosts(const Experiment& experiment);
 
-/// The entry of a host. If the file has none, one that uses the name for ssh. `ssh` is never empty.
+/// The host's entry in the file. Without one the name is what ssh knows the host by. `ssh` is never
+/// empty.
 [[nodiscard]] HostSpec hostSpec(const Experiment& experiment, const std::string& host);
 
-/// Whether the page can be reached only from this machine.
+/// Whether the dashboard listens on a loopback address only.
 [[nodiscard]] bool isLocalOnly(const Dashboard& dashboard);
 
 }  // namespace lab

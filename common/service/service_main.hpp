@@ -62,10 +62,7 @@ struct ServiceDescription {
   ServiceFactory make;
   std::function<void(CLI::App&)> add_options{};  ///< adds its own command line options
   bool uses_ports = false;                       ///< whether its command line has --ports
-  /// Whether an experiment needs this service.
-  std::function<bool(const Experiment&)> isNeededFor = [](const Experiment&) { return true; };
-  CamerasFactory make_cameras{};  ///< set by main(); empty: the service uses no cameras
-  bool real_time_only = false;    ///< it cannot run in virtual time
+  CamerasFactory make_cameras{};                 ///< set by main(); empty: the service uses no cameras
 };
 
 /// Parses the command line, joins the bus, runs the service until SIGINT or SIGTERM, and publishes

@@ -15,7 +15,7 @@
 #include "analyzer/theory_table.hpp"
 #include "common/experiment/experiment_file.hpp"
 #include "common/math/units.hpp"
-#include "runner/commands/commands.hpp"
+#include "runner/analyze/analyze_commands.hpp"
 
 namespace lab::runner {
 namespace {
@@ -36,8 +36,9 @@ std::string without(std::string text, const std::string& part) {
   return text;
 }
 
-/// The program as an experiment file would have it: the same keys, ranges and messages. Wheels are
-/// as fast as a file can make them: a law may be asked that the robots cannot execute.
+/// Reads the program as from an experiment file, so with the same keys, ranges and errors. The
+/// wheels get the highest speed that a file may have: laws are also computed for programs that real
+/// robots cannot execute.
 Experiment experimentOf(const TheoryOptions& options) {
   const std::string& model = options.program;
   if (std::ranges::find(kModels, model) == kModels.end()) {
@@ -61,7 +62,7 @@ Experiment experimentOf(const TheoryOptions& options) {
   } catch (const ExperimentError& error) {
     std::string lines;
     for (const std::string& problem : error.problems()) {
-      // "theory:13: " and "--set " are places that the user did not write.
+      // The user wrote neither "theory:13: " nor "--set ".
       std::string line = without(without(without(problem, "--set "), own), hardware);
       if (line.rfind("theory:", 0) == 0) line.erase(0, line.find(": ") + 2);
       lines += (lines.empty() ? "" : "\n") + fmt::format("theory {}: {}", model, line);
@@ -102,14 +103,14 @@ std::vector<double> lagsOf(const std::string& list) {
   const int count =
       static_cast<int>(std::lround(kLagsPerDecade * std::log10(kLongestLag / kShortestLag)));
   for (int i = 0; i <= count; ++i) {
-    // The decimals of a short number: that is what the table says it is.
+    // Rounded to the digits that the table prints, so that the row belongs to exactly this lag.
     const double lag = kShortestLag * std::pow(10, static_cast<double>(i) / kLagsPerDecade);
     lags.push_back(numberIn(fmt::format("{:.4g}", lag), "lag"));
   }
   return lags;
 }
 
-/// The range of turning angles [rad] that is asked for, the full circle by default.
+/// The range of turning angles [rad] on the command line, by default the full circle.
 std::pair<double, double> turningOf(const TheoryOptions& options) {
   if (options.turning_deg.empty()) return {-std::numbers::pi, std::numbers::pi};
   const std::vector<double> ends = numberList(options.turning_deg, "--turning-deg");

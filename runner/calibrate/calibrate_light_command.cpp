@@ -14,11 +14,11 @@
 #include "light/photometry/camera_response.hpp"
 #include "light/photometry/tone_pictures.hpp"
 #include "projector_ctl/calibration/projector_patterns.hpp"
+#include "runner/calibrate/calibrate_commands.hpp"
 #include "runner/calibrate/calibration_lab.hpp"
 #include "runner/calibrate/light_calibrator.hpp"
 #include "runner/calibrate/light_margins.hpp"
 #include "runner/calibrate/projector_calibrator.hpp"
-#include "runner/commands/commands.hpp"
 #include "runner/live/launch.hpp"
 
 namespace lab::runner {
@@ -90,7 +90,8 @@ std::optional<std::vector<calibration::ToneObservation>> filmStaircase(
        .out = options.runs,
        .programs = options.programs,
        .set = options.set,
-       .virtual_time = options.virtual_time},
+       .run_virtual = virtualTimeIf(options.virtual_time),
+       .cameras = realCameras},
       filmed, [](const Progress&) {},
       [&](const ServiceContext& context, ExperimentController& controller,
           std::function<void()> done) {
@@ -161,7 +162,8 @@ ExitCode calibrateLight(const CalibrateLightOptions& options) {
        .out = options.runs,
        .programs = options.programs,
        .set = options.set,
-       .virtual_time = options.virtual_time},
+       .run_virtual = virtualTimeIf(options.virtual_time),
+       .cameras = realCameras},
       labFor(experiment, options.rounds), [](const Progress&) {},
       [&](const ServiceContext& context, ExperimentController& controller,
           std::function<void()> done) {

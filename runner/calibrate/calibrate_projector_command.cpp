@@ -13,10 +13,10 @@
 #include "projector_ctl/calibration/projector_fit.hpp"
 #include "projector_ctl/calibration/projector_patterns.hpp"
 #include "projector_ctl/calibration/projector_report.hpp"
+#include "runner/calibrate/calibrate_commands.hpp"
 #include "runner/calibrate/calibration_lab.hpp"
 #include "runner/calibrate/projector_calibrator.hpp"
-#include "runner/commands/commands.hpp"
-#include "runner/film/named_files.hpp"
+#include "runner/command_line/output_file.hpp"
 #include "runner/live/launch.hpp"
 
 namespace lab::runner {
@@ -181,7 +181,8 @@ ExitCode calibrateProjector(const CalibrateProjectorOptions& options) {
        .out = options.runs,
        .programs = options.programs,
        .set = options.set,
-       .virtual_time = options.virtual_time},
+       .run_virtual = virtualTimeIf(options.virtual_time),
+       .cameras = realCameras},
       labFor(experiment, options), [](const Progress&) {},
       [&](const ServiceContext& context, ExperimentController& controller,
           std::function<void()> done) {

@@ -8,10 +8,10 @@
 #include <set>
 #include <thread>
 
+#include "common/experiment/service_placement.hpp"
 #include "dds_gateway/dds/domain.hpp"
 #include "dds_gateway/dds/error.hpp"
 #include "dds_gateway/gateway_domain.hpp"
-#include "runner/virtual_time/services.hpp"
 
 namespace lab::runner {
 namespace {

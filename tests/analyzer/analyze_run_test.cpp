@@ -59,6 +59,8 @@ TEST(AnalyzeRun, WritesAllFilesBesideTheLog) {
                                    "trajectory_time.svg"));
   ASSERT_FALSE(dut.headline.empty());
   EXPECT_THAT(dut.headline[0], HasSubstr("abp: "));
+  EXPECT_THAT(dut.headline.back(), testing::AllOf(HasSubstr("diffusion of 2 robots"),
+                                                  HasSubstr("abp: D = "), HasSubstr(" (law: ")));
   EXPECT_THAT(readFile(dut.report), HasSubstr("<svg"));
 }
 

@@ -13,6 +13,7 @@
 #include "common/bus/log_file.hpp"
 #include "common/bus/memory_bus.hpp"
 #include "common/experiment/experiment_file.hpp"
+#include "common/experiment/service_placement.hpp"
 #include "common/loop/virtual_loop.hpp"
 #include "common/serial/memory_serial.hpp"
 #include "sim_svc/sim_service.hpp"
@@ -258,11 +259,11 @@ TEST_F(BodiesTest, MissingFilesPreventTheStart) {
                             ": no camera frame has robot 9; it has 8")));
 }
 
-TEST(Bodies, TheServiceIsOnlyNeededForRobotsThatItMoves) {
+TEST(Bodies, TheServiceIsNotNeededWhenAllRobotsAreReal) {
   Experiment experiment = parseExperiment(kExperiment, "bodies");
-  EXPECT_TRUE(serviceDescription().isNeededFor(experiment));
+  EXPECT_TRUE(isNeeded(experiment, "sim_svc"));
   for (RobotSpec& robot : experiment.robots) robot.body = Body::kSerial;
-  EXPECT_FALSE(serviceDescription().isNeededFor(experiment));
+  EXPECT_FALSE(isNeeded(experiment, "sim_svc"));
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "runner/calibrate/calibrate_commands.hpp"
 #include "runner/command_line/exit_code.hpp"
 
 namespace lab::runner::command_line_test {
@@ -18,7 +19,12 @@ int runLab(std::vector<std::string> words) {
   words.insert(words.begin(), "lab");
   std::vector<char*> raw;
   for (std::string& word : words) raw.push_back(word.data());
-  return runCommandLine(static_cast<int>(raw.size()), raw.data());
+  raw.push_back(nullptr);
+  const int count = static_cast<int>(words.size());
+  if (words.size() < 2 || words[1] != "calibrate") return runCommandLine(count, raw.data());
+  // This command is the program lab-calibrate.
+  return runCommands(count, raw.data(),
+                     [](CLI::App& app, Chosen& chosen) { addCalibrate(app, chosen, {}); });
 }
 
 TEST(CommandLine, NamesAnUnknownCommandAndListsTheKnownOnes) {

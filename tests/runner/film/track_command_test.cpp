@@ -13,7 +13,7 @@
 #include "common/calibration/camera_file.hpp"
 #include "common/experiment/experiment_file.hpp"
 #include "runner/command_line/exit_code.hpp"
-#include "runner/commands/commands.hpp"
+#include "runner/film/film_commands.hpp"
 #include "runner/film/movie_writer.hpp"
 #include "tests/support/film_samples.hpp"
 #include "tests/support/temporary_folder.hpp"
