@@ -13,20 +13,24 @@ endif()
 find_program(LCM_GEN lcm-gen REQUIRED)
 
 # add_lcm_types(target package file.lcm...)
-# An interface library whose headers are generated, file by file, into the build tree. The headers
-# are SYSTEM: lcm-gen's code does not meet our warning level.
+# An interface library whose headers are generated, file by file, into the build tree: lcm-gen's class
+# and the check of its encodings. The headers are SYSTEM: lcm-gen's code does not meet our warning
+# level.
 function(add_lcm_types target package)
   set(out "${CMAKE_CURRENT_BINARY_DIR}/gen")
   set(checked_decoding "${PROJECT_SOURCE_DIR}/cmake/CheckedDecoding.cmake")
   set(headers)
   foreach(file IN LISTS ARGN)
     get_filename_component(type "${file}" NAME_WE)
+    set(class "lcm_gen/${package}/${type}.hpp")
     set(header "${out}/${package}/${type}.hpp")
     add_custom_command(
       OUTPUT "${header}"
-      COMMAND "${LCM_GEN}" --cpp --cpp-std c++11 --cpp-hpath "${out}"
+      BYPRODUCTS "${out}/${class}"
+      COMMAND "${LCM_GEN}" --cpp --cpp-std c++11 --cpp-hpath "${out}/lcm_gen"
               "${CMAKE_CURRENT_SOURCE_DIR}/${file}"
-      COMMAND "${CMAKE_COMMAND}" "-DFILE=${header}" -P "${checked_decoding}"
+      COMMAND "${CMAKE_COMMAND}" "-DTYPE=${CMAKE_CURRENT_SOURCE_DIR}/${file}" "-DCLASS=${class}"
+              "-DHEADER=${header}" -P "${checked_decoding}"
       DEPENDS "${file}" "${checked_decoding}"
       VERBATIM)
     list(APPEND headers "${header}")

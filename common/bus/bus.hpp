@@ -47,8 +47,9 @@ template <class Message>
 std::vector<std::uint8_t> encode(const Message& message);
 
 /// Decodes into a fresh message (LCM leaves old vector contents in a reused one), and accepts it
-/// only when all bytes were used (LCM ignores a tail). Never throws: a corrupt array length makes
-/// LCM's generated decoder throw, which is a decode error like any other.
+/// only when all bytes were used (LCM ignores a tail). Counts and lengths are checked before LCM's
+/// generated decoder trusts them (lcmtypes/encoding_checker.hpp). Never throws: a failed allocation
+/// is a decode error like any other.
 /// @return whether `data` is a Message.
 template <class Message>
 [[nodiscard]] bool decode(Bytes data, Message& message) noexcept;

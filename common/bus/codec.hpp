@@ -3,8 +3,10 @@
 
 #include <cstddef>
 #include <stdexcept>
+#include <utility>
 
 #include "common/bus/bus.hpp"
+#include "lcmtypes/encoding_checker.hpp"
 
 namespace lab {
 
@@ -18,13 +20,15 @@ std::vector<std::uint8_t> encode(const Message& message) {
   return bytes;
 }
 
-/// Eight bytes for each byte of a packet are still counted in an int.
-inline constexpr std::size_t kMostBytes = (std::size_t{1} << 28) - 1;
-
 template <class Message>
 bool decode(Bytes data, Message& message) noexcept {
-  if (data.size() > kMostBytes) return false;
+  static_assert(CheckedMessage<Message>, "add_lcm_types() makes the check of a message's encoding");
+  if (!std::in_range<int>(data.size())) return false;
   const int size = static_cast<int>(data.size());
+  EncodingChecker packet(data);
+  packet.numbers(sizeof(std::int64_t), 1);  // the fingerprint
+  checkFields(packet, &message);
+  if (!packet.complete()) return false;
   try {
     Message fresh{};
     if (fresh.decode(data.data(), 0, size) != size) return false;

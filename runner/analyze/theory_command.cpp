@@ -82,7 +82,7 @@ double numberIn(std::string_view text, const char* option) {
       fmt::format("theory: {}: found \"{}\", allowed numbers, separated by commas", option, text));
 }
 
-std::vector<double> numbersIn(const std::string& list, const char* option) {
+std::vector<double> numberList(const std::string& list, const char* option) {
   std::vector<double> numbers;
   for (std::size_t begin = 0; begin <= list.size();) {
     const std::size_t end = std::min(list.find(',', begin), list.size());
@@ -94,7 +94,7 @@ std::vector<double> numbersIn(const std::string& list, const char* option) {
 
 std::vector<double> lagsOf(const std::string& list) {
   if (!list.empty()) {
-    std::vector<double> lags = numbersIn(list, "--lags");
+    std::vector<double> lags = numberList(list, "--lags");
     for (const double lag : lags) {
       if (lag > 0 && lag <= 1e6) continue;
       throw UserError(fmt::format("theory: --lags: found {:g}, allowed above 0 to 1000000 s", lag));
@@ -115,7 +115,7 @@ std::vector<double> lagsOf(const std::string& list) {
 /// The range of turning angles [rad] that is asked for, the full circle by default.
 std::pair<double, double> turningOf(const TheoryOptions& options) {
   if (options.turning_deg.empty()) return {-std::numbers::pi, std::numbers::pi};
-  const std::vector<double> ends = numbersIn(options.turning_deg, "--turning-deg");
+  const std::vector<double> ends = numberList(options.turning_deg, "--turning-deg");
   if (ends.size() != 2 || ends[0] > ends[1] || std::abs(ends[0]) > 3600 ||
       std::abs(ends[1]) > 3600) {
     throw UserError(

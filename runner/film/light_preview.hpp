@@ -43,7 +43,7 @@ class LightPreview {
  private:
   struct Step {
     projector::Scene scene;
-    projector::Robots robots{};
+    projector::RobotTracks robots{};
     double seen = -1;  ///< [s] until when the robots stood there
   };
 

@@ -11,7 +11,7 @@ namespace lab::runner {
 
 void ExperimentController::take(const experiment_command_t& wish) {
   if (phase_ == Phase::kIdle) return;
-  wishes_.take(wish);
+  request_log_.take(wish);
   sendStatus();
 }
 
@@ -92,7 +92,7 @@ experiment_status_t ExperimentController::status() const {
   status.step_left =
       in_script ? light_.script().stepLeft(loop_.now()) : std::numeric_limits<double>::quiet_NaN();
   status.stop = now.stop;
-  wishes_.write(status);
+  request_log_.write(status);
   return status;
 }
 

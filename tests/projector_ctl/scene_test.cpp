@@ -63,7 +63,7 @@ class SceneTest : public testing::Test {
   const Scene::Picture& pictureAt(double time) { return dut->at({at(time), at(time)}, robots); }
 
   SceneContext around{.robots = {1, 2}, .programs = {"abp", "bp"}};
-  Robots robots;
+  RobotTracks robots;
   std::unique_ptr<Scene> dut;
   std::int64_t number = 0;
 };

@@ -36,11 +36,11 @@ TEST_P(WrongExperiment, IsRefusedWithFileLineKeyAndWayOut) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Files, WrongExperiment,
-                         ::testing::ValuesIn(tomlFiles("tests/common/wrong_experiments")),
+                         ::testing::ValuesIn(tomlFiles("tests/common/experiment/wrong_experiments")),
                          [](const auto& parameter) { return parameter.param.stem().string(); });
 
 TEST(WrongExperiments, AreMoreThanEighty) {
-  EXPECT_GT(tomlFiles("tests/common/wrong_experiments").size(), 80U);
+  EXPECT_GT(tomlFiles("tests/common/experiment/wrong_experiments").size(), 80U);
 }
 
 }  // namespace

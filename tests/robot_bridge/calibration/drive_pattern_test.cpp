@@ -6,11 +6,11 @@
 #include <set>
 
 #include "robot/dynamics/kinematics.hpp"
+#include "tests/robot_bridge/calibration/synthetic_motor_tracks.hpp"
 
 namespace lab::calibration {
 namespace {
 
-constexpr double kMax = 0.27;
 constexpr double kDiameter = 0.075;
 
 Surroundings emptyArena() { return {1.2, 0.9, {}, kDiameter}; }
@@ -18,8 +18,9 @@ Surroundings emptyArena() { return {1.2, 0.9, {}, kDiameter}; }
 dynamics::Pose after(const Pattern& pattern, const Motors& motors) {
   dynamics::Pose pose;
   for (const PatternStep& step : pattern) {
-    const double left = wheelSpeed(motors.left, dutyFor({}, step.left, kMax, true), kMax);
-    const double right = wheelSpeed(motors.right, dutyFor({}, step.right, kMax, true), kMax);
+    const double left = wheelSpeed(motors.left, dutyFor({}, step.left, kMaxSpeed, true), kMaxSpeed);
+    const double right =
+        wheelSpeed(motors.right, dutyFor({}, step.right, kMaxSpeed, true), kMaxSpeed);
     pose = dynamics::apply(
         dynamics::makeArc(left, right, motors.wheel_base, step.duration + kSettleTime), pose);
   }
@@ -30,10 +31,10 @@ TEST(Pattern, OrdersWholeDutiesWhateverTheRobotBelieves) {
   for (const Motors& believed : {Motors{}, Motors{{0.93, 20.0 / 255}, {1.08, 31.0 / 255}, 0.07},
                                  Motors{{1.2, 100.0 / 255}, {0.8, 0}, 0.08}}) {
     std::set<int> duties;
-    for (const PatternStep& step : calibrationPattern(believed, kMax)) {
-      EXPECT_LE(std::fabs(step.left), kMax * believed.left.gain);
-      const double exact = dutyFor(believed.left, step.left, kMax, false) * 255;
-      const double whole = dutyFor(believed.left, step.left, kMax, true) * 255;
+    for (const PatternStep& step : calibrationPattern(believed, kMaxSpeed)) {
+      EXPECT_LE(std::fabs(step.left), kMaxSpeed * believed.left.gain);
+      const double exact = dutyFor(believed.left, step.left, kMaxSpeed, false) * 255;
+      const double whole = dutyFor(believed.left, step.left, kMaxSpeed, true) * 255;
       EXPECT_NEAR(exact, whole, 0.01);
       duties.insert(static_cast<int>(std::lround(std::fabs(whole))));
     }
@@ -45,7 +46,7 @@ TEST(Pattern, OrdersWholeDutiesWhateverTheRobotBelieves) {
 TEST(Pattern, BringsAnyRobotBack) {
   for (const Motors& motors :
        {Motors{}, Motors{{0.9, 0.08}, {1.1, 0.05}, 0.08}, Motors{{1.05, 0.3}, {1, 0}, 0.07}}) {
-    for (const Pattern& pattern : {calibrationPattern({}, kMax), checkPattern(kMax)}) {
+    for (const Pattern& pattern : {calibrationPattern({}, kMaxSpeed), checkPattern(kMaxSpeed)}) {
       const dynamics::Pose end = after(pattern, motors);
       EXPECT_LT(std::hypot(end.x, end.y), 1e-9);
       EXPECT_LT(std::fabs(end.theta), 1e-9);
@@ -54,29 +55,29 @@ TEST(Pattern, BringsAnyRobotBack) {
 }
 
 TEST(Pattern, StaysNear) {
-  EXPECT_LT(reachOf(calibrationPattern({}, kMax), kDiameter), 0.15);
-  EXPECT_LT(reachOf(checkPattern(kMax), kDiameter), 0.15);
-  EXPECT_GT(reachOf(checkPattern(kMax), kDiameter), 0.05);
+  EXPECT_LT(reachOf(calibrationPattern({}, kMaxSpeed), kDiameter), 0.15);
+  EXPECT_LT(reachOf(checkPattern(kMaxSpeed), kDiameter), 0.15);
+  EXPECT_GT(reachOf(checkPattern(kMaxSpeed), kDiameter), 0.05);
 }
 
 TEST(Pattern, TheCheckDrivesSpeedsThatTheFitHasNotSeen) {
   std::set<long> seen;
-  for (const PatternStep& step : calibrationPattern({}, kMax)) {
+  for (const PatternStep& step : calibrationPattern({}, kMaxSpeed)) {
     seen.insert(std::lround(step.left * 1e4));
   }
-  for (const PatternStep& step : checkPattern(kMax)) {
+  for (const PatternStep& step : checkPattern(kMaxSpeed)) {
     EXPECT_FALSE(seen.contains(std::lround(step.left * 1e4))) << step.left;
   }
 }
 
 TEST(RoomyHeading, KeepsTheHeadingWhereThereIsRoom) {
-  const auto heading = clearHeading(checkPattern(kMax), {0.6, 0.45, 1.2}, emptyArena());
+  const auto heading = clearHeading(checkPattern(kMaxSpeed), {0.6, 0.45, 1.2}, emptyArena());
   ASSERT_TRUE(heading);
   EXPECT_NEAR(*heading, 1.2, 1e-12);
 }
 
 TEST(RoomyHeading, TurnsAwayFromAWall) {
-  const auto heading = clearHeading(checkPattern(kMax), {1.12, 0.45, 0}, emptyArena());
+  const auto heading = clearHeading(checkPattern(kMaxSpeed), {1.12, 0.45, 0}, emptyArena());
   ASSERT_TRUE(heading);
   EXPECT_GT(std::fabs(*heading), 1);
 }
@@ -87,43 +88,44 @@ TEST(RoomyHeading, FindsTheOneFreeWayAmongRobots) {
     const double angle = degree * M_PI / 180;
     around.others.push_back({0.6 + 0.18 * std::cos(angle), 0.45 + 0.18 * std::sin(angle), 0});
   }
-  const auto heading = clearHeading(checkPattern(kMax), {0.6, 0.45, M_PI}, around);
+  const auto heading = clearHeading(checkPattern(kMaxSpeed), {0.6, 0.45, M_PI}, around);
   ASSERT_TRUE(heading);
   EXPECT_LT(std::fabs(*heading - 20 * M_PI / 180), 0.9);
 }
 
 TEST(RoomyHeading, IsNotTheEdgeOfTheRoom) {
   const Place robot{1.12, 0.45, 0};
-  const double heading = clearHeading(checkPattern(kMax), robot, emptyArena()).value();
+  const double heading = clearHeading(checkPattern(kMaxSpeed), robot, emptyArena()).value();
   for (const double off : {-0.08, 0.08}) {
     const double nearby = heading + off;
-    const auto again = clearHeading(checkPattern(kMax), {robot.x, robot.y, nearby}, emptyArena());
+    const auto again =
+        clearHeading(checkPattern(kMaxSpeed), {robot.x, robot.y, nearby}, emptyArena());
     EXPECT_NEAR(again.value(), nearby, 1e-9);
   }
 }
 
 TEST(EscapePath, LeadsAwayFromAWallThatIsTooNear) {
   const Place at_the_wall{0.41, 0.86, 2.0};
-  EXPECT_FALSE(clearHeading(checkPattern(kMax), at_the_wall, emptyArena()));
-  const auto way = escapePath(checkPattern(kMax), at_the_wall, emptyArena());
+  EXPECT_FALSE(clearHeading(checkPattern(kMaxSpeed), at_the_wall, emptyArena()));
+  const auto way = escapePath(checkPattern(kMaxSpeed), at_the_wall, emptyArena());
   ASSERT_TRUE(way);
   EXPECT_LT(std::sin(way->heading), -0.25);
   EXPECT_LE(way->distance, 0.08);
   const Place there{at_the_wall.x + way->distance * std::cos(way->heading),
                     at_the_wall.y + way->distance * std::sin(way->heading), way->heading};
-  EXPECT_TRUE(clearHeading(checkPattern(kMax), there, emptyArena()));
+  EXPECT_TRUE(clearHeading(checkPattern(kMaxSpeed), there, emptyArena()));
 }
 
 TEST(EscapePath, IsNoneForARobotThatIsShutIn) {
   Surroundings around = emptyArena();
   around.others = {{0.05 + 0.08, 0.05, 0}, {0.05, 0.05 + 0.08, 0}, {0.14, 0.14, 0}};
-  EXPECT_FALSE(escapePath(checkPattern(kMax), {0.05, 0.05, 0}, around));
+  EXPECT_FALSE(escapePath(checkPattern(kMaxSpeed), {0.05, 0.05, 0}, around));
 }
 
 TEST(RoomyHeading, SaysWhenThereIsNone) {
   Surroundings around = emptyArena();
   around.others = {{0.69, 0.45, 0}, {0.51, 0.45, 0}, {0.6, 0.54, 0}, {0.6, 0.36, 0}};
-  EXPECT_FALSE(clearHeading(calibrationPattern({}, kMax), {0.6, 0.45, 0}, around));
+  EXPECT_FALSE(clearHeading(calibrationPattern({}, kMaxSpeed), {0.6, 0.45, 0}, around));
 }
 
 }  // namespace

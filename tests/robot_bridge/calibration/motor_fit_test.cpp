@@ -15,7 +15,7 @@ using testing::HasSubstr;
 const Motors kHidden{{0.94, 0.081}, {1.06, 0.067}, 0.0768};
 
 std::vector<Segment> driven(const Motors& motors, std::uint64_t seed, const Camera& camera = {}) {
-  return SyntheticRobot(motors, camera, seed).drive(calibrationPattern({}, kMax), {});
+  return SyntheticRobot(motors, camera, seed).drive(calibrationPattern({}, kMaxSpeed), {});
 }
 
 /// Fitted less true, in standard errors.
@@ -37,7 +37,7 @@ TEST(MotorFit, FindsHiddenMotorsWithHonestErrors) {
     const Motors truth{{1 + 0.05 * random.normal(), 0.1 * random.uniform()},
                        {1 + 0.05 * random.normal(), 0.1 * random.uniform()},
                        0.075 * (1 + 0.02 * random.normal())};
-    const MotorFit fit = fitMotors(driven(truth, static_cast<std::uint64_t>(seed)), {}, kMax);
+    const MotorFit fit = fitMotors(driven(truth, static_cast<std::uint64_t>(seed)), {}, kMaxSpeed);
     ASSERT_EQ(fit.refusal, "") << seed;
     EXPECT_EQ(fit.segments.used, fit.segments.driven);
     for (const double pull : pulls(fit, truth)) {
@@ -58,7 +58,7 @@ TEST(MotorFit, FindsHiddenMotorsWithHonestErrors) {
 }
 
 TEST(MotorFit, IsExactForATrackerWithoutNoise) {
-  const MotorFit fit = fitMotors(driven(kHidden, 1, {50, {0, 0}}), {}, kMax);
+  const MotorFit fit = fitMotors(driven(kHidden, 1, {50, {0, 0}}), {}, kMaxSpeed);
   ASSERT_EQ(fit.refusal, "");
   EXPECT_NEAR(fit.motors.left.gain, kHidden.left.gain, 1e-7);
   EXPECT_NEAR(fit.motors.right.gain, kHidden.right.gain, 1e-7);
@@ -69,7 +69,7 @@ TEST(MotorFit, IsExactForATrackerWithoutNoise) {
 
 TEST(MotorFit, FindsADeadBandThatSwallowsTheLowestSpeeds) {
   const Motors sluggish{{1, 0.35}, {0.97, 0.33}, 0.075};
-  const MotorFit fit = fitMotors(driven(sluggish, 2), {}, kMax);
+  const MotorFit fit = fitMotors(driven(sluggish, 2), {}, kMaxSpeed);
   ASSERT_EQ(fit.refusal, "");
   for (const double pull : pulls(fit, sluggish)) EXPECT_LT(std::fabs(pull), 4);
 }
@@ -77,7 +77,7 @@ TEST(MotorFit, FindsADeadBandThatSwallowsTheLowestSpeeds) {
 TEST(MotorFit, TellsAnOffCentreMarkerFromUnequalWheels) {
   SyntheticRobot robot(kHidden, {}, 3);
   robot.setLateral(0.003);
-  const MotorFit fit = fitMotors(robot.drive(calibrationPattern({}, kMax), {}), {}, kMax);
+  const MotorFit fit = fitMotors(robot.drive(calibrationPattern({}, kMaxSpeed), {}), {}, kMaxSpeed);
   ASSERT_EQ(fit.refusal, "");
   EXPECT_NEAR(fit.lateral, 0.003, 4 * fit.lateral_error);
   for (const double pull : pulls(fit, kHidden)) EXPECT_LT(std::fabs(pull), 4);
@@ -86,8 +86,8 @@ TEST(MotorFit, TellsAnOffCentreMarkerFromUnequalWheels) {
 TEST(MotorFit, StartsFromWhatTheRobotBelievesAlready) {
   const Motors believed{{1.1, 20.0 / 255}, {0.9, 30.0 / 255}, 0.07};
   const auto segments =
-      SyntheticRobot(kHidden, {}, 4).drive(calibrationPattern(believed, kMax), believed);
-  const MotorFit fit = fitMotors(segments, {}, kMax);
+      SyntheticRobot(kHidden, {}, 4).drive(calibrationPattern(believed, kMaxSpeed), believed);
+  const MotorFit fit = fitMotors(segments, {}, kMaxSpeed);
   ASSERT_EQ(fit.refusal, "");
   for (const double pull : pulls(fit, kHidden)) EXPECT_LT(std::fabs(pull), 4);
 }
@@ -106,7 +106,7 @@ TEST(MotorFit, LeavesOutACollisionAndCountsIt) {
     point.y = (point.y + first.y) / 2;
     point.theta = first.theta + std::remainder(point.theta - first.theta, 2 * std::numbers::pi) / 2;
   }
-  const MotorFit fit = fitMotors(segments, {}, kMax);
+  const MotorFit fit = fitMotors(segments, {}, kMaxSpeed);
   ASSERT_EQ(fit.refusal, "");
   EXPECT_EQ(fit.segments.uneven + fit.segments.outlying, 2);
   EXPECT_EQ(fit.segments.uneven, 1);
@@ -119,7 +119,7 @@ TEST(MotorFit, RefusesARobotThatWasHardlySeen) {
   for (std::size_t i = 0; i < segments.size(); i += 2) {
     segments[i].track.resize(segments[i].track.size() / 3);
   }
-  const MotorFit fit = fitMotors(segments, {}, kMax);
+  const MotorFit fit = fitMotors(segments, {}, kMaxSpeed);
   EXPECT_THAT(fit.refusal, HasSubstr("16 of 32 parts of the pattern are usable, 24 are needed"));
   EXPECT_THAT(fit.refusal, HasSubstr("16 not seen"));
 }
@@ -136,14 +136,14 @@ TEST(MotorFit, RefusesARobotThatBumpsIntoThingsAllTheTime) {
       segment.track[k].time = static_cast<double>(k) / 50;
     }
   }
-  const MotorFit fit = fitMotors(segments, {}, kMax);
+  const MotorFit fit = fitMotors(segments, {}, kMaxSpeed);
   EXPECT_THAT(fit.refusal, HasSubstr("are needed"));
   EXPECT_GE(fit.segments.uneven + fit.segments.outlying, 9);
 }
 
 TEST(MotorFit, RefusesARobotThatStands) {
   auto segments = driven({{0, 0}, {0, 0}, 0.075}, 8);
-  const MotorFit fit = fitMotors(segments, {}, kMax);
+  const MotorFit fit = fitMotors(segments, {}, kMaxSpeed);
   EXPECT_NE(fit.refusal, "");
 }
 
@@ -151,23 +151,23 @@ TEST(MotorFit, RefusesWheelsThatFollowNoLine) {
   // Each wheel turns at the square of its duty.
   std::vector<Segment> segments;
   Random random(9);
-  for (const PatternStep& step : calibrationPattern({}, kMax)) {
+  for (const PatternStep& step : calibrationPattern({}, kMaxSpeed)) {
     Motors at_this_duty;
-    at_this_duty.left.gain = std::fabs(step.left) / kMax;
-    at_this_duty.right.gain = std::fabs(step.right) / kMax;
+    at_this_duty.left.gain = std::fabs(step.left) / kMaxSpeed;
+    at_this_duty.right.gain = std::fabs(step.right) / kMaxSpeed;
     segments.push_back(SyntheticRobot(at_this_duty, {}, random.next()).drive(step, {}));
   }
-  const MotorFit fit = fitMotors(segments, {}, kMax);
+  const MotorFit fit = fitMotors(segments, {}, kMaxSpeed);
   EXPECT_THAT(fit.refusal, HasSubstr("miss the fitted speeds"));
 }
 
 TEST(MotorFit, RefusesATrackerThatIsTooCoarse) {
-  const MotorFit fit = fitMotors(driven(kHidden, 10, {50, {0.01, 0.2}}), {}, kMax);
+  const MotorFit fit = fitMotors(driven(kHidden, 10, {50, {0.01, 0.2}}), {}, kMaxSpeed);
   EXPECT_THAT(fit.refusal, HasSubstr("not known well enough"));
 }
 
 TEST(MotorFit, RefusesANominalSpeedThatIsFarOff) {
-  const MotorFit fit = fitMotors(driven({{0.4, 0}, {0.41, 0}, 0.075}, 11), {}, kMax);
+  const MotorFit fit = fitMotors(driven({{0.4, 0}, {0.41, 0}, 0.075}, 11), {}, kMaxSpeed);
   EXPECT_THAT(fit.refusal, HasSubstr("max_wheel_speed_cm_s"));
 }
 
@@ -179,13 +179,13 @@ TEST(MotorFit, WhatIsStoredDrivesWithinHalfAPercent) {
                        {1 + 0.05 * random.normal(), 0.15 * random.uniform()},
                        0.075 * (1 + 0.02 * random.normal())};
     SyntheticRobot robot(truth, {}, seed);
-    const auto segments = robot.drive(calibrationPattern({}, kMax), {});
-    const MotorFit fit = fitMotors(segments, {}, kMax);
+    const auto segments = robot.drive(calibrationPattern({}, kMaxSpeed), {});
+    const MotorFit fit = fitMotors(segments, {}, kMaxSpeed);
     ASSERT_EQ(fit.refusal, "");
-    const Motors stored = fitStorable(fit, segments, kMax);
+    const Motors stored = fitStorable(fit, segments, kMaxSpeed);
     EXPECT_EQ(stored, storable(stored));
-    const SpeedCheck before = checkSpeeds(robot.check({}), {}, kMax, fit.lateral);
-    const SpeedCheck after = checkSpeeds(robot.check(stored), stored, kMax, fit.lateral);
+    const SpeedCheck before = checkSpeeds(robot.check({}), {}, kMaxSpeed, fit.lateral);
+    const SpeedCheck after = checkSpeeds(robot.check(stored), stored, kMaxSpeed, fit.lateral);
     EXPECT_LT(after.motors_speed, 0.005) << seed;
     EXPECT_LT(after.motors_turn, 0.005 + 4 * after.turn_noise / std::sqrt(6)) << seed;
     EXPECT_LT(after.speed, before.speed);

@@ -18,8 +18,8 @@ std::vector<TrackPoint> track(double left, double right, std::uint64_t seed) {
 }
 
 Eigen::Vector2d truth(double left, double right) {
-  const Motion motion =
-      motionOf(kMotors, dutyFor({}, left, kMax, true), dutyFor({}, right, kMax, true), kMax);
+  const Motion motion = motionOf(kMotors, dutyFor({}, left, kMaxSpeed, true),
+                                 dutyFor({}, right, kMaxSpeed, true), kMaxSpeed);
   return {motion.speed, motion.turn};
 }
 

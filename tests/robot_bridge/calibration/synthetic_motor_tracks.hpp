@@ -13,7 +13,7 @@
 
 namespace lab::calibration {
 
-inline constexpr double kMax = 0.27;  // m/s
+inline constexpr double kMaxSpeed = 0.27;  // m/s
 
 struct Camera {
   double fps = 50;
@@ -32,11 +32,11 @@ class SyntheticRobot {
 
   Segment drive(const PatternStep& step, const Motors& believed) {
     Segment segment;
-    segment.duty_left = dutyFor(believed.left, step.left, kMax, true);
-    segment.duty_right = dutyFor(believed.right, step.right, kMax, true);
+    segment.duty_left = dutyFor(believed.left, step.left, kMaxSpeed, true);
+    segment.duty_right = dutyFor(believed.right, step.right, kMaxSpeed, true);
     segment.frames = static_cast<int>(std::lround(step.duration * camera_.fps));
-    const double left = wheelSpeed(motors_.left, segment.duty_left, kMax);
-    const double right = wheelSpeed(motors_.right, segment.duty_right, kMax);
+    const double left = wheelSpeed(motors_.left, segment.duty_left, kMaxSpeed);
+    const double right = wheelSpeed(motors_.right, segment.duty_right, kMaxSpeed);
     const dynamics::Arc settle = dynamics::makeArc(left, right, motors_.wheel_base, kSettleTime);
     const dynamics::Arc frame = dynamics::makeArc(left, right, motors_.wheel_base, 1 / camera_.fps);
     pose_ = dynamics::apply(settle, pose_);
@@ -55,7 +55,7 @@ class SyntheticRobot {
 
   std::vector<CheckedSegment> check(const Motors& believed) {
     std::vector<CheckedSegment> segments;
-    for (const PatternStep& step : checkPattern(kMax)) {
+    for (const PatternStep& step : checkPattern(kMaxSpeed)) {
       segments.push_back({step.left, step.right, drive(step, believed)});
     }
     return segments;
