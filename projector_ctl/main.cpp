@@ -1,6 +1,9 @@
 #include <CLI/CLI.hpp>
+#include <cstdint>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
+#include <string>
 
 #include "projector_ctl/calibration/adjust_service.hpp"
 #include "projector_ctl/display/display_sdl.hpp"

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <lab/robot_status_t.hpp>
 #include <lab/robot_steps_t.hpp>
+#include <vector>
 
 #include "common/bus/channels.hpp"
 #include "common/experiment/service_placement.hpp"

@@ -5,6 +5,7 @@
 #include <lab/robot_status_t.hpp>
 #include <lab/sim_truth_t.hpp>
 #include <lab/tracked_frame_t.hpp>
+#include <string>
 
 #include "common/bus/channels.hpp"
 #include "common/experiment/service_placement.hpp"

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "tracker_svc/circle_fit/circle_fit_correlation.hpp"
 #include "tracker_svc/circle_fit/circle_fit_edge.hpp"

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <numbers>
 #include <optional>
+#include <string_view>
 #include <tuple>
 
 #include "light/photometry/camera_response.hpp"

@@ -8,6 +8,8 @@
 #include <lab/light_seen_t.hpp>
 #include <lab/light_status_t.hpp>
 #include <lab/robot_state_t.hpp>
+#include <optional>
+#include <stdexcept>
 #include <utility>
 
 #include "common/bus/channels.hpp"

@@ -7,6 +7,7 @@
 #include <lab/tracked_frame_t.hpp>
 #include <lab/tracker_status_t.hpp>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 

@@ -62,7 +62,7 @@ struct ServiceDescription {
   ServiceFactory make;
   std::function<void(CLI::App&)> add_options{};  ///< adds its own command line options
   bool uses_ports = false;                       ///< whether its command line has --ports
-  CamerasFactory make_cameras{};                 ///< set by main(); empty: the service uses no cameras
+  CamerasFactory make_cameras{};  ///< set by main(); empty: the service uses no cameras
 };
 
 /// Parses the command line, joins the bus, runs the service until SIGINT or SIGTERM, and publishes

@@ -1,6 +1,8 @@
 // Simplifies a light field inside a small disc, where most layers have no edge.
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <optional>
 
 #include "light/field/field.hpp"
 #include "light/field/image.hpp"

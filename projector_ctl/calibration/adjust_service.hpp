@@ -1,6 +1,7 @@
 /// Manual adjustment of the projector's corners: `projector_ctl --adjust FILE`.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 

@@ -1,8 +1,11 @@
 #include "projector_ctl/calibration/projector_patterns.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
+#include <optional>
 #include <stdexcept>
 
 namespace lab::calibration {

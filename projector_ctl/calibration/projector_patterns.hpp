@@ -7,6 +7,8 @@
 /// insensitive to harmonics up to N - 2, caused by a nonlinear response.
 #pragma once
 
+#include <array>
+#include <optional>
 #include <string>
 #include <vector>
 

@@ -1,6 +1,8 @@
 #include "projector_ctl/display/screen_setup.hpp"
 
 #include <chrono>
+#include <cstdint>
+#include <string>
 #include <thread>
 #include <utility>
 

@@ -1,6 +1,7 @@
 /// Photometric correction of pixels by tables.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "light/optics/projector_model.hpp"

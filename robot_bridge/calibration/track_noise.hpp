@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <vector>
 
 #include "robot_bridge/calibration/motor_fit.hpp"
 

@@ -1,6 +1,7 @@
 #include "robot_bridge/protocol/robot_messages.hpp"
 
 #include <algorithm>
+#include <cstdint>
 #include <utility>
 
 #include "common/math/units.hpp"

@@ -1,6 +1,7 @@
 /// Converts a robot's reports into the messages ROBOT_STATUS and ROBOT_STEPS.
 #pragma once
 
+#include <cstdint>
 #include <lab/robot_state_t.hpp>
 #include <lab/robot_step_t.hpp>
 #include <optional>

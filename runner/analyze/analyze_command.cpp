@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
 #include <cstdio>
+#include <filesystem>
+#include <string>
 
 #include "analyzer/analyze_run.hpp"
 #include "common/math/units.hpp"

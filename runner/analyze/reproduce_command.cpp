@@ -5,10 +5,14 @@
 #include <atomic>
 #include <chrono>
 #include <csignal>
+#include <cstdint>
 #include <cstdio>
 #include <exception>
+#include <filesystem>
 #include <mutex>
+#include <string>
 #include <thread>
+#include <vector>
 
 #include "analyzer/reproduction_page.hpp"
 #include "common/experiment/experiment_file.hpp"

@@ -1,5 +1,9 @@
 #include <fmt/format.h>
 
+#include <filesystem>
+#include <string>
+#include <vector>
+
 #include "analyzer/analysis_feed.hpp"
 #include "analyzer/laws.hpp"
 #include "common/calibration/light_file.hpp"
@@ -21,8 +25,7 @@ ExitCode check(const fs::path& file, const std::vector<std::string>& set) {
   static_cast<void>(activeLightCalibration(experiment, file.parent_path()));
   checkScenes(experiment, file.parent_path());
   const auto length = [&](const RobotProgram& program) {
-    const analysis::ProgramLaw law =
-        analysis::toLaw(program, experiment.hardware.diameter);
+    const analysis::ProgramLaw law = analysis::toLaw(program, experiment.hardware.diameter);
     return analysis::ExactLaw(law).persistenceLength();
   };
   fmt::print("{}", describeExperiment(experiment, length));

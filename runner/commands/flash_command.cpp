@@ -5,7 +5,9 @@
 
 #include <cerrno>
 #include <cstdio>
+#include <filesystem>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "common/loop/asio_loop.hpp"

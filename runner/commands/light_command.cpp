@@ -1,7 +1,11 @@
 #include <fmt/format.h>
 
+#include <cstdint>
+#include <filesystem>
 #include <lab/light_command_t.hpp>
 #include <lab/light_status_t.hpp>
+#include <string>
+#include <vector>
 
 #include "common/bus/channels.hpp"
 #include "common/bus/lcm_bus.hpp"

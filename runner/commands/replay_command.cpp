@@ -3,10 +3,15 @@
 
 #include <algorithm>
 #include <csignal>
+#include <cstdint>
 #include <cstdio>
+#include <filesystem>
 #include <lab/clock_t.hpp>
 #include <lab/robot_state_t.hpp>
 #include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "analyzer/log_source.hpp"
 #include "common/bus/channels.hpp"

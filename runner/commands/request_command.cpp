@@ -1,5 +1,8 @@
 #include <fmt/format.h>
 
+#include <cstdint>
+#include <string>
+
 #include "common/bus/channels.hpp"
 #include "common/bus/lcm_bus.hpp"
 #include "common/loop/asio_loop.hpp"

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <random>
+#include <span>
 #include <utility>
 
 #include "common/experiment/experiment.hpp"

@@ -3,9 +3,13 @@
 
 #include <array>
 #include <csignal>
+#include <cstdint>
 #include <cstdio>
 #include <lab/link_status_t.hpp>
 #include <map>
+#include <optional>
+#include <string>
+#include <string_view>
 
 #include "common/bus/channels.hpp"
 #include "common/bus/codec.hpp"

@@ -1,12 +1,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <functional>
 #include <lab/robot_status_t.hpp>
 #include <lab/robot_stop_t.hpp>
 #include <list>
 #include <memory>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "common/bus/bus_error.hpp"
 #include "common/bus/channels.hpp"

@@ -5,7 +5,10 @@
 #include <unistd.h>
 
 #include <csignal>
+#include <cstdint>
+#include <filesystem>
 #include <fstream>
+#include <string>
 
 #include "common/bus/lcm_bus.hpp"
 #include "common/experiment/service_placement.hpp"

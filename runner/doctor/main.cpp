@@ -4,6 +4,8 @@
 #include <iostream>
 #include <iterator>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "common/experiment/experiment_file.hpp"
 #include "common/process/installation.hpp"

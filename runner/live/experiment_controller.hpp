@@ -15,6 +15,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "common/service/service_main.hpp"
 #include "runner/live/handshake.hpp"

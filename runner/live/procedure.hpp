@@ -1,6 +1,7 @@
 /// A procedure (a calibration) that drives the robots of a run instead of their light table.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 

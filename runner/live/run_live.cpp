@@ -3,10 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <csignal>
 #include <lab/link_status_t.hpp>
 #include <lab/service_status_t.hpp>
+#include <optional>
 #include <thread>
+#include <vector>
 
 #include "common/bus/channels.hpp"
 #include "common/bus/lcm_bus.hpp"

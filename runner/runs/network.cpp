@@ -5,6 +5,8 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <cstdint>
+
 #include "common/bus/lcm_bus.hpp"
 #include "common/bus/message_header.hpp"
 #include "runner/command_line/exit_code.hpp"

@@ -5,6 +5,7 @@
 
 #include <fstream>
 #include <iterator>
+#include <vector>
 
 #include "common/calibration/camera_file.hpp"
 #include "common/calibration/light_file.hpp"

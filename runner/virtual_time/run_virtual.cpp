@@ -1,7 +1,13 @@
 #include "runner/virtual_time/run_virtual.hpp"
 
+#include <cstdint>
+#include <filesystem>
 #include <lab/clock_t.hpp>
 #include <list>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "analyzer/analyzer_service.hpp"
 #include "common/bus/channels.hpp"

@@ -1,6 +1,7 @@
 /// Conversions from an experiment to the simulation's settings.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <lab/robot_calibration_t.hpp>
 #include <vector>

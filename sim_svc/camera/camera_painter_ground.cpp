@@ -1,6 +1,8 @@
 #include "sim_svc/camera/camera_painter_ground.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 #include "common/math/random.hpp"
 

@@ -1,5 +1,6 @@
 #include "sim_svc/camera/camera_painter_light.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace lab::sim::painter {

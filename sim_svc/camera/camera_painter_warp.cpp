@@ -1,6 +1,7 @@
 #include "sim_svc/camera/camera_painter_warp.hpp"
 
 #include <algorithm>
+#include <optional>
 
 namespace lab::sim::painter {
 namespace {

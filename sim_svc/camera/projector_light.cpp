@@ -1,5 +1,7 @@
 #include "sim_svc/camera/projector_light.hpp"
 
+#include <optional>
+
 #include "common/calibration/light_file.hpp"
 #include "common/calibration/projector_file.hpp"
 

@@ -5,6 +5,7 @@
 #include <simavr/avr_uart.h>
 #include <simavr/sim_avr.h>
 
+#include <cstdint>
 #include <cstdlib>
 
 #include "sim_svc/emulator/chip.hpp"

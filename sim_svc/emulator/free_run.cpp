@@ -6,6 +6,8 @@
 #include <fstream>
 #include <iostream>
 #include <iterator>
+#include <span>
+#include <stdexcept>
 
 #include "common/experiment/experiment.hpp"
 #include "robot/firmware/settings.hpp"

@@ -10,6 +10,8 @@
 #include <lab/service_status_t.hpp>
 #include <lab/tracked_frame_t.hpp>
 #include <limits>
+#include <optional>
+#include <stdexcept>
 #include <vector>
 
 #include "common/bus/channels.hpp"
@@ -44,8 +46,8 @@ class ProjectorServiceTest : public testing::Test {
   }
 
   void start(const std::filesystem::path& pictures = {}) {
-    dut = std::make_unique<ProjectorService>(
-        ServiceContext{node, loop, experiment, folder.path()}, pictures);
+    dut = std::make_unique<ProjectorService>(ServiceContext{node, loop, experiment, folder.path()},
+                                             pictures);
     node.start();
   }
 

@@ -1,5 +1,10 @@
 #include "robot_bridge/bridge_service.hpp"
 
+#include <gtest/gtest.h>
+
+#include <optional>
+#include <vector>
+
 #include "tests/robot_bridge/bridge_fixture.hpp"
 
 namespace lab::bridge {

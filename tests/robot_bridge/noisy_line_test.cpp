@@ -1,5 +1,9 @@
 // Commands over a line with bit errors: each is executed exactly once, if necessary after a later
 // repetition of the order. LAB_COMMANDS is the number of commands.
+#include <gtest/gtest.h>
+
+#include <cstdint>
+
 #include "tests/robot_bridge/bridge_fixture.hpp"
 
 namespace lab::bridge {

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <lab/tracked_frame_t.hpp>
 #include <list>
 #include <utility>

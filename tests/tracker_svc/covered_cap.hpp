@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 #include "light/optics/camera_model.hpp"
 #include "light/optics/cap.hpp"

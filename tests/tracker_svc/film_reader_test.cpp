@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 #include <stb/stb_image_write.h>
 
+#include <filesystem>
+#include <fstream>
 #include <vector>
 
 #include "tests/support/film_samples.hpp"

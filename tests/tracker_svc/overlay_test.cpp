@@ -4,7 +4,9 @@
 #include <stb/stb_image.h>
 
 #include <cmath>
+#include <cstdint>
 #include <memory>
+#include <stdexcept>
 
 #include "light/optics/canvas.hpp"
 #include "light/optics/simulated_camera.hpp"

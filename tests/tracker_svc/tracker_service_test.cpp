@@ -6,6 +6,7 @@
 #include <fstream>
 #include <lab/service_status_t.hpp>
 #include <numbers>
+#include <string_view>
 
 #include "common/bus/channels.hpp"
 #include "common/bus/memory_bus.hpp"

@@ -6,7 +6,9 @@
 #include <Eigen/LU>
 #include <Eigen/SVD>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <string>
 
 namespace lab::calibration {
 namespace {

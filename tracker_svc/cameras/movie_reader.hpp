@@ -1,6 +1,7 @@
 /// Movies, read by the program ffmpeg as a child process.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>

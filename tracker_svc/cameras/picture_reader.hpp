@@ -1,6 +1,7 @@
 /// Sequences of pictures.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>

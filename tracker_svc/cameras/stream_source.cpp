@@ -2,7 +2,10 @@
 
 #include <wordexp.h>
 
+#include <cstdint>
 #include <mutex>
+#include <optional>
+#include <span>
 #include <thread>
 #include <utility>
 #include <vector>

@@ -1,6 +1,7 @@
 #include "tracker_svc/cameras/v4l2_source.hpp"
 
 #include <algorithm>
+#include <cstdint>
 #include <optional>
 #include <utility>
 

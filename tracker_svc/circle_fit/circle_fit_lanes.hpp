@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <cstdint>
 
 #include "tracker_svc/circle_fit/circle_fit_model.hpp"
 #include "tracker_svc/detector/saturation.hpp"

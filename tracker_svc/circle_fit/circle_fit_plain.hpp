@@ -4,6 +4,7 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 
 #include "light/photometry/imaging.hpp"
 #include "tracker_svc/circle_fit/circle_fit_grid.hpp"

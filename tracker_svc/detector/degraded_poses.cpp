@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <numbers>
+#include <optional>
 
 #include "tracker_svc/detector/cap_check.hpp"
 #include "tracker_svc/detector/cap_pose.hpp"

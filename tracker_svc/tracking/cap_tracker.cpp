@@ -1,6 +1,7 @@
 #include "tracker_svc/tracking/cap_tracker.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 

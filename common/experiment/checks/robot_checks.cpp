@@ -16,7 +16,7 @@
 namespace lab::keys {
 namespace {
 
-constexpr double kRoundingSlack = 1e-9;  // [m] so that a robot may touch the wall
+constexpr double kWallSlack = 1e-9;  // [m] so that a robot may touch the wall
 
 /// Largest covered fraction of the arena. The densest packing of discs covers 0.907; this leaves
 /// room for random placement and for motion.
@@ -110,7 +110,7 @@ void checkLines(const ExperimentForm& form, Problems& problems) {
 
 void checkInside(const std::string& path, double place, double size, double radius,
                  Problems& problems) {
-  if (place >= radius - kRoundingSlack && place <= size - radius + kRoundingSlack) return;
+  if (place >= radius - kWallSlack && place <= size - radius + kRoundingSlack) return;
   problems.add(path, "found " + centimetreText(place) + ", allowed " + centimetreText(radius) +
                          " to " + centimetreText(size - radius) + " (inside the arena)");
 }

@@ -1,6 +1,10 @@
 #include "dashboard/library/library_routes.hpp"
 
+#include <gtest/gtest.h>
+
+#include <filesystem>
 #include <fstream>
+#include <vector>
 
 #include "tests/dashboard/web/web_fixture.hpp"
 #include "tests/support/text_file.hpp"
@@ -34,7 +38,8 @@ constexpr const char* kSummary = R"({"format": 1, "experiment": "abp", "duration
 void makeRun(const fs::path& folder) {
   support::writeFile(folder / "experiment.toml", "name = \"abp\"\n");
   support::writeFile(folder / "summary.json", kSummary);
-  support::writeFile(folder / "provenance.json", R"({"started": "2026-01-31T12:00:00Z", "faults": []})");
+  support::writeFile(folder / "provenance.json",
+                     R"({"started": "2026-01-31T12:00:00Z", "faults": []})");
   support::writeFile(folder / "report.html", "<html>report</html>");
   support::writeFile(folder / "trajectory_program.svg", "<svg/>");
   support::writeFile(folder / "figures" / "msd_abp.csv", "lag_s\n");
@@ -66,11 +71,13 @@ TEST(RunList, ListsDamagedAndIncompleteRunsWithAProblem) {
   const TemporaryFolder folder;
   support::writeFile(folder / "running-20260301T000000Z/experiment.toml", "");
   const std::string whole = kSummary;
-  support::writeFile(folder / "broken-20260201T000000Z/summary.json", whole.substr(0, whole.size() / 2));
+  support::writeFile(folder / "broken-20260201T000000Z/summary.json",
+                     whole.substr(0, whole.size() / 2));
   support::writeFile(folder / "other-20260101T000000Z/summary.json", R"({"some": "thing"})");
   support::writeFile(folder / "odd-20251201T000000Z/summary.json",
-        R"({"format": 1, "programs": 3, "losses": [1]})");
-  support::writeFile(folder / "odd-20251201T000000Z/provenance.json", R"({"started": 5, "faults": "x"})");
+                     R"({"format": 1, "programs": 3, "losses": [1]})");
+  support::writeFile(folder / "odd-20251201T000000Z/provenance.json",
+                     R"({"started": 5, "faults": "x"})");
   support::writeFile(folder / "nothing/readme.txt", "");
   support::writeFile(folder / "file", "");
   RunList list(folder / "");

@@ -1,7 +1,10 @@
 #include "dashboard/library/run_launcher.hpp"
 
+#include <gtest/gtest.h>
+
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 #include <thread>
 
 #include "dashboard/control/json_object_reader.hpp"
@@ -23,7 +26,8 @@ const std::atomic<bool> kNoStop = false;
 class RunLauncherTest : public testing::Test {
  protected:
   RunLauncherTest() {
-    support::writeFile(folder_ / "shipped/abp.toml", "name = \"abp\"\ndescription = \"ABP\"\n[programs.abp]\n");
+    support::writeFile(folder_ / "shipped/abp.toml",
+                       "name = \"abp\"\ndescription = \"ABP\"\n[programs.abp]\n");
     support::writeFile(folder_ / "own/mine.toml", "name = \"mine\"\n[[robots]]\nid = 1\n");
     support::writeFile(folder_ / "own/camera.toml", "width_px = 3\n");
     support::writeFile(folder_ / "own/broken.toml", "name = \n");

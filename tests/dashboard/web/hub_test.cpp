@@ -1,5 +1,7 @@
 #include "dashboard/web/hub.hpp"
 
+#include <gtest/gtest.h>
+
 #include <atomic>
 #include <thread>
 

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 
 #include "common/math/random.hpp"
 #include "light/optics/simulated_projector.hpp"

@@ -4,7 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <cstdint>
+#include <stdexcept>
 
 #include "light/field/field.hpp"
 #include "light/optics/simulated_camera.hpp"

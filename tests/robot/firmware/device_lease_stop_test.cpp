@@ -1,5 +1,7 @@
 #include <gmock/gmock.h>
 
+#include <vector>
+
 #include "tests/support/robot_on_bench.hpp"
 
 namespace lab::firmware {

@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 
 #include <map>
+#include <vector>
 
 #include "tests/support/robot_on_bench.hpp"
 

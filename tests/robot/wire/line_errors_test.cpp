@@ -2,8 +2,10 @@
 // docs/protocol.md quotes the figures that these tests print.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "tests/robot/wire/tally.hpp"
 

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <iostream>
 #include <vector>
 
 #include "tests/robot/wire/tally.hpp"

@@ -2,6 +2,7 @@
 /// in docs/protocol.md, not by the codec under test.
 #pragma once
 
+#include <cstdint>
 #include <sstream>
 #include <string>
 

@@ -7,6 +7,7 @@
 #include <iomanip>
 #include <iostream>
 #include <string>
+#include <vector>
 
 #include "robot/wire/schema.hpp"
 #include "tests/robot/wire/frames.hpp"

@@ -4,6 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
 
 #include "tests/robot_bridge/calibration/synthetic_motor_tracks.hpp"
 

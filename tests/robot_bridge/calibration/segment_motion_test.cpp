@@ -4,6 +4,7 @@
 
 #include <Eigen/Cholesky>
 #include <cmath>
+#include <cstdint>
 
 #include "tests/robot_bridge/calibration/synthetic_motor_tracks.hpp"
 

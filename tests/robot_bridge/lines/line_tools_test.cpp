@@ -2,7 +2,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <deque>
+#include <string>
 
 #include "common/loop/virtual_loop.hpp"
 #include "common/serial/memory_serial.hpp"

@@ -4,7 +4,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <deque>
+#include <vector>
 
 #include "common/loop/virtual_loop.hpp"
 #include "common/serial/memory_serial.hpp"

@@ -2,9 +2,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstdint>
 #include <deque>
 #include <filesystem>
 #include <functional>
+#include <memory>
+#include <string>
+#include <vector>
 
 #include "common/loop/asio_loop.hpp"
 #include "common/serial/serial_devices.hpp"
@@ -68,24 +73,29 @@ TEST_F(ReplugTest, TwoHundredReplugsLeakNothing) {
     for (std::int32_t i = 0; i < kRobots; ++i) {
       robots[static_cast<std::size_t>(i)].plug(nameOf((i + round) % kRobots));
     }
-    EXPECT_TRUE(loopUntil(loop, [&] {
-      for (std::int32_t i = 0; i < kRobots; ++i) {
-        const auto n = static_cast<std::size_t>(i);
-        if (!dut->lineOf(links[n]).ends_with("/" + nameOf((i + round) % kRobots))) return false;
-        if (robots[n].left() == 0) return false;  // it must have received the order
-      }
-      return true;
-    })) << "round "
-        << round << ": a robot was not found, or on a wrong line";
+    EXPECT_TRUE(
+        loopUntil(loop,
+                  [&] {
+                    for (std::int32_t i = 0; i < kRobots; ++i) {
+                      const auto n = static_cast<std::size_t>(i);
+                      if (!dut->lineOf(links[n]).ends_with("/" + nameOf((i + round) % kRobots)))
+                        return false;
+                      if (robots[n].left() == 0) return false;  // it must have received the order
+                    }
+                    return true;
+                  }))
+        << "round " << round << ": a robot was not found, or on a wrong line";
     for (std::size_t i = 0; i < links.size(); ++i) {
       EXPECT_EQ(links[i].hello()->uid, uidOf(links[i].settings().id));
     }
     for (WireRobot& robot : robots) robot.unplug();
-    EXPECT_TRUE(loopUntil(loop, [&] {
-      return std::none_of(links.begin(), links.end(),
-                          [](const RobotLink& link) { return link.isPlugged(); });
-    })) << "round "
-        << round << ": a line is blocked";
+    EXPECT_TRUE(loopUntil(loop,
+                          [&] {
+                            return std::none_of(
+                                links.begin(), links.end(),
+                                [](const RobotLink& link) { return link.isPlugged(); });
+                          }))
+        << "round " << round << ": a line is blocked";
     // Wait for the lease to end, because otherwise a turning wheel does not prove a new order.
     EXPECT_TRUE(loopUntil(loop, [&] {
       return std::all_of(robots.begin(), robots.end(),

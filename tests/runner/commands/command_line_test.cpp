@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <string>
+#include <vector>
+
 #include "runner/calibrate/calibrate_commands.hpp"
 #include "runner/command_line/exit_code.hpp"
 

@@ -8,7 +8,9 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "common/calibration/camera_file.hpp"
 #include "common/experiment/experiment_file.hpp"
@@ -102,7 +104,8 @@ TEST_F(TrackCommand, ReadsAFilmWithGamma) {
   EXPECT_EQ(track(options_), kDone);
   EXPECT_THAT(testing::internal::GetCapturedStdout(),
               AllOf(HasSubstr("with a gamma of 2.2"),
-                    HasSubstr("at 3 of 3 places caps are found only with it"), Not(HasSubstr("from frame"))));
+                    HasSubstr("at 3 of 3 places caps are found only with it"),
+                    Not(HasSubstr("from frame"))));
   EXPECT_EQ(linesIn(readFile(options_.out)), 1 + 5 * 3);
 }
 
@@ -366,7 +369,8 @@ TEST_F(TrackCommand, NamesThePicturesThatItCannotRead) {
   fs::create_directory(folder_ / "scans");
   for (const char* name : {"scans/a1.tif", "scans/a2.TIF", "scans/notes.txt"}) write(name, "x");
   options_.source = (folder_ / "scans").string();
-  EXPECT_THAT(problem(), AllOf(HasSubstr("found no pictures"), HasSubstr("but 2 of .tif; convert")));
+  EXPECT_THAT(problem(),
+              AllOf(HasSubstr("found no pictures"), HasSubstr("but 2 of .tif; convert")));
 }
 
 TEST_F(TrackCommand, ReportsFramesWithMoreCapsThanRobots) {

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <csignal>
 #include <fstream>
+#include <optional>
+#include <stdexcept>
 
 #include "common/loop/virtual_loop.hpp"
 #include "common/math/random.hpp"

@@ -6,6 +6,9 @@
 #include <lab/experiment_event_t.hpp>
 #include <lab/robot_status_t.hpp>
 #include <lab/tracked_frame_t.hpp>
+#include <stdexcept>
+#include <string>
+#include <string_view>
 
 #include "common/bus/channels.hpp"
 #include "common/bus/codec.hpp"

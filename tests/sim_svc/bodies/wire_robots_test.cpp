@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string>
 
 #include "common/loop/virtual_loop.hpp"
 #include "common/math/random.hpp"

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <vector>
 
 #include "light/optics/simulated_camera.hpp"
 #include "sim_svc/camera_painter.hpp"

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstring>
 #include <lab/light_status_t.hpp>
 #include <lab/robot_command_t.hpp>

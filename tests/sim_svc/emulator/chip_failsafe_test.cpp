@@ -1,4 +1,7 @@
 // Failures of host, program and line, with the firmware binary; all times are simulated.
+#include <gtest/gtest.h>
+
+#include <cstdint>
 #include <iostream>
 
 #include "tests/sim_svc/emulator/robot_on_chip.hpp"

@@ -1,5 +1,8 @@
 // Processing time and memory that the firmware binary leaves unused, measured after every
 // instruction.
+#include <gtest/gtest.h>
+
+#include <cstdint>
 #include <iostream>
 
 #include "tests/sim_svc/emulator/robot_on_chip.hpp"

@@ -1,4 +1,7 @@
 // The path light -> converter -> program -> pulse width in the firmware binary.
+#include <gtest/gtest.h>
+
+#include <cstdint>
 #include <iostream>
 
 #include "robot/dynamics/motor.hpp"

@@ -1,3 +1,8 @@
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <vector>
+
 #include "tests/sim_svc/emulator/robot_on_chip.hpp"
 
 namespace lab::emulator {

@@ -1,5 +1,9 @@
 // The EEPROM with the firmware binary, including power failures during writes.
+#include <gtest/gtest.h>
+
+#include <cstdint>
 #include <iostream>
+#include <vector>
 
 #include "tests/sim_svc/emulator/robot_on_chip.hpp"
 

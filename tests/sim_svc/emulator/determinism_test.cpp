@@ -1,4 +1,9 @@
 // The same inputs give the same outputs, however the time is divided into steps.
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <vector>
+
 #include "tests/sim_svc/emulator/robot_on_chip.hpp"
 
 namespace lab::emulator {

@@ -1,6 +1,8 @@
 // A chip with a faulty line: effects on frames in both directions.
 #include "sim_svc/emulator/emulated_robot.hpp"
 
+#include <gtest/gtest.h>
+
 #include <algorithm>
 
 #include "tests/sim_svc/emulator/robot_on_chip.hpp"

@@ -7,7 +7,10 @@
 #include <array>
 #include <chrono>
 #include <fstream>
+#include <functional>
 #include <iterator>
+#include <optional>
+#include <span>
 
 #include "tests/sim_svc/emulator/robot_on_chip.hpp"
 #include "tests/support/temporary_folder.hpp"

@@ -1,6 +1,10 @@
 /// Compares the draws of the firmware binary with those of the same sources on the host.
 #pragma once
 
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstdint>
 #include <vector>
 
 #include "robot/firmware/device.hpp"

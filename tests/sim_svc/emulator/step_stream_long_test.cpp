@@ -1,3 +1,5 @@
+#include <gtest/gtest.h>
+
 #include "tests/sim_svc/emulator/step_stream.hpp"
 
 namespace lab::emulator {

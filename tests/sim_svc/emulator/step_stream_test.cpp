@@ -1,5 +1,7 @@
 #include "tests/sim_svc/emulator/step_stream.hpp"
 
+#include <gtest/gtest.h>
+
 namespace lab::emulator {
 namespace {
 

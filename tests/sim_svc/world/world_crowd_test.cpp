@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <vector>
 
 #include "sim_svc/world.hpp"
 #include "tests/support/world_fixture.hpp"

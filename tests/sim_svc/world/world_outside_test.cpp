@@ -2,7 +2,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 #include <cstring>
+#include <optional>
+#include <vector>
 
 #include "tests/support/world_fixture.hpp"
 

@@ -2,7 +2,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 #include <functional>
+#include <vector>
 
 #include "sim_svc/world.hpp"
 #include "tests/support/world_fixture.hpp"

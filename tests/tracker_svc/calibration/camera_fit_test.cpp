@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <cstdint>
 #include <utility>
 
 #include "tests/tracker_svc/calibration/synthetic_camera.hpp"

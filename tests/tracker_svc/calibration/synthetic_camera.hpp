@@ -4,8 +4,10 @@
 #include <Eigen/Geometry>
 #include <Eigen/QR>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include "common/math/random.hpp"
 #include "light/optics/simulated_camera.hpp"

@@ -1,8 +1,10 @@
 /// Poses of caps with one covered circle, from the other circle and the rim.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <random>
 #include <vector>
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <memory>
 
 #include "light/field/image.hpp"
 #include "light/optics/simulated_camera.hpp"

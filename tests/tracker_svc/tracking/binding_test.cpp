@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "tests/tracker_svc/tracking/crowd.hpp"
 
 namespace lab::tracker {
