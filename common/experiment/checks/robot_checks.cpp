@@ -110,7 +110,7 @@ void checkLines(const ExperimentForm& form, Problems& problems) {
 
 void checkInside(const std::string& path, double place, double size, double radius,
                  Problems& problems) {
-  if (place >= radius - kWallSlack && place <= size - radius + kRoundingSlack) return;
+  if (place >= radius - kWallSlack && place <= size - radius + kWallSlack) return;
   problems.add(path, "found " + centimetreText(place) + ", allowed " + centimetreText(radius) +
                          " to " + centimetreText(size - radius) + " (inside the arena)");
 }
