@@ -20,6 +20,7 @@
 namespace lab {
 namespace {
 
+using keys::centimetreText;
 using keys::fileText;
 using keys::numberText;
 using keys::unitOf;

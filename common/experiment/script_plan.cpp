@@ -8,6 +8,7 @@
 namespace lab {
 namespace {
 
+using keys::centimetreText;
 using keys::fileText;
 using keys::unitOf;
 
