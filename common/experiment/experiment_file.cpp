@@ -43,7 +43,7 @@ std::string readFile(const std::filesystem::path& file) {
     refuse(name, "found a directory, allowed an experiment file in it");
   }
   if (!std::filesystem::is_regular_file(status)) {
-    refuse(name, "found no regular file, allowed an experiment file");
+    refuse(name, "found something that is no file, allowed an experiment file");
   }
   refuseSize(name, std::filesystem::file_size(file, error));
   const std::optional<std::string> text = readWholeFile(file);

@@ -90,7 +90,8 @@ std::string fileText(double si, const FileUnit& unit) {
 }
 
 std::string centimetreText(double metre) {
-  return fileText(std::round(metre * 1e9) / 1e9, unitOf("_cm"));
+  constexpr double kDigits = 1e9;
+  return numberText(std::round(metre * 100 * kDigits) / kDigits);
 }
 
 std::string tomlString(std::string_view text) {

@@ -30,7 +30,7 @@ struct FileUnit {
 /// cannot happen for numbers read from a file, the nearest number.
 [[nodiscard]] std::string fileText(double si, const FileUnit& unit);
 
-/// A length in centimetres, "116.25". Rounded to the nanometre, so that sums and differences of
+/// A length in centimetres, "116.25". Rounded to 1e-9 cm, so that sums and differences of
 /// numbers of the file print as one computes them by hand (1.2 - 0.0375 is 116.25 cm).
 [[nodiscard]] std::string centimetreText(double metre);
 

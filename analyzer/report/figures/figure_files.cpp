@@ -36,7 +36,6 @@ std::string takeFile(const fs::path& file, const std::string& title) {
     throw ReportError(fmt::format("the disk is full ({} kB left in {}): {}", space.available / 1000,
                                   file.parent_path().string(), nothing));
   }
-  stream.close();
   fs::remove(file);
   return text;
 }

@@ -10,7 +10,7 @@
 namespace lab::keys {
 namespace {
 
-constexpr double kHoldSlack = 1e-9;  // [1]
+constexpr double kRelativeSlack = 1e-9;  // [1]
 
 std::string programList(const ExperimentForm& form) {
   std::string list;
@@ -40,7 +40,7 @@ void checkTime(const std::string& path, double time, double sensor_period, Probl
   if (std::abs(milliseconds - std::round(milliseconds)) > 1e-6) {
     problems.add(path, "found " + numberText(time) + ", allowed whole milliseconds, as " +
                            numberText(std::max(1.0, std::round(milliseconds)) / 1000));
-  } else if (time < sensor_period * (1 - kHoldSlack)) {
+  } else if (time < sensor_period * (1 - kRelativeSlack)) {
     problems.add(path, "found " + numberText(time) + ", allowed at least " +
                            numberText(sensor_period) + " (robot.sensor_period_ms)");
   }

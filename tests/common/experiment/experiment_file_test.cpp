@@ -45,7 +45,6 @@ heading_noise_deg = 90
   EXPECT_EQ(dut.programs.at("abp").v, 0.03);
   EXPECT_EQ(dut.programs.at("abp").eta, 3);
   EXPECT_EQ(dut.programs.at("rtp").kind, ProgramKind::kRtp);
-  EXPECT_EQ(dut.programs.at("rtp").name, "rtp");
   EXPECT_EQ(dut.camera.delay, 0.015);
   EXPECT_EQ(dut.camera.heading_noise, std::numbers::pi / 2);
 }
