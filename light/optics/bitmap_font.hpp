@@ -1,8 +1,8 @@
 /// Glyphs of 5 x 7 pixels for text on pictures.
 ///
-/// Not stb_easy_font: callers place labels and right-align numbers by a fixed glyph width,
-/// changing numbers must not move the text behind them, and stb_easy_font reads outside its tables
-/// for bytes that are not printable ASCII.
+/// stb_easy_font does not replace it: callers reserve length * kGlyphWidth pixels for a label, and
+/// it is proportional; it also indexes its tables without a check for bytes that are not printable
+/// ASCII.
 #pragma once
 
 #include <array>

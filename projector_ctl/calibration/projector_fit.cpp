@@ -15,6 +15,9 @@ namespace {
 using Eigen::VectorXd;
 
 constexpr int kRounds = 5;
+// Smallest noise, in units of the observations' sigmas. With smaller ones the weak priors, which
+// determine what one plane cannot, would vanish in rounding errors beside the observations.
+constexpr double kLeastNoise = 1e-2;
 constexpr double kOutlying = 5;          // [standard deviations]
 constexpr double kNeverOutlying = 3e-4;  // [m] residuals below this are never outliers
 constexpr double kRayleighMedian = 1.17741;
@@ -37,7 +40,7 @@ double robustSigma(const VectorXd& residuals) {
   for (Eigen::Index row = 0; row + 1 < residuals.size(); row += 2) {
     sizes.push_back(residuals.segment<2>(row).norm());
   }
-  return std::max(medianOf(sizes) / kRayleighMedian, 1e-3);
+  return std::max(medianOf(sizes) / kRayleighMedian, kLeastNoise);
 }
 
 std::vector<Miss> missesOf(const std::vector<ProjectorObservation>& observations,

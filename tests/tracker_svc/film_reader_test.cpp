@@ -184,7 +184,7 @@ TEST_F(Pictures, ThatAreDamagedAreSkippedAndReported) {
   writePng(folder_ / "f2.png", pictureOf(2, 16, 16));
 
   EXPECT_THAT(numbers(folder_ / ""), ElementsAre(0, 3));
-  EXPECT_THAT(film_->problem(), AllOf(HasSubstr("f1.png: is no picture"), HasSubstr("1 more")));
+  EXPECT_THAT(film_->problem(), AllOf(HasSubstr("f1.png: is not a picture"), HasSubstr("1 more")));
   EXPECT_EQ(film_->dropped(), 2);
 }
 
@@ -194,7 +194,7 @@ TEST_F(Pictures, OfAnotherSizeAreReportedByName) {
 
   EXPECT_THAT(numbers(folder_ / ""), ElementsAre(0));
   EXPECT_THAT(film_->problem(),
-              HasSubstr("f1.png: found 16 x 20 pixels, expected 32 x 24 as in the first whole"));
+              HasSubstr("f1.png: found 16 x 20 pixels, expected 32 x 24 as in the first readable"));
 }
 
 TEST_F(Pictures, ThatAreDamagedBeforeTheFirstGoodOneAreSkippedToo) {
@@ -204,7 +204,7 @@ TEST_F(Pictures, ThatAreDamagedBeforeTheFirstGoodOneAreSkippedToo) {
 
   EXPECT_THAT(numbers(folder_ / ""), ElementsAre(1, 2));
   EXPECT_EQ(film_->format().width, 32);
-  EXPECT_THAT(film_->problem(), HasSubstr("f0.png: is no picture"));
+  EXPECT_THAT(film_->problem(), HasSubstr("f0.png: is not a picture"));
 }
 
 TEST_F(Pictures, WithoutAnyUsableOneAreRejected) {

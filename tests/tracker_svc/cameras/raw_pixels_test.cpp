@@ -147,6 +147,18 @@ TEST(RawPixels, JpegsWithoutHuffmanTablesAreDecodedWithTheStandardOnes) {
   EXPECT_EQ(greyBytes(layout, bare), greyBytes(layout, whole));
 }
 
+TEST(RawPixels, PaddedJpegsAreDecodedAndTruncatedOnesRejected) {
+  const std::vector<std::uint8_t> whole = jpegOf(40, 24);
+  std::vector<std::uint8_t> padded = whole;
+  padded.insert(padded.end() - 2, 100, 0);  // before the end-of-image marker
+  const std::vector<std::uint8_t> truncated(whole.begin(), whole.end() - 300);
+  const RawLayout layout = layoutOf(V4L2_PIX_FMT_MJPEG, 0, 40, 24);
+  optics::GreyImage grey;
+
+  EXPECT_EQ(greyBytes(layout, padded), greyBytes(layout, whole));
+  EXPECT_FALSE(greyOfRaw(layout, truncated, grey));
+}
+
 TEST(RawPixels, JpegsOfAnotherSizeAreRejected) {
   optics::GreyImage grey;
   EXPECT_FALSE(greyOfRaw(layoutOf(V4L2_PIX_FMT_MJPEG, 0, 32, 24), jpegOf(40, 24), grey));
