@@ -36,7 +36,7 @@ std::string DesiredState::convert(double wheel_base) {
   standing_ = false;
   refused_ = false;
   has_order_ = true;
-  in_force_ = received_;
+  active_ = received_;
   mode_ = order.mode;
   order_id_ = static_cast<std::uint8_t>(order_id_ % 255 + 1);
   if (mode_ == robot_order_t::DRIVE) {

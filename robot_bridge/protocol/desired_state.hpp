@@ -61,7 +61,7 @@ class DesiredState {
   /// The last ROBOT_COMMAND received.
   [[nodiscard]] const CommandKey& received() const { return received_; }
   /// The ROBOT_COMMAND that the order in force came with.
-  [[nodiscard]] const CommandKey& inForce() const { return in_force_; }
+  [[nodiscard]] const CommandKey& active() const { return active_; }
 
   /// The settings that the robot needs, and their CRC (0: any settings will do).
   [[nodiscard]] const dynamics::CoreSettings& settings() const { return wanted_.core; }
@@ -89,7 +89,7 @@ class DesiredState {
   double max_wheel_speed_;
   double sensor_period_;
   CommandKey received_;
-  CommandKey in_force_;
+  CommandKey active_;
   std::optional<robot_order_t> unconverted_;
   OrderSettings wanted_;
   std::int8_t mode_ = robot_order_t::STAND;

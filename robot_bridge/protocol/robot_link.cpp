@@ -22,7 +22,7 @@ constexpr std::int64_t kFirstPings_us = 200'000;  // until the rate of the clock
 constexpr int kFirstPings = 10;
 constexpr std::int64_t kAnswerTime_us = 150'000;  // at 38400 baud
 constexpr std::int64_t kShortestAnswerTime_us = 50'000;
-constexpr std::int64_t kStoring_us = 1'000'000;  // COMMIT takes 3.4 ms a byte
+constexpr std::int64_t kStoring_us = 1'000'000;  // COMMIT takes 3.4 ms per byte
 constexpr std::int64_t kReferenceBaud = 38400;
 constexpr int kBitsPerByte = 10;
 
@@ -173,7 +173,7 @@ void RobotLink::take(const wire::Telemetry& telemetry, const wire::Frame& frame,
     stop_.confirmed = telemetry.stop_id == stop_.id && stopped != stop_.release;
     if (stop_.confirmed) stop_.confirmed_seq = stop_.seq;
   }
-  if (desired_.isInForce(telemetry.order_id)) echo_ = desired_.inForce();
+  if (desired_.isInForce(telemetry.order_id)) echo_ = desired_.active();
 }
 
 void RobotLink::take(const wire::Pong& pong, std::int64_t now) {
@@ -257,7 +257,7 @@ void RobotLink::finishOrder(const wire::Frame& command, const wire::Ack& ack) {
   if (ack.status == wire::kWrongConfig) {
     verifyIdentity();  // only a restart explains that the settings are gone
   } else if (ack.status == wire::kOk && desired_.isInForce(command.payload[0])) {
-    echo_ = desired_.inForce();
+    echo_ = desired_.active();
   }
 }
 

@@ -52,11 +52,11 @@ struct Walker {
 TEST(Trail, KeepsItsMassBalanceForMinutes) {
   // M' = n source - decay M while n robots are seen, with gaps of various lengths between frames.
   for (const double decay : {0.0, 0.1, 3.0}) {
-    Trail::Settings settings = settings();
-    settings.decay = decay;
-    settings.radius = 0.05;  // larger than the robot's distance from the wall
-    settings.most_cells = 4000;
-    Trail dut(settings);
+    Trail::Settings trail_settings = settings();
+    trail_settings.decay = decay;
+    trail_settings.radius = 0.05;  // larger than the robot's distance from the wall
+    trail_settings.most_cells = 4000;
+    Trail dut(trail_settings);
     std::mt19937_64 random(3);
     std::uniform_int_distribution<int> frames_lost(0, 20);
     std::vector<Walker> robots{
@@ -96,9 +96,9 @@ TEST(Trail, AccountsForTheDecaySinceALateFrame) {
 }
 
 TEST(Trail, ReachesRateTimesTimeUnderAStandingRobot) {
-  Trail::Settings settings = settings();
-  settings.diffusion = 0;
-  Trail dut(settings);
+  Trail::Settings trail_settings = settings();
+  trail_settings.diffusion = 0;
+  Trail dut(trail_settings);
   const double middle = 80.5 * dut.cell();
   dut.advanceTo(at(2));
   dut.lay(middle, middle, at(0), middle, middle, at(2));
@@ -107,10 +107,10 @@ TEST(Trail, ReachesRateTimesTimeUnderAStandingRobot) {
 }
 
 TEST(Trail, HasNoBeadsBehindAFastRobotAtASlowCamera) {
-  Trail::Settings settings = settings();
-  settings.diffusion = 0;
-  settings.decay = 0;
-  Trail dut(settings);
+  Trail::Settings trail_settings = settings();
+  trail_settings.diffusion = 0;
+  trail_settings.decay = 0;
+  Trail dut(trail_settings);
   for (int i = 0; i < 30; ++i) {
     dut.advanceTo(at(0.1 * (i + 1)));
     dut.lay(0.1 + 0.027 * i, 0.45, at(0.1 * i), 0.1 + 0.027 * (i + 1), 0.45, at(0.1 * (i + 1)));
@@ -126,9 +126,9 @@ TEST(Trail, HasNoBeadsBehindAFastRobotAtASlowCamera) {
 }
 
 TEST(Trail, SpreadsByTheHeatEquation) {
-  Trail::Settings settings = settings();
-  settings.decay = 0;
-  Trail dut(settings);
+  Trail::Settings trail_settings = settings();
+  trail_settings.decay = 0;
+  Trail dut(trail_settings);
   dut.advanceTo(at(1));
   dut.lay(0.6, 0.45, at(0), 0.6, 0.45, at(1));
   const auto second_moment = [&] {
@@ -150,11 +150,11 @@ TEST(Trail, SpreadsByTheHeatEquation) {
 }
 
 TEST(Trail, BecomesUniformBetweenTheWalls) {
-  Trail::Settings settings = settings();
-  settings.decay = 0;
-  settings.diffusion = 0.01;
-  settings.most_cells = 300;
-  Trail dut(settings);
+  Trail::Settings trail_settings = settings();
+  trail_settings.decay = 0;
+  trail_settings.diffusion = 0.01;
+  trail_settings.most_cells = 300;
+  Trail dut(trail_settings);
   dut.advanceTo(at(1));
   dut.lay(0.1, 0.1, at(0), 0.1, 0.1, at(1));
   const double mass = dut.mass();
@@ -185,9 +185,9 @@ TEST(Trail, PicturesDoNotDependOnEarlierPictures) {
 }
 
 TEST(Trail, PictureDecaysWithoutNewFrames) {
-  Trail::Settings settings = settings();
-  settings.diffusion = 0;
-  Trail dut(settings);
+  Trail::Settings trail_settings = settings();
+  trail_settings.diffusion = 0;
+  Trail dut(trail_settings);
   const double middle = 80.5 * dut.cell();
   dut.advanceTo(at(0.3));
   dut.lay(middle, middle, at(0), middle, middle, at(0.3));

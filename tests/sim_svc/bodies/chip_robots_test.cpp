@@ -221,7 +221,7 @@ TEST_F(ChipRobotsTest, TheEmulatorEndsWithItsOwner) {
 }
 
 /// Starts robots with these programs in a world of their own.
-void startIn(const fs::path& folder) {
+void startWith(const fs::path& folder) {
   const World world(idealHardware(), chipAt(0.6, 0.45, 0));
   const ChipRobots dut(world, chips(world), folder, [](const std::string&) {});
 }
@@ -233,12 +233,12 @@ void makeProgram(const fs::path& path, const std::string& script) {
 
 TEST(ChipRobotsStart, NamesAMissingProgramWithASolution) {
   TemporaryFolder folder;
-  EXPECT_THAT([&] { startIn(folder / ""); },
+  EXPECT_THAT([&] { startWith(folder / ""); },
               ThrowsMessage<std::runtime_error>(AllOf(HasSubstr("robot 7"),
                                                       HasSubstr("robot_emulator: not there"),
                                                       HasSubstr("libsimavr-dev"))));
   makeProgram(folder / "robot_emulator", "exit 0");
-  EXPECT_THAT([&] { startIn(folder / ""); },
+  EXPECT_THAT([&] { startWith(folder / ""); },
               ThrowsMessage<std::runtime_error>(
                   AllOf(HasSubstr("robot_firmware.elf: not there"), HasSubstr("gcc-avr"))));
 }
@@ -247,7 +247,7 @@ TEST(ChipRobotsStart, ReportsWhyTheEmulatorDoesNotStart) {
   TemporaryFolder folder;
   std::ofstream(folder / "robot_firmware.elf") << "no program";
   makeProgram(folder / "robot_emulator", "exit 3");
-  EXPECT_THAT([&] { startIn(folder / ""); },
+  EXPECT_THAT([&] { startWith(folder / ""); },
               ThrowsMessage<std::runtime_error>(
                   HasSubstr("robot_emulator does not start: ended with code 3")));
 }
@@ -257,7 +257,7 @@ TEST_F(ChipRobotsTest, ReportsTheEmulatorsReasonForAnInvalidFirmware) {
   std::ofstream(folder / "robot_firmware.elf") << "no program";
   // The emulator expects the firmware in its own folder.
   fs::copy_file(programs() / "robot_emulator", folder / "robot_emulator");
-  EXPECT_THAT([&] { startIn(folder / ""); },
+  EXPECT_THAT([&] { startWith(folder / ""); },
               ThrowsMessage<std::runtime_error>(
                   AllOf(HasSubstr("does not start"), HasSubstr("robot_firmware.elf"))));
 }
