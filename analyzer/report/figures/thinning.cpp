@@ -81,8 +81,9 @@ PlotTracks thinnedTracks(const RunRecord& record, std::size_t points, bool per_p
   const double speed = typicalSpeed(tracks, period);
   const double step = std::min(kLongestStep, speed > 0 ? kStep_m / speed : kLongestStep);
   // A short run is drawn with more points than necessary.
+  constexpr double kReserve = 1.25;  // programs have unequal numbers of points
   const double finest =
-      period * static_cast<double>(tracks.rows.size()) / static_cast<double>(points);
+      kReserve * period * static_cast<double>(tracks.rows.size()) / static_cast<double>(points);
   const auto stride = static_cast<std::size_t>(
       std::max(1.0, std::floor(std::min(step, std::max(period, finest)) / period)));
 
