@@ -182,8 +182,7 @@ FigureScript trajectoryByProgram(const RunRecord& record) {
   if (robotsOf(plot).size() <= kMostNumbers) {
     plots += ", \\\n  $starts using 1:2:3 with labels left offset 0.8,0.5 tc rgb 'black' notitle";
   }
-  script.script +=
-      "set key outside top center horizontal samplen 1.6 width -3\nplot " + plots + "\n";
+  script.script += "set key outside top center horizontal samplen 1.6\nplot " + plots + "\n";
   script.figure.caption = fmt::format(
       "{} Circles mark where each robot begins; grey: the robot reversed, or its motion was cut "
       "for "
