@@ -222,9 +222,9 @@ FigureScript curveFigure(const Finding& finding, const Quantity& quantity) {
 std::string slopeGuide(const char* label, int exponent, double begin, double end, double value) {
   return fmt::format(
       "set arrow from {:.6g},{:.6g} to {:.6g},{:.6g} nohead lw 1 lc rgb '#606060'\n"
-      "set label '{}' at {:.6g},{:.6g} right offset -0.6,0.4 tc rgb '#606060'\n",
-      begin, value, end, value * std::pow(end / begin, exponent), label, std::sqrt(begin * end),
-      value * std::pow(end / begin, 0.5 * exponent));
+      "set label '{}' at {:.6g},{:.6g} right offset -0.5,0.2 tc rgb '#606060'\n",
+      begin, value, end, value * std::pow(end / begin, exponent), label, end,
+      value * std::pow(end / begin, exponent));
 }
 
 /// What the overview draws of all programs.
@@ -237,6 +237,7 @@ struct Overview {
   double last = 0;
   double first_value = 0;  ///< [cm^2] the largest at the first and at the last lag
   double last_value = 0;
+  double least_value = 1e300;
   double largest_z = kLimitZ;
 
   void add(std::size_t index, const Finding& finding);
@@ -275,6 +276,7 @@ void Overview::add(std::size_t index, const Finding& finding) {
   largest_z = std::max(largest_z, own.largest_z);
   for (const CurvePoint& point : finding.pool->result.curves.msd) {
     if (!drawable(point)) continue;
+    least_value = std::min(least_value, point.value * kMsd.factor);
     double& value = point.tau < 1.01 * own.first ? first_value : last_value;
     if (point.tau < 1.01 * own.first || point.tau > 0.5 * own.last) {
       value = std::max(value, point.value * kMsd.factor);
@@ -307,17 +309,18 @@ FigureScript msdOverview(const std::vector<Finding>& findings) {
   const bool has_law = !all.deviations.empty();
   const double range = std::clamp(all.largest_z * 1.25, 6.0, 14.0);
   script.script =
-      all.data + style::preamble(script.figure.name, 560, 600) +
+      all.data + style::preamble(script.figure.name, 560, 630) +
       fmt::format(
           "set multiplot\nset lmargin at screen (on_paper ? 0.24 : 0.17)\n"
           "set rmargin at screen 0.97\nset logscale xy\nset format y '%g'\n"
           "set tmargin at screen 0.97\n{}set xrange [{:.6g}:{:.6g}]\n"
-          "set ylabel 'MSD (cm²)' offset 0.5\nset key bottom right Right\n",
+          "set yrange [{:.6g}:{:.6g}]\nset ylabel 'MSD (cm²)' offset 0.5\n"
+          "set key bottom right Right\n",
           has_law ? "set format x ''\nset bmargin at screen 0.38\n"
                   : "set format x '%g'\nset bmargin at screen 0.14\nset xlabel 'lag (s)'\n",
-          all.first / 1.4, all.last * 1.4) +
+          all.first / 1.4, all.last * 1.4, all.least_value / 2.5, 10 * all.last_value) +
       slopeGuide("∝ lag²", 2, all.first, 4 * all.first, 2.5 * all.first_value) +
-      slopeGuide("∝ lag", 1, all.last / 5, all.last / 1.2, 0.5 * all.last_value) +
+      slopeGuide("∝ lag", 1, all.last / 5, all.last / 1.2, 0.9 * all.last_value) +
       fmt::format("plot {}\nunset arrow\nunset label\n", fmt::join(all.curves, ", "));
   if (has_law) {
     script.script += fmt::format(

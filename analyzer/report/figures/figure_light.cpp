@@ -166,12 +166,12 @@ FigureScript lightAndPrograms(const RunRecord& record) {
   const std::string programs =
       as_strips ? strips(record, axis, script.script) : counts(record, axis, script.script);
   const int strip_height =
-      as_strips ? std::clamp(static_cast<int>(record.robots.size()) * 16, 40, 340) : 260;
+      as_strips ? std::clamp(static_cast<int>(record.robots.size()) * 20, 40, 340) : 260;
   const int height = 300 + strip_height;
   const auto screen = [height](int pixels_from_bottom) {
     return static_cast<double>(pixels_from_bottom) / height;
   };
-  script.script += style::preamble(script.figure.name, 1080, height, style::kPage_cm);
+  script.script += style::preamble(script.figure.name, 1200, height, style::kPage_cm);
   script.script += fmt::format(
       "set multiplot\nset lmargin at screen (on_paper ? 0.10 : 0.075)\nset rmargin at screen "
       "(on_paper ? 0.86 : 0.93)\n"

@@ -26,9 +26,9 @@ std::string arena(const RunRecord& record) {
   const Experiment& experiment = record.experimentOrDefault();
   const double width = experiment.arena_width * kCm;
   const double height = experiment.arena_height * kCm;
-  const double margin = 0.03 * std::max(width, height);
+  const double margin = 0.015 * std::max(width, height);
   return fmt::format(
-      "set size ratio -1\n"
+      "set size ratio -1\nset border 0\nset tics out\n"
       "set xrange [{:.6g}:{:.6g}]\nset yrange [{:.6g}:{:.6g}]\n"
       "set xlabel 'x (cm)'\nset ylabel 'y (cm)' offset 0.5\n"
       "set object 1 rectangle from 0,0 to {:.6g},{:.6g} fs empty border lc rgb '#606060' lw 1.5\n",
@@ -133,7 +133,7 @@ FigureScript trajectoryByTime(const RunRecord& record) {
     plots += fmt::format("{}$time{} with lines lw 1.5 lc palette cb {:.7g} notitle",
                          plots.empty() ? "" : ", \\\n  ", i, centre / axis.scale);
   }
-  script.script += startsOf(plot) + style::preamble(script.figure.name, 900, 640, style::kPage_cm) +
+  script.script += startsOf(plot) + style::preamble(script.figure.name, 900, 700, style::kPage_cm) +
                    arena(record);
   // Viridis (Smith and van der Walt 2015), ordered in lightness too, without its palest end.
   script.script += fmt::format(
@@ -155,7 +155,7 @@ FigureScript trajectoryByProgram(const RunRecord& record) {
     return script;
   }
   script.figure.csv = trackCsv(record, plot);
-  std::string plots = "$held with lines lw 1 lc rgb '#BBBBBB' title 'reversing or cut'";
+  std::string plots = "$held with lines lw 1 lc rgb '#BBBBBB' title 'cut'";
   DataBlock held("held");
   held.row(std::nan(""), std::nan(""));
   for (const PlotLine& line : plot.lines) {
@@ -176,13 +176,13 @@ FigureScript trajectoryByProgram(const RunRecord& record) {
     plots += fmt::format(", \\\n  $program{} with lines lw 1.5 lc rgb '{}' title {}", key,
                          style::programColour(program), gnuplotText(record.programs[key].name));
   }
-  script.script += startsOf(plot) + style::preamble(script.figure.name, 900, 640, style::kPage_cm) +
+  script.script += startsOf(plot) + style::preamble(script.figure.name, 900, 700, style::kPage_cm) +
                    arena(record);
   plots += ", \\\n  $starts using 1:2 with points pt 6 ps 1.1 lw 2 lc rgb 'black' notitle";
   if (robotsOf(plot).size() <= kMostNumbers) {
     plots += ", \\\n  $starts using 1:2:3 with labels left offset 0.8,0.5 tc rgb 'black' notitle";
   }
-  script.script += "set key outside top center horizontal\nplot " + plots + "\n";
+  script.script += "set key outside top center horizontal samplen 1.6\nplot " + plots + "\n";
   script.figure.caption = fmt::format(
       "{} Circles mark where each robot begins; grey: the robot reversed, or its motion was cut "
       "for "

@@ -80,15 +80,16 @@ PlotTracks thinnedTracks(const RunRecord& record, std::size_t points, bool per_p
   const double period = periodOf(tracks);
   const double speed = typicalSpeed(tracks, period);
   const double step = std::min(kLongestStep, speed > 0 ? kStep_m / speed : kLongestStep);
-  // A short run is drawn with more points than necessary.
-  const double finest =
-      period * static_cast<double>(tracks.rows.size()) / static_cast<double>(points);
-  const auto stride = static_cast<std::size_t>(
-      std::max(1.0, std::floor(std::min(step, std::max(period, finest)) / period)));
+  // A short run is drawn with more points than necessary: as many as `points` allow. [frames]
+  const double densest =
+      std::ceil(static_cast<double>(tracks.rows.size()) / static_cast<double>(points));
+  const auto stride =
+      static_cast<std::size_t>(std::max(1.0, std::min(std::floor(step / period), densest)));
 
-  // Backward in time until the points are used up; each program has its share.
+  // Backward in time until the points are used up. Each program has its share, unless all fit.
   const std::size_t programs = per_program ? std::max<std::size_t>(1, record.programs.size()) : 1;
-  std::vector<std::size_t> left(programs, points / programs);
+  const bool all_fit = tracks.rows.size() / stride <= points;
+  std::vector<std::size_t> left(programs, all_fit ? 2 * points : points / programs);
   std::vector<bool> chosen(tracks.rows.size(), false);
   for (std::size_t i = (tracks.frames.size() - 1) / stride * stride + stride; i >= stride;) {
     i -= stride;

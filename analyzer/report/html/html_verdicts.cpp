@@ -119,7 +119,9 @@ std::vector<std::string> verdictCells(const Finding& finding) {
                   style::programColour(finding.key), escapeHtml(finding.name)),
       fmt::format("<span class=\"soft\">{} · {}</span>", escapeHtml(finding.model),
                   escapeHtml(parametersText(finding.pool->program))),
-      fmt::format("<b class=\"{}\">{}</b>", verdictClass(verdict.kind), verdictText(result)),
+      fmt::format(
+          "<b class=\"{}\">{}</b>", verdictClass(verdict.kind),
+          result.law.kind == analysis::ProgramKind::kNone ? "no law" : verdictClass(verdict.kind)),
       decided ? fmt::format("{:.1f} σ", std::abs(verdict.max_z)) : "–",
       countText(verdict.judged, "lag"),
       durationText(result.observed)};

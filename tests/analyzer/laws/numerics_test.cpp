@@ -39,6 +39,14 @@ TEST(GaussLegendre, IsExactForPolynomialsOfDegreeTwoNMinusOne) {
   }
 }
 
+TEST(Median, IsTheUpperOneOfAnEvenNumber) {
+  std::vector<double> odd{3, 1, 2};
+  std::vector<double> even{4, 1, 3, 2};
+
+  EXPECT_EQ(medianOf(odd), 2);
+  EXPECT_EQ(medianOf(even), 3);
+}
+
 TEST(StudentQuantile, AgreesWithTheTables) {
   EXPECT_TRUE(std::isinf(studentQuantile(0.5)));
   EXPECT_NEAR(studentQuantile(1), 12.706, 1e-3);

@@ -2,10 +2,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include "analyzer/report/html/report_page.hpp"
 #include "analyzer/report/summary/summary.hpp"
@@ -162,6 +164,33 @@ TEST(Html, ShowsFaultsFirst) {
   const std::size_t fault = dut.find("<b>Fault at 2.5 s:</b> robot 1 has two owners");
   ASSERT_NE(fault, std::string::npos);
   EXPECT_LT(fault, dut.find("<h2>"));
+}
+
+TEST(Html, OpensWithThePicturesThenTheVerdictsThenFoldedDetails) {
+  std::vector<Figure> figures;
+  for (const char* name : {"trajectory_time", "trajectory_program", "light", "msd", "msd_abp"}) {
+    figures.push_back({name, std::string("title of ") + name, "", "", "<svg></svg>", "", ""});
+  }
+
+  const std::string dut = reportHtml(smallRun(), figures);
+
+  std::vector<std::size_t> places;
+  for (const char* text :
+       {"title of trajectory_program", "title of msd.", "title of light", "<th>verdict</th>",
+        "<details class=\"part\">", "title of trajectory_time", "title of msd_abp"}) {
+    places.push_back(dut.find(text));
+    EXPECT_NE(places.back(), std::string::npos) << text;
+  }
+  EXPECT_TRUE(std::is_sorted(places.begin(), places.end()));
+}
+
+TEST(Html, OpensWithTheMsdOfTheOnlyProgram) {
+  const RunRecord record = recordOf(syntheticExperiment(1, 15, 20, {paperAbp()}, 15));
+  const Figure msd{"msd_abp", "title of msd_abp", "", "", "<svg></svg>", "", ""};
+
+  const std::string dut = reportHtml(record, {msd});
+
+  EXPECT_LT(dut.find("title of msd_abp"), dut.find("<th>verdict</th>"));
 }
 
 TEST(Html, ReportsLostMessages) {

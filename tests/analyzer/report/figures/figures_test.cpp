@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <sstream>
@@ -102,6 +103,36 @@ TEST(Figures, HaveTheirDataWithUnits) {
     std::getline(csv, line);
     EXPECT_THAT(line, testing::StartsWith(fmt::format("{:.7g},{:.7g},", points.at(0).tau,
                                                       points.at(0).value * 1e4)));
+  }
+}
+
+TEST(Figures, ShowTheMsdOfSeveralProgramsInOnePicture) {
+  const TemporaryFolder scratch;
+  const RunRecord record = recordOf(syntheticExperiment(2, 60, 20, {paperAbp(), paperRtp()}, 15));
+
+  const std::vector<Figure> figures = drawFigures(record, scratch.path());
+
+  const auto msd = std::find_if(figures.begin(), figures.end(),
+                                [](const Figure& figure) { return figure.name == "msd"; });
+  ASSERT_NE(msd, figures.end());
+  EXPECT_THAT(msd->svg, HasSubstr("<svg"));
+  EXPECT_THAT(msd->csv, HasSubstr("\nabp,"));
+  EXPECT_THAT(msd->csv, HasSubstr("\nrtp,"));
+}
+
+TEST(Figures, ShowEveryRobotOfASmallLab) {
+  const TemporaryFolder scratch;
+  const RunRecord record = recordOf(syntheticExperiment(6, 90, 50, {paperAbp(), paperRtp()}, 30));
+
+  for (const Figure& figure : drawFigures(record, scratch.path())) {
+    if (figure.name != "trajectory_program" && figure.name != "speed") continue;
+    EXPECT_THAT(figure.caption, Not(HasSubstr("legible"))) << figure.name;
+    for (int robot = 1; robot <= 6; ++robot) {
+      const std::string id = std::to_string(robot) + ",";
+      const bool drawn = figure.csv.find("\n" + id) != std::string::npos ||
+                         figure.csv.find("abp," + id) != std::string::npos;
+      EXPECT_TRUE(drawn) << figure.name << " " << robot;
+    }
   }
 }
 
