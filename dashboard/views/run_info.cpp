@@ -9,7 +9,7 @@
 #include "common/experiment/script_plan.hpp"
 #include "common/math/units.hpp"
 #include "common/process/version.hpp"
-#include "dashboard/views/json.hpp"
+#include "dashboard/web/json.hpp"
 
 namespace lab::dashboard {
 namespace {
