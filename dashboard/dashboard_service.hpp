@@ -2,10 +2,14 @@
 /// operator's commands.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "common/service/service_main.hpp"
 #include "dashboard/control/request_queue.hpp"

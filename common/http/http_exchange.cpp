@@ -13,6 +13,7 @@
 #include <boost/beast/http/status.hpp>
 #include <boost/beast/http/string_body.hpp>
 #include <cerrno>
+#include <cstdint>
 #include <limits>
 
 #include "common/http/ip_address.hpp"

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "common/experiment/light_messages.hpp"
 #include "common/math/units.hpp"

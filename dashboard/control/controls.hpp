@@ -11,6 +11,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "common/service/experiment_request.hpp"
 #include "common/service/manual_light.hpp"

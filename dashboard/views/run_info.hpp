@@ -1,6 +1,7 @@
 /// The experiment of the run that is shown.
 #pragma once
 
+#include <cstdint>
 #include <lab/experiment_event_t.hpp>
 #include <lab/program_t.hpp>
 #include <optional>

@@ -5,9 +5,12 @@
 
 #include <array>
 #include <atomic>
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <stdexcept>
+#include <string_view>
+#include <variant>
 
 #include "common/http/http_server.hpp"
 #include "dashboard/control/json_object_reader.hpp"

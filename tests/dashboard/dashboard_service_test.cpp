@@ -9,7 +9,12 @@
 
 #include <atomic>
 #include <chrono>
+#include <cstdint>
+#include <optional>
+#include <stdexcept>
+#include <string_view>
 #include <thread>
+#include <vector>
 
 #include "common/bus/channels.hpp"
 #include "common/bus/memory_bus.hpp"

@@ -16,7 +16,8 @@ constexpr auto kCheckViewer = 250ms;  // whether a waiting viewer has gone
 
 using EncodedPictures = std::array<FrameBroker::Picture, 2>;  // by format
 
-/// Paints a picture and encodes it once for each format that a waiter wants. All are null on errors.
+/// Paints a picture and encodes it once for each format that a waiter wants. All are null on
+/// errors.
 template <class Waiters>
 EncodedPictures paintAndEncode(const Waiters& waiters, const std::function<RgbImage()>& paint) {
   try {

@@ -3,6 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <optional>
+#include <stdexcept>
+#include <string>
 
 #include "tests/support/raw_http_client.hpp"
 

@@ -1,5 +1,7 @@
 #include "dashboard/control/operator_request_reader.hpp"
 
+#include <gtest/gtest.h>
+
 namespace lab::dashboard {
 namespace {
 

@@ -1,6 +1,11 @@
 #include "dashboard/library/library_routes.hpp"
 
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
 #include <fstream>
+#include <vector>
 
 #include "tests/dashboard/web/web_fixture.hpp"
 

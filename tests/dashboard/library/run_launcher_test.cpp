@@ -1,7 +1,11 @@
 #include "dashboard/library/run_launcher.hpp"
 
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 #include <thread>
 
 #include "dashboard/control/json_object_reader.hpp"

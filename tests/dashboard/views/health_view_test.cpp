@@ -4,7 +4,12 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cmath>
+#include <cstdint>
 #include <lab/light_status_t.hpp>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "common/bus/channels.hpp"
 #include "common/process/version.hpp"

@@ -4,8 +4,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
 #include <lab/service_status_t.hpp>
+#include <vector>
 
 #include "common/bus/channels.hpp"
 #include "common/math/random.hpp"

@@ -1,4 +1,8 @@
+#include <gtest/gtest.h>
+
 #include <cmath>
+#include <string>
+#include <vector>
 
 #include "dashboard/views/curves_view.hpp"
 #include "dashboard/views/history_view.hpp"

@@ -1,5 +1,7 @@
 #include "dashboard/web/camera_picture.hpp"
 
+#include <gtest/gtest.h>
+
 #include <atomic>
 #include <thread>
 

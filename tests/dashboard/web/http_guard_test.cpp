@@ -1,5 +1,7 @@
 #include "dashboard/web/http_guard.hpp"
 
+#include <gtest/gtest.h>
+
 #include "common/http/ip_address.hpp"
 
 namespace lab::dashboard {

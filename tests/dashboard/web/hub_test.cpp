@@ -1,5 +1,8 @@
 #include "dashboard/web/hub.hpp"
 
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include <atomic>
 #include <thread>
 

@@ -1,7 +1,13 @@
 #include "dashboard/web/web_server.hpp"
 
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
 #include <ifaddrs.h>
 #include <net/if.h>
+
+#include <cstdint>
+#include <stdexcept>
+#include <vector>
 
 #include "tests/dashboard/web/web_fixture.hpp"
 

@@ -4,6 +4,7 @@
 
 #include <asio.hpp>
 #include <chrono>
+#include <cstdint>
 #include <memory>
 #include <stdexcept>
 #include <string>
