@@ -6,8 +6,8 @@
 
 #include "common/experiment/light_messages.hpp"
 #include "common/math/units.hpp"
-#include "dashboard/views/json.hpp"
 #include "dashboard/views/timeline_view.hpp"
+#include "dashboard/web/json.hpp"
 
 namespace lab::dashboard {
 namespace {

@@ -28,21 +28,6 @@ const char* stateName(std::int8_t state) {
   }
 }
 
-const char* trackerStateName(std::int8_t state) {
-  switch (state) {
-    case tracker_status_t::WAITING:
-      return "waiting";
-    case tracker_status_t::RUNNING:
-      return "running";
-    case tracker_status_t::GONE:
-      return "gone";
-    case tracker_status_t::ENDED:
-      return "ended";
-    default:
-      return "unknown";
-  }
-}
-
 const char* peerStateName(std::int8_t state) {
   switch (state) {
     case link_peer_t::JOINED:
@@ -115,6 +100,21 @@ Json linksJson(const std::map<std::string, link_status_t>& links) {
 }
 
 }  // namespace
+
+const char* trackerStateName(std::int8_t state) {
+  switch (state) {
+    case tracker_status_t::WAITING:
+      return "waiting";
+    case tracker_status_t::RUNNING:
+      return "running";
+    case tracker_status_t::GONE:
+      return "gone";
+    case tracker_status_t::ENDED:
+      return "ended";
+    default:
+      return "unknown";
+  }
+}
 
 void HealthView::count(std::string_view channel, const MessageHeader& header, std::int64_t now) {
   const bool same = last_ != nullptr && last_->first.instance == header.instance &&

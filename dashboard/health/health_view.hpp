@@ -16,7 +16,7 @@
 #include "common/bus/message_header.hpp"
 #include "common/bus/stream_counter.hpp"
 #include "dashboard/health/process_meter.hpp"
-#include "dashboard/views/json.hpp"
+#include "dashboard/web/json.hpp"
 
 namespace lab::dashboard {
 
@@ -36,6 +36,9 @@ struct StreamRow {
   std::array<std::int64_t, 5> lost{};
   std::int64_t ticks = 0;
 };
+
+/// "waiting", "running", "gone", "ended" or "unknown".
+[[nodiscard]] const char* trackerStateName(std::int8_t state);
 
 /// Collects what topic `health` shows. Times are us since 1970.
 class HealthView {

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <set>
 
-#include "dashboard/views/json.hpp"
+#include "dashboard/web/json.hpp"
 
 namespace lab::dashboard {
 namespace fs = std::filesystem;

@@ -14,8 +14,8 @@
 #include <utility>
 
 #include "dashboard/library/run_compare.hpp"
-#include "dashboard/views/json.hpp"
 #include "dashboard/web/http_response.hpp"
+#include "dashboard/web/json.hpp"
 
 namespace lab::dashboard {
 namespace fs = std::filesystem;

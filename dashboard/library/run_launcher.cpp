@@ -11,7 +11,7 @@
 
 #include "dashboard/control/json_object_reader.hpp"
 #include "dashboard/library/experiment_list.hpp"
-#include "dashboard/views/json.hpp"
+#include "dashboard/web/json.hpp"
 
 namespace lab::dashboard {
 namespace fs = std::filesystem;

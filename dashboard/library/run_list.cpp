@@ -9,7 +9,7 @@
 #include <regex>
 
 #include "dashboard/library/summary_scan.hpp"
-#include "dashboard/views/json.hpp"
+#include "dashboard/web/json.hpp"
 
 namespace lab::dashboard {
 namespace fs = std::filesystem;

@@ -59,10 +59,7 @@ export function drawTrails(context, view, arena) {
   context.globalAlpha = 1;
 }
 
-/**
- * Only each trail's newest piece, onto what is painted: the rest need not be painted anew each
- * time.
- */
+/** Draws only the newest piece of each trail onto the canvas, which keeps the older pieces. */
 export function addToTrails(context, view, arena) {
   for (let program = -1; program < allPrograms().length; ++program) {
     context.beginPath();
@@ -91,10 +88,7 @@ function addPiece(context, view, trail, program, i) {
   context.lineTo(view.px(trail.x[to]), view.py(trail.y[to]));
 }
 
-/**
- * Pictures made once, by key: what would cost most is to write and to dash a hundred times a
- * picture.
- */
+/** A cache of small pictures by key, because drawing text and dashes for each robot is slow. */
 class Stamps {
   #made = new Map();
 

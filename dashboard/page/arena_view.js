@@ -235,8 +235,8 @@ export class ArenaView {
   }
 
   /**
-   * Trails are many lines: while the view moves the old painting is moved along, and painted anew
-   * now and then.
+   * Trails have many lines. While the view moves, the old canvas is shifted and scaled, and only
+   * redrawn from time to time.
    */
   #paintTrails(now) {
     const [view, arena, painted] = [this.#view, this.arena, this.#trails];

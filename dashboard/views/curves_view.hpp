@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "dashboard/views/json.hpp"
+#include "dashboard/web/json.hpp"
 
 namespace lab::dashboard {
 

@@ -5,7 +5,7 @@
 
 #include "common/math/units.hpp"
 #include "common/text/format.hpp"
-#include "dashboard/views/json.hpp"
+#include "dashboard/web/json.hpp"
 
 namespace lab::dashboard {
 namespace {

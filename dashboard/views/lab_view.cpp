@@ -280,10 +280,8 @@ Json LabView::healthJson(std::int64_t now, const ServerFacts& server) const {
 
 std::string LabView::cameraJson() const {
   const tracker_status_t& tracker = *health_.tracker();
-  const char* const states[] = {"unknown", "waiting", "running", "gone", "ended"};
-  const bool known = tracker.state >= 1 && tracker.state <= 4;
   return toText(
-      {{"state", states[known ? tracker.state : 0]},
+      {{"state", trackerStateName(tracker.state)},
        {"width_px", tracker.width},
        {"height_px", tracker.height},
        {"fps", number(tracker.fps)},

@@ -5,7 +5,7 @@
 #include <numeric>
 
 #include "common/experiment/light_messages.hpp"
-#include "dashboard/views/json.hpp"
+#include "dashboard/web/json.hpp"
 
 namespace lab::dashboard {
 namespace {

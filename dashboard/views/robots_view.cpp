@@ -9,8 +9,8 @@
 
 #include "common/experiment/program_messages.hpp"
 #include "common/math/units.hpp"
-#include "dashboard/views/json.hpp"
 #include "dashboard/views/plausible_pose.hpp"
+#include "dashboard/web/json.hpp"
 
 namespace lab::dashboard {
 namespace {

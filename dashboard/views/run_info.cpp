@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cstdint>
 #include <utility>
 
 #include "common/experiment/experiment_file.hpp"
@@ -9,7 +10,7 @@
 #include "common/experiment/script_plan.hpp"
 #include "common/math/units.hpp"
 #include "common/process/version.hpp"
-#include "dashboard/views/json.hpp"
+#include "dashboard/web/json.hpp"
 
 namespace lab::dashboard {
 namespace {

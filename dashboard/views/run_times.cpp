@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "dashboard/views/json.hpp"
+#include "dashboard/web/json.hpp"
 
 namespace lab::dashboard {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "common/math/units.hpp"
-#include "dashboard/views/json.hpp"
+#include "dashboard/web/json.hpp"
 
 namespace lab::dashboard {
 namespace {

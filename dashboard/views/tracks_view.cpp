@@ -8,8 +8,8 @@
 #include <map>
 
 #include "common/math/units.hpp"
-#include "dashboard/views/json.hpp"
 #include "dashboard/views/plausible_pose.hpp"
+#include "dashboard/web/json.hpp"
 
 namespace lab::dashboard {
 namespace {

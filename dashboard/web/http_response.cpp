@@ -3,7 +3,7 @@
 #include <array>
 #include <utility>
 
-#include "dashboard/views/json.hpp"
+#include "dashboard/web/json.hpp"
 
 namespace lab::dashboard {
 

@@ -16,10 +16,10 @@
 #include "dashboard/control/json_object_reader.hpp"
 #include "dashboard/control/operator_request_reader.hpp"
 #include "dashboard/library/library_routes.hpp"
-#include "dashboard/views/json.hpp"
 #include "dashboard/web/camera_picture.hpp"
 #include "dashboard/web/event_stream.hpp"
 #include "dashboard/web/http_response.hpp"
+#include "dashboard/web/json.hpp"
 #include "dashboard/web/page_files.hpp"
 
 namespace lab::dashboard {

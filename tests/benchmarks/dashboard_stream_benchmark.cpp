@@ -31,8 +31,8 @@ constexpr int kRobots = 100;
 constexpr auto kPeriod = 50ms;
 
 struct NoLab final : LabRequestHandler {
-  std::string wish(const OperatorRequest&) override { return {}; }
-  std::optional<std::string> ask(std::string_view, std::string_view) override { return {}; }
+  std::string request(const OperatorRequest&) override { return {}; }
+  std::optional<std::string> query(std::string_view, std::string_view) override { return {}; }
 };
 
 std::string frame(int number) {
@@ -53,9 +53,9 @@ int connectTo(int port) {
   place.sin_port = htons(static_cast<std::uint16_t>(port));
   place.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
   if (connect(client, reinterpret_cast<sockaddr*>(&place), sizeof place) != 0) _exit(1);
-  const std::string ask =
+  const std::string request =
       fmt::format("GET /api/stream HTTP/1.1\r\nHost: 127.0.0.1:{}\r\n\r\n", port);
-  if (write(client, ask.data(), ask.size()) < 0) _exit(1);
+  if (write(client, request.data(), request.size()) < 0) _exit(1);
   return client;
 }
 

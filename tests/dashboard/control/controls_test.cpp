@@ -20,8 +20,8 @@ experiment_status_t statusOfRun(std::int8_t phase = experiment_status_t::SCRIPT)
   return status;
 }
 
-struct Bench {
-  Bench() { dut.take(statusOfRun(), kNow); }
+struct ControlsBench {
+  ControlsBench() { dut.take(statusOfRun(), kNow); }
 
   void answer(const experiment_command_t& command, const std::string& refusal = "") {
     experiment_status_t status = statusOfRun();
@@ -37,7 +37,7 @@ struct Bench {
 };
 
 TEST(Controls, RepeatsARequestAtFiveHertzUntilItIsAnswered) {
-  Bench bench;
+  ControlsBench bench;
   ASSERT_EQ(bench.dut.request(MarkRun{"a fly"}, kNow), "");
   ASSERT_EQ(bench.dut.request(PauseScript{}, kNow), "");
   const auto first = bench.dut.due(kNow).experiment;
@@ -58,7 +58,7 @@ TEST(Controls, RepeatsARequestAtFiveHertzUntilItIsAnswered) {
 }
 
 TEST(Controls, DropsAnUnansweredRequestAndGivesTheNextOneItsFullTimeout) {
-  Bench bench;
+  ControlsBench bench;
   ASSERT_EQ(bench.dut.request(PauseScript{}, kNow), "");
   ASSERT_EQ(bench.dut.request(ResumeScript{}, kNow), "");
   EXPECT_TRUE(bench.dut.due(kNow).experiment);
@@ -97,7 +97,7 @@ TEST(Controls, AReplayedLogAcceptsSeeksButNoStops) {
 }
 
 TEST(Controls, ShowsAStopUntilEveryRobotHasConfirmed) {
-  Bench bench;
+  ControlsBench bench;
   bench.dut.expect({3, 7});
   ASSERT_EQ(bench.dut.request(StopRobots{"smoke"}, kNow), "");
   const auto stop = bench.dut.due(kNow).stop;
@@ -121,13 +121,13 @@ TEST(Controls, ShowsAStopUntilEveryRobotHasConfirmed) {
 }
 
 TEST(Controls, AnInvalidReasonDoesNotPreventAStop) {
-  Bench bench;
+  ControlsBench bench;
   EXPECT_EQ(bench.dut.request(StopRobots{"\x01\xff"}, kNow), "");
   EXPECT_EQ(bench.dut.due(kNow).stop->reason, "from the page");
 }
 
 TEST(Controls, WaitsUntilTheProjectorShowsTheLight) {
-  Bench bench;
+  ControlsBench bench;
   ASSERT_EQ(bench.dut.request(ShowLight{0.25, 2}, kNow), "");
   const auto command = bench.dut.due(kNow).light;
   ASSERT_TRUE(command);
@@ -149,7 +149,7 @@ TEST(Controls, WaitsUntilTheProjectorShowsTheLight) {
 }
 
 TEST(Controls, ShowsOnlyRefusalsOfItsOwnLight) {
-  Bench bench;
+  ControlsBench bench;
   ASSERT_EQ(bench.dut.request(ShowLight{0.25, 0}, kNow), "");
   const std::int64_t seq = bench.dut.due(kNow).light.value().seq;
   light_status_t status{};

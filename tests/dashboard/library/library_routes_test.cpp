@@ -1,5 +1,6 @@
 #include "dashboard/library/library_routes.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>

@@ -1,5 +1,6 @@
 #include "dashboard/library/run_launcher.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <fstream>

@@ -1,5 +1,6 @@
 #include "dashboard/web/hub.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <atomic>

@@ -1,5 +1,6 @@
 #include "dashboard/web/web_server.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <ifaddrs.h>
 #include <net/if.h>
