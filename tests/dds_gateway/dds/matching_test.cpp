@@ -27,7 +27,7 @@ struct Style {
 /// With a network card, ROS 2's own setting that stays on the loopback interface, and the files
 /// that make the others do so (docs/ros2.md).
 std::vector<Style> onLoopback() {
-  const std::string folder = LAB_ROOT "/examples/ros2/";
+  const std::string folder = LAB_ROOT "/docs/examples/ros2/";
   const std::string file = "file://" + folder + "cyclonedds.xml";
   std::vector<Style> all = {{"Humble", {LAB_CYCLONE_PEER, "0", kHumble}, false},
                             {"HumbleFile", {LAB_CYCLONE_PEER, "0", file}, false},
