@@ -6,6 +6,7 @@
 #include <fstream>
 #include <stdexcept>
 #include <utility>
+#include <vector>
 
 #include "common/experiment/experiment_file.hpp"
 #include "common/experiment/experiment_messages.hpp"

@@ -6,6 +6,7 @@
 #include <array>
 #include <chrono>
 #include <set>
+#include <stdexcept>
 #include <thread>
 
 #include "dds_gateway/dds/domain.hpp"

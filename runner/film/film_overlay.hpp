@@ -2,6 +2,7 @@
 /// one file per picture.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <span>

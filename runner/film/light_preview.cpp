@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <string>
 
 #include "light/field/raster.hpp"
 #include "light/optics/canvas.hpp"

@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <optional>
 #include <system_error>
+#include <vector>
 
 #include "common/experiment/experiment_file.hpp"
 #include "light/field/image.hpp"

@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <vector>
 
 #include "common/bus/fingerprints.hpp"
 #include "common/math/units.hpp"

@@ -1,5 +1,7 @@
 #include "runner/hosts/host_files.hpp"
 
+#include <string_view>
+
 #include "dds_gateway/dds/configuration.hpp"
 #include "runner/runs/run_directory.hpp"
 

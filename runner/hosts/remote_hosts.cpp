@@ -4,7 +4,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <random>
+#include <string_view>
 #include <thread>
 
 #include "common/experiment/experiment_file.hpp"

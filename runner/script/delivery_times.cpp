@@ -1,5 +1,7 @@
 #include "runner/script/delivery_times.hpp"
 
+#include <cstdint>
+
 #include "common/math/percentiles.hpp"
 #include "common/math/units.hpp"
 

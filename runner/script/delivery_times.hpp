@@ -1,6 +1,7 @@
 /// Delays between light command and effect, over all steps of a run.
 #pragma once
 
+#include <cstdint>
 #include <lab/experiment_event_t.hpp>
 #include <lab/light_delivery_t.hpp>
 #include <vector>

@@ -2,6 +2,7 @@
 // so at 500 times real time each message may take 13 us in all.
 #include <benchmark/benchmark.h>
 
+#include <cstdint>
 #include <lab/robot_status_t.hpp>
 #include <string>
 

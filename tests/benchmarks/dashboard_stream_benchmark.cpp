@@ -12,7 +12,10 @@
 
 #include <array>
 #include <chrono>
+#include <cstdint>
 #include <optional>
+#include <string>
+#include <string_view>
 #include <thread>
 #include <vector>
 

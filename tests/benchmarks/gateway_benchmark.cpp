@@ -10,10 +10,12 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <functional>
 #include <lab/robot_status_t.hpp>
+#include <string>
 #include <string_view>
 #include <thread>
 #include <vector>

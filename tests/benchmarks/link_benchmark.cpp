@@ -3,13 +3,19 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <chrono>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <fstream>
+#include <functional>
 #include <lab/light_command_t.hpp>
 #include <lab/tracked_frame_t.hpp>
 #include <sstream>
+#include <string>
+#include <string_view>
 #include <thread>
+#include <vector>
 
 #include "common/math/percentiles.hpp"
 #include "tests/support/network_hosts.hpp"

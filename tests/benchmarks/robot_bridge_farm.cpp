@@ -2,6 +2,7 @@
 // robot_bridge_benchmark.sh.
 //   robot_bridge_farm ROBOTS FOLDER EXPERIMENT LCM_URL SECONDS
 #include <algorithm>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <deque>

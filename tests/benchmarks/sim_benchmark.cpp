@@ -4,6 +4,9 @@
 #include <benchmark/benchmark.h>
 
 #include <cmath>
+#include <cstdint>
+#include <optional>
+#include <vector>
 
 #include "robot/dynamics/robot_program.hpp"
 #include "sim_svc/world.hpp"

@@ -6,7 +6,12 @@
 #include <benchmark/benchmark.h>
 
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "common/loop/virtual_loop.hpp"
 #include "common/serial/memory_serial.hpp"

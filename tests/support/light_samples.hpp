@@ -1,6 +1,7 @@
 /// Sample layers for tests of the light field.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <vector>
 

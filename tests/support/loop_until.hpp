@@ -1,6 +1,7 @@
 /// Runs a live loop in a test until a condition is true.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 
 #include "common/loop/asio_loop.hpp"

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cmath>
+#include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "robot/dynamics/robot_program.hpp"

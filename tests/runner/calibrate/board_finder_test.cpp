@@ -4,9 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 #include <stdexcept>
+#include <string>
 
 #include "common/math/random.hpp"
 #include "light/optics/simulated_camera.hpp"

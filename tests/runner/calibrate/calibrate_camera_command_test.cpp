@@ -8,6 +8,8 @@
 #include <fstream>
 #include <iterator>
 #include <numbers>
+#include <string>
+#include <vector>
 
 #include "common/calibration/camera_file.hpp"
 #include "common/experiment/experiment_file.hpp"

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <optional>
 
 #include "common/math/units.hpp"
 #include "robot/dynamics/kinematics.hpp"

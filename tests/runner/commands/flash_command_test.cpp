@@ -2,10 +2,15 @@
 
 #include <array>
 #include <atomic>
+#include <cstdint>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
+#include <memory>
 #include <optional>
+#include <string>
 #include <thread>
+#include <vector>
 
 #include "common/loop/asio_loop.hpp"
 #include "common/serial/serial_devices.hpp"

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <fstream>
+#include <optional>
 
 #include "common/experiment/experiment_file.hpp"
 #include "light/field/image.hpp"

@@ -5,6 +5,8 @@
 #include <array>
 #include <optional>
 #include <set>
+#include <span>
+#include <vector>
 
 #include "common/experiment/experiment.hpp"
 #include "common/loop/virtual_loop.hpp"

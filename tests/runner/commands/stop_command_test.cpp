@@ -3,10 +3,12 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <cstdint>
 #include <cstdlib>
 #include <lab/robot_status_t.hpp>
 #include <lab/robot_stop_t.hpp>
 #include <lab/service_status_t.hpp>
+#include <string>
 #include <thread>
 
 #include "common/bus/channels.hpp"

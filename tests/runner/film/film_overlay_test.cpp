@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
+
 #include "light/optics/simulated_camera.hpp"
 #include "tests/support/temporary_folder.hpp"
 

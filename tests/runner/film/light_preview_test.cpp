@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <string>
+
 #include "common/experiment/experiment_file.hpp"
 
 namespace lab::runner {

@@ -8,7 +8,9 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "common/calibration/camera_file.hpp"
 #include "common/experiment/experiment_file.hpp"

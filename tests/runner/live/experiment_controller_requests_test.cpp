@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <cstdint>
 #include <lab/experiment_event_t.hpp>
 #include <lab/light_command_t.hpp>
 #include <map>

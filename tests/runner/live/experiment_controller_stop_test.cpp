@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <cstdint>
 #include <lab/analysis_t.hpp>
 #include <optional>
 #include <string>

@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <map>
+#include <string>
 #include <vector>
 
 #include "common/bus/channels.hpp"

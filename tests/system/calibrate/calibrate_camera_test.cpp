@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
 #include <fstream>
+#include <string>
 
 #include "common/calibration/camera_file.hpp"
 #include "light/optics/simulated_camera.hpp"

@@ -2,9 +2,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
+#include <filesystem>
 #include <fstream>
 #include <lab/robot_status_t.hpp>
 #include <map>
+#include <string>
 
 #include "common/bus/channels.hpp"
 #include "common/bus/log_file.hpp"

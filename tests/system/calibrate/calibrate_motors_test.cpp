@@ -3,7 +3,10 @@
 #include <toml++/toml.h>
 
 #include <cmath>
+#include <cstdint>
+#include <filesystem>
 #include <fstream>
+#include <string>
 
 #include "common/math/random.hpp"
 #include "tests/support/lab_process.hpp"

@@ -2,8 +2,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
+#include <string>
 
 #include "common/calibration/camera_file.hpp"
 #include "common/calibration/projector_file.hpp"

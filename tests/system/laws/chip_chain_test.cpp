@@ -2,7 +2,9 @@
 // tracker frames, serial lines, bridge, log and analysis. One program per run, in virtual time.
 #include <gmock/gmock.h>
 
+#include <chrono>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 
 #include "tests/support/lab_process.hpp"

@@ -2,6 +2,7 @@
 // arena fails, the error is in the stitching of reversals.
 #include <gtest/gtest.h>
 
+#include <string>
 #include <tuple>
 
 #include "tests/system/laws/hour_ensemble.hpp"

@@ -2,8 +2,13 @@
 // handshake, log and analysis. One program per run, in virtual time.
 #include <gmock/gmock.h>
 
+#include <chrono>
+#include <cmath>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
+#include <iostream>
+#include <numbers>
 
 #include "tests/support/lab_process.hpp"
 #include "tests/system/laws/run_against_law.hpp"

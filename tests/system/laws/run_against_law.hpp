@@ -1,6 +1,8 @@
 /// Compares the log of a whole run with the exact law of its program.
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <cmath>
 #include <filesystem>
 #include <iostream>
@@ -9,6 +11,7 @@
 #include <lab/tracked_frame_t.hpp>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "analyzer/analysis_feed.hpp"
 #include "common/bus/channels.hpp"

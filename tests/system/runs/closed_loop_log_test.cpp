@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <lab/light_command_t.hpp>
 #include <lab/light_status_t.hpp>
 #include <lab/tracked_frame_t.hpp>

@@ -2,6 +2,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <string>
 #include <vector>
 
 #include "tests/support/lab_process.hpp"

@@ -3,13 +3,17 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
+#include <chrono>
+#include <cstdint>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <lab/robot_status_t.hpp>
 #include <lab/robot_steps_t.hpp>
 #include <lab/tracked_frame_t.hpp>
 #include <map>
 #include <set>
+#include <string>
 
 #include "common/bus/channels.hpp"
 #include "common/bus/log_file.hpp"

@@ -3,8 +3,12 @@
 // in the long tier.
 #include <gmock/gmock.h>
 
+#include <chrono>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
+#include <iostream>
+#include <numbers>
 
 #include "tests/support/lab_process.hpp"
 #include "tests/system/runs/truth_comparison.hpp"

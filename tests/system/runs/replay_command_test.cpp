@@ -2,10 +2,14 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
+#include <chrono>
 #include <cmath>
+#include <filesystem>
 #include <lab/analysis_t.hpp>
 #include <lab/robot_status_t.hpp>
 #include <map>
+#include <stdexcept>
+#include <string>
 
 #include "common/bus/channels.hpp"
 #include "common/bus/log_file.hpp"

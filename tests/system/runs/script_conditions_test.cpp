@@ -2,11 +2,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <lab/experiment_event_t.hpp>
 #include <lab/light_status_t.hpp>
 #include <lab/robot_status_t.hpp>
 #include <map>
 #include <set>
+#include <string>
+#include <vector>
 
 #include "common/bus/channels.hpp"
 #include "common/bus/log_file.hpp"

@@ -2,7 +2,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <filesystem>
 #include <lab/light_status_t.hpp>
+#include <string>
+#include <vector>
 
 #include "common/bus/channels.hpp"
 #include "common/bus/log_file.hpp"

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <lab/sim_truth_t.hpp>
 #include <lab/tracked_frame_t.hpp>

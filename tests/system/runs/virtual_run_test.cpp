@@ -2,9 +2,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
+#include <filesystem>
 #include <lab/robot_status_t.hpp>
 #include <lab/tracked_frame_t.hpp>
 #include <map>
+#include <string>
+#include <vector>
 
 #include "common/bus/channels.hpp"
 #include "common/bus/log_file.hpp"

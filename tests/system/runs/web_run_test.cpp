@@ -3,9 +3,14 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
 #include <lab/experiment_event_t.hpp>
 #include <lab/experiment_status_t.hpp>
 #include <set>
+#include <string>
+#include <vector>
 
 #include "common/bus/channels.hpp"
 #include "common/bus/log_file.hpp"

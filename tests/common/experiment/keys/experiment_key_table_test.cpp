@@ -13,7 +13,8 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
 TEST(KeyTable, StandsInTheDocsWordByWord) {
-  const std::string docs = support::readFile(std::filesystem::path(LAB_ROOT) / "docs" / "experiments.md");
+  const std::string docs =
+      support::readFile(std::filesystem::path(LAB_ROOT) / "docs" / "experiments.md");
 
   EXPECT_TRUE(docs.find(keyTables()) != std::string::npos)
       << "docs/experiments.md must contain, in place of its tables:\n\n"
