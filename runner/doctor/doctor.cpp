@@ -66,9 +66,9 @@ Finding program(bool found, const std::string& name, const std::string& package,
           "sudo apt-get install --no-install-recommends " + package};
 }
 
-/// An optional program: a package of its own, or not built where a library was missing.
-Finding optionalProgram(bool found, const std::string& name, const std::string& consequence,
-                        const std::string& build) {
+/// Packages leave out what not everybody needs; a build lacks it where a library was missing.
+Finding part(bool found, const std::string& name, const std::string& consequence,
+             const std::string& build) {
   if (found) return {Level::kOk, name + " is there", ""};
   return {Level::kWarning, name + " is not there: " + consequence,
           installation().installHint(name, build)};
@@ -165,8 +165,8 @@ std::vector<Finding> judge(const MachineFacts& facts, const DoctorOptions& optio
       display(facts),
       program(facts.has_ssh, "ssh", "openssh-client", Level::kWarning,
               "no service can be placed on another host"),
-      optionalProgram(facts.has_gateway, "dds_gateway", "no ROS 2, and no other hosts over DDS",
-                      "./lab --version  # builds it"),
+      part(facts.has_gateway, "dds_gateway", "no ROS 2, and no other hosts over DDS",
+           "./lab --version  # builds it"),
       optionalProgram(
           facts.has_emulator, "robot_emulator", "no robots with body = \"firmware\"",
           "sudo apt-get install gcc-avr avr-libc libsimavr-dev && ./lab --version  # builds it"),

@@ -17,7 +17,7 @@ using testing::Not;
 using testing::StartsWith;
 using testing::ThrowsMessage;
 
-int runLab(std::vector<std::string> words) {
+int typed(std::vector<std::string> words) {
   words.insert(words.begin(), "lab");
   std::vector<char*> raw;
   for (std::string& word : words) raw.push_back(word.data());
@@ -26,14 +26,14 @@ int runLab(std::vector<std::string> words) {
 
 TEST(CommandLine, NamesAnUnknownCommandAndListsTheKnownOnes) {
   EXPECT_THAT(
-      [] { runLab({"frobnicate"}); },
+      [] { typed({"frobnicate"}); },
       ThrowsMessage<UserError>(AllOf(StartsWith("found \"frobnicate\", expected one of run, "),
                                      HasSubstr("doctor"), Not(HasSubstr("host-agent")))));
-  EXPECT_THAT([] { runLab({}); },
+  EXPECT_THAT([] { typed({}); },
               ThrowsMessage<UserError>(StartsWith("found no command, expected one of run, ")));
   EXPECT_THAT(
       [] {
-        runLab({"calibrate", "frobnicate"});
+        typed({"calibrate", "frobnicate"});
       },
       ThrowsMessage<UserError>(
           AllOf(StartsWith("calibrate: found \"frobnicate\", expected one of "),
@@ -43,7 +43,7 @@ TEST(CommandLine, NamesAnUnknownCommandAndListsTheKnownOnes) {
 TEST(CommandLine, RefusesAnInvalidSeed) {
   for (const char* seed : {"-5", "1.5", "x", "9223372036854775808"}) {
     testing::internal::CaptureStderr();
-    EXPECT_EQ(runLab({"run", "abp", "--seed", seed, "--virtual-time"}), kBadInput);
+    EXPECT_EQ(typed({"run", "abp", "--seed", seed, "--virtual-time"}), kBadInput);
     EXPECT_THAT(testing::internal::GetCapturedStderr(),
                 HasSubstr("--seed: found " + std::string(seed) + ", allowed whole numbers from 0"));
   }

@@ -1,6 +1,7 @@
 #!/bin/sh
-# `./lab help` lists the commands of the built program, and `test` and `package`, which only the script has.
-#   command_list_test.sh LAB_SCRIPT LAB_PROGRAM
+# The commands that ./lab lists are those of the built program, and `test` and `package`, which are the
+# script's own.
+#   every_command_is_listed.sh LAB_SCRIPT LAB_PROGRAM
 set -eu
 names() { sed -n 's/^  \([a-z]*\) .*/\1/p' | sort; }
 listed=$("$1" help | names | grep -vxE 'test|package')
