@@ -167,9 +167,8 @@ std::vector<Finding> judge(const MachineFacts& facts, const DoctorOptions& optio
               "no service can be placed on another host"),
       part(facts.has_gateway, "dds_gateway", "no ROS 2, and no other hosts over DDS",
            "./lab --version  # builds it"),
-      optionalProgram(
-          facts.has_emulator, "robot_emulator", "no robots with body = \"firmware\"",
-          "sudo apt-get install gcc-avr avr-libc libsimavr-dev && ./lab --version  # builds it"),
+      part(facts.has_emulator, "robot_emulator", "no robots with body = \"firmware\"",
+           "sudo apt-get install gcc-avr avr-libc libsimavr-dev && ./lab --version  # builds it"),
   };
   for (const std::filesystem::path& file : facts.stale_registrations) {
     findings.push_back({Level::kWarning, "a lab ended without removing " + file.string(),

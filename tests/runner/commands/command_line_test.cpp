@@ -3,9 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <string>
-#include <vector>
-
 #include "runner/command_line/exit_code.hpp"
 
 namespace lab::runner::command_line_test {
